@@ -12,9 +12,9 @@ import numpy as np
 from weier import plan
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model, patches
+from weier.methods.plan_part import QUANTITIES
 from weier.methods.planned.solver import Curve
 from weier.methods.registry import PLANNED, find_method
-from weier.methods.segment import QUANTITIES
 from weier.theory.bounds import complete_bounds
 from weier.theory.profile import Profile, RandomPhases, random_phases
 
@@ -113,7 +113,7 @@ def _phases(
 ) -> float | tuple[float, ...] | RandomPhases:
     """Phases of a kind; half a node off the grid that the plan takes, if it takes any, whatever the phases."""
     if kind == "half a node":
-        grids = [part.settings["points"] for part in plan(series, *wanted).segments if "points" in part.settings]
+        grids = [part.settings["points"] for part in plan(series, *wanted).parts if "points" in part.settings]
         if grids:
             return tuple(-math.pi * waves / grids[0] for waves in series.waves_per_period)
     return {"zero": 0.0, "pi": math.pi}.get(kind, random_phases(seed))

@@ -274,7 +274,7 @@ def test_all_that_is_public_is_described(site):
         "weier.methods.method.Method",
         "weier.methods.planned.plan.Plan",
         "weier.methods.planned.solver.curve",
-        "weier.methods.segment.Segment",
+        "weier.methods.plan_part.PlanPart",
         "weier.pipeline.plan.ScenePlan",
         "weier.scene.Scene",
     }

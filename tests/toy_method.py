@@ -10,7 +10,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method, Settings, Style
-from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
 MIN_LOAD = 0.05  # p_0*: it offers itself to plans from here on
@@ -32,13 +32,13 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError("the toy is for several waves, got m = 1: take westergaard")
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
-    def solution(loads: Array) -> SegmentSolution:
+def _candidates(task: Task) -> Iterator[PlanPart]:
+    def solution(loads: Array) -> PartSolution:
         none = np.zeros(loads.size)
-        return SegmentSolution(*_solve(task.profile, loads), none, none)
+        return PartSolution(*_solve(task.profile, loads), none, none)
 
     error = np.where(task.mean_pressure >= MIN_LOAD, 0.0, np.inf)
-    yield make_segment(task, "toy", "it is free", solution, estimate=error)
+    yield make_part(task, "toy", "it is free", solution, estimate=error)
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:

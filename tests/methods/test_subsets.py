@@ -74,9 +74,9 @@ def test_a_plan_for_one_load_is_that_for_many():
     for quantity, tolerance in (("compliance", 0.02), ("compliance", 0.3), ("resistance", 0.25)):
         together = {
             load: (part.method, part.terms, part.settings, error)
-            for part in weier.plan(LONG, LOADS, tolerance, quantity).segments
+            for part in weier.plan(LONG, LOADS, tolerance, quantity).parts
             for load, error in zip(part.mean_pressure, part.error, strict=True)
         }
         for load in LOADS:
-            (part,) = weier.plan(LONG, [load], tolerance, quantity).segments
+            (part,) = weier.plan(LONG, [load], tolerance, quantity).parts
             assert (part.method, part.terms, part.settings, part.error[0]) == together[load]

@@ -29,7 +29,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert "2 of 2 cases can be solved" in str(found)
     assert found.seconds == sum(each.seconds for each in found.plans)
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
-    assert "patches" in [part.method for part in weier.plan(loaded, tolerance=1e-9).plans[0].segments]
+    assert "patches" in [part.method for part in weier.plan(loaded, tolerance=1e-9).plans[0].parts]
     data = batch.solve_batch(loaded.studies["one"], loaded.loads)
     assert data.solution_method.values.tolist() == ["planned"]
     for case in range(2):
@@ -42,7 +42,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     again = dataset.read(tmp_path / "data.nc")
     assert again["planned_method"].values[1].tolist() == ["bem", "bem", "full contact"]
     assert again["planned_terms"].values[1].tolist() == [2, 2, 2]
-    points = plan(loaded.studies["one"][1].profile, loaded.loads).segments[0].settings["points"]
+    points = plan(loaded.studies["one"][1].profile, loaded.loads).parts[0].settings["points"]
     np.testing.assert_array_equal(again["planned_points"].values[1], [points, points, np.nan])
 
 

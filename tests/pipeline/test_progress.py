@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from weier.methods.progress import count_load, telling
+from weier.methods.progress import count_load, reporting_to
 from weier.methods.registry import find_method
 from weier.pipeline import progress
 from weier.pipeline.progress import ERASE, Loads, Progress, waiting
@@ -31,15 +31,15 @@ INFINITE = Profile(D=1.02, gamma=10, m=math.inf)
 def test_each_load_counts_once(name, settings):
     """Not what a load starts from, either, and not what bounds the truncated terms."""
     counted = []
-    with telling(lambda: counted.append(1)):
+    with reporting_to(lambda: counted.append(1)):
         find_method(name).solve(INFINITE if name == "hybrid" else TWO_WAVES, LOADS, **settings)
     assert len(counted) == LOADS.size
 
 
 def test_loads_of_another_solve_are_not_told():
     counted = []
-    with telling(lambda: counted.append(1)):
-        with telling():
+    with reporting_to(lambda: counted.append(1)):
+        with reporting_to():
             count_load()
         count_load()
     count_load()

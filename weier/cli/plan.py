@@ -10,8 +10,8 @@ import click
 import weier
 from weier.cli.options import FILE, LOADS, OF_SERIES, loads_option, parameters, parse_loads
 from weier.kernels.arrays import Array
+from weier.methods.plan_part import QUANTITIES
 from weier.methods.registry import PLANNED
-from weier.methods.segment import QUANTITIES
 from weier.pipeline.progress import waiting
 from weier.scene import Case
 from weier.theory.loads import check_range

@@ -11,8 +11,8 @@ import numpy as np
 
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.kernels.arrays import Array
+from weier.methods.plan_part import QUANTITIES
 from weier.methods.registry import PLOTTED
-from weier.methods.segment import QUANTITIES
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
 

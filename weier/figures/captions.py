@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from weier import figures
+from weier.methods.plan_part import COMPLIANCE, QUANTITIES
 from weier.methods.registry import PLANNED, find_method, numerical_names
-from weier.methods.segment import COMPLIANCE, QUANTITIES
 from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.theory.profile import PARAMETERS

@@ -23,8 +23,8 @@ from weier.figures.captions import PLURALS
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
 from weier.methods import curves
+from weier.methods.plan_part import COMPLIANCE, RESISTANCE
 from weier.methods.registry import PLANNED, names, numerical_names
-from weier.methods.segment import COMPLIANCE, RESISTANCE
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.theory.conduction import Interface, at_scale_of

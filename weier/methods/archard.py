@@ -9,7 +9,7 @@ amplitudes only:
 - terms in partial contact, zeta < 1: ln zeta approaches its fixed point, the distance halving at each term;
 - flattened terms again, if that fixed point lies above 0, gamma^(D-1) < 2.
 
-f, h_n and dh_n/dzeta join smoothly at zeta = 1: a term that rounding puts into the neighbouring run costs nothing.
+f, h_n and dh_n/dzeta join smoothly at zeta = 1: a term that rounding puts into the neighbouring run makes no error.
 Heights are in g_0, pressures in p_0*.
 """
 
@@ -25,10 +25,10 @@ from weier.methods.method import Method, Style
 from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)
-NEGLIGIBLE = 1e-20  # less than the rounding of the differences that it keeps positive
-DIRECT_TERMS = 12  # bring ln zeta from -700 to within 0.2 of its fixed point
-TAYLOR_TERMS = 12  # of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16
-MAX_MINUS_LOG = 750.0  # more than -ln of any double
+NEGLIGIBLE = 1e-20  # It keeps differences positive, and is less than their rounding.
+DIRECT_TERMS = 12  # So many terms bring ln zeta from -700 to within 0.2 of its fixed point.
+TAYLOR_TERMS = 12  # Terms of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16.
+MAX_MINUS_LOG = 750.0  # It is more than -ln of any double.
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -37,7 +37,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     Parameters
     ----------
     mean_pressure : array_like
-        Mean pressures p > 0, in p_0*. What is not a positive number gives NaN.
+        Mean pressures p > 0, in p_0*. Values that are not positive give NaN.
     D, gamma, m : array_like
         Fractal dimension in (1, 2), ratio of wavelengths > 1, number of terms (inf is the limit).
         All four broadcast.

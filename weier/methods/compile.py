@@ -16,15 +16,14 @@ from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
-# Few contacts and few gaps, since the patches have a problem of their own for each; so near each other that boundary
-# elements go on from one to the next.
+# Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.
 LOADS = np.geomspace(1e-3, 10, 16)
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
-INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # whose first terms say all but all of it: small grids
+INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # Its tail is so small that small grids suffice.
 
 
 def compile_kernels(methods: Collection[str] = ()) -> None:
-    """Compile the kernels of some methods, or whatever has kernels, by running them so that numba keeps them."""
+    """Compile the kernels of some methods, or of all and of fields and events, by running them; numba keeps them."""
     if jit.DISABLED:
         return
     for method in [find_method(name) for name in methods] or registry.METHODS:

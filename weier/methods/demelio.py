@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.estimate import multiprecision_sums, offer, solve_by
 from weier.methods.flattened import remaining
 from weier.methods.method import Method, Style
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -53,14 +53,15 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-MAX_ERROR_SHARE = 0.7  # of the compliance, in the amplitude of the terms after the first
-SECONDS = 5e-5, 2e-6  # to start, and for each load
+# Largest error of the compliance that was measured, over the amplitude of the terms after the first.
+MAX_RELATIVE_ERROR = 0.7
+SECONDS = 5e-5, 2e-6  # Expected seconds to start, and of each load.
 
 _solve = solve_by(compliance, resistance)
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
-    return offer(task, "demelio", MAX_ERROR_SHARE, SECONDS, _solve)
+def _candidates(task: Task) -> Iterator[PlanPart]:
+    return offer(task, "demelio", MAX_RELATIVE_ERROR, SECONDS, _solve)
 
 
 METHOD = Method(

@@ -16,21 +16,23 @@ from weier.kernels.arrays import Array
 # much from the given one. By the bounds theorem its compliance is off by that at most; twice allows for what lies
 # between the points at which the residual is known.
 RESIDUAL_FACTOR = 2.0
-COMPLIANCE_ROUNDING = 1e-14  # of the total amplitude
-RESISTANCE_ROUNDING = 1e-12  # of itself; also of the compliance while planning
+COMPLIANCE_ROUNDING = 1e-14  # Rounding of a compliance, over the total amplitude.
+RESISTANCE_ROUNDING = 1e-12  # Rounding of a resistance, relative to itself.
 
-CREST_LOAD = 0.3  # p_0*: at heavier loads single crests of the coarsest wave matter no more, and errors fall
+CREST_LOAD = 0.3  # p_0*; at heavier loads single crests of the coarsest wave matter no more, and errors fall.
 
 
-def estimate_error(share: float, mean_pressure: Array, D: float, first_contact: float, amplitude: float) -> Array:
-    """Error of h by an estimate that knows nothing of where the crests are, in g_0, shape (loads,).
+def estimate_error(
+    relative_error: float, mean_pressure: Array, D: float, first_contact: float, amplitude: float
+) -> Array:
+    """Error of h by an estimate that does not depend on the positions of the crests, in g_0, shape (loads,).
 
-    At light loads it tends to 0 where the profile tends to first contact, and is off by that much at least.
+    At light loads an estimate tends to 0 where the profile tends to first contact. So its error is that at least.
 
     Parameters
     ----------
-    share : float
-        Largest error that was measured, in the amplitude of the terms after the first.
+    relative_error : float
+        Largest error that was measured, over the amplitude of the terms after the first.
     mean_pressure : array, shape (loads,)
         In p_0*.
     D : float
@@ -40,11 +42,11 @@ def estimate_error(share: float, mean_pressure: Array, D: float, first_contact: 
     amplitude : float
         Sum of the amplitudes after the first, in g_0.
     """
-    return max(first_contact, share * amplitude) * partial_share(mean_pressure, CREST_LOAD, D)
+    return max(first_contact, relative_error * amplitude) * partial_contact_factor(mean_pressure, CREST_LOAD, D)
 
 
-def partial_share(mean_pressure: Array, full_contact_pressure: float, D: float) -> Array:
-    """Share of the amplitudes that a load leaves in partial contact, where the first has this p*.
+def partial_contact_factor(mean_pressure: Array, full_contact_pressure: float, D: float) -> Array:
+    """Fraction of the amplitudes that a load leaves in partial contact, where the first has this p*.
 
     It is g_n where p_n* = p (20), and p*/p at least.
     """

@@ -18,8 +18,8 @@ class ConvergenceError(RuntimeError):
 
 
 class NotApplicableError(ValueError):
-    """The method says nothing about this profile: it is for one wave only, or for finite series only."""
+    """The method does not apply to this profile: it is for one wave only, or for finite series only."""
 
 
 class OutOfReachError(NotApplicableError):
-    """No method within reach is as accurate as asked."""
+    """No method within reach is as accurate as required."""

@@ -1,4 +1,4 @@
-"""What the estimates of a whole series share: how they are run, and how they are offered to a plan."""
+"""What the estimates of a whole series have in common: how they are run, and how they are offered to a plan."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.error_model import estimate_error
 from weier.methods.method import Estimate, Reference
-from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
 Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
 
 
 def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Array], Estimate]:
-    """How a method is run that has a closed form for both."""
+    """The solver of a method that has closed forms for compliance and resistance."""
 
     def solve(profile: Profile, loads: Array) -> Estimate:
         series = profile.D, float(profile.gamma), profile.m
@@ -28,7 +28,7 @@ def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Arr
 
 
 def multiprecision_sums(name: str) -> Callable[[Profile, Array], Reference]:
-    """What an estimate is held against: its sums, by the function of this name in `weier.methods.multiprecision`."""
+    """The reference of an estimate: its sums, by the function of this name in `weier.methods.multiprecision`."""
 
     def reference(profile: Profile, loads: Array) -> Reference:
         from weier.methods import multiprecision  # mpmath, which only the stability report needs
@@ -39,11 +39,15 @@ def multiprecision_sums(name: str) -> Callable[[Profile, Array], Reference]:
 
 
 def offer(
-    task: Task, method: str, share: float, seconds: tuple[float, float], solve: Callable[[Profile, Array], Any]
-) -> Iterator[Segment]:
+    task: Task,
+    method: str,
+    relative_error: float,
+    seconds: tuple[float, float],
+    solve: Callable[[Profile, Array], Any],
+) -> Iterator[PlanPart]:
     """An estimate of the compliance of a whole series, where its measured error is small enough.
 
-    No estimate knows the resistance of a few crests: errors of 100 % were measured.
+    None is offered for the resistance: at loads on a few crests errors of 100 % were measured.
 
     Parameters
     ----------
@@ -51,10 +55,10 @@ def offer(
         Of the plan.
     method : str
         The name of the method.
-    share : float
-        Its largest error, in the amplitude of the terms after the first.
+    relative_error : float
+        Its largest error, over the amplitude of the terms after the first.
     seconds : float, float
-        What it takes to start, and for each load.
+        Expected to start, and of each load.
     solve : callable
         From a profile and loads to compliance and resistance.
     """
@@ -63,13 +67,13 @@ def offer(
         return
 
     def error(loads: Array) -> Array:
-        return estimate_error(share, loads, profile.D, task.first_contact, profile.total_amplitude - 1)
+        return estimate_error(relative_error, loads, profile.D, task.first_contact, profile.total_amplitude - 1)
 
-    def solution(loads: Array) -> SegmentSolution:
+    def solution(loads: Array) -> PartSolution:
         solved = solve(profile, loads)
-        return SegmentSolution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
+        return PartSolution(solved.compliance, solved.resistance, error(loads), np.full(loads.size, np.inf))
 
-    yield make_segment(
+    yield make_part(
         task,
         method,
         "an estimate whose measured error is small enough",

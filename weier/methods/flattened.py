@@ -1,4 +1,4 @@
-"""Series whose coarsest waves are pressed flat: what Archard's and Demelio's approximations share.
+"""Series whose coarsest waves are pressed flat: the part that Archard's and Demelio's approximations have in common.
 
 Wave n carries xi_n, a mean pressure in its p_n*. Behind a flat wave, xi_n > 1, the next one carries
 
@@ -24,7 +24,8 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.theory.series import amplitude, full_contact_pressure, leading_amplitude
 
-INFINITE_TERMS = 1e300  # for m = inf: no sum of doubles can tell them apart, and INFINITE_TERMS - INFINITE_TERMS = 0
+# Terms in the place of m = inf: no sum in double precision differs between the two, and their difference is 0.
+INFINITE_TERMS = 1e300
 
 
 class Remaining(NamedTuple):
@@ -60,9 +61,9 @@ def remaining(
     fixed_point: Callable[[Array, Array], Array] = lambda D, gamma: np.zeros_like(D),
 ) -> Remaining:
     """The waves that are not flat under loads in p_0*; `fixed_point` is that of the loads handed on."""
-    p, D, gamma, m = (np.asarray(each, float) for each in (mean_pressure, D, gamma, m))
+    p, D, gamma, m = (np.asarray(value, float) for value in (mean_pressure, D, gamma, m))
     m, fixed = np.asarray(np.minimum(m, INFINITE_TERMS)), fixed_point(D, gamma)
-    with np.errstate(invalid="ignore", divide="ignore"):  # a load below the fixed point, or one that is none
+    with np.errstate(invalid="ignore", divide="ignore"):  # Loads below the fixed point and invalid ones have no log.
         p = np.where(p > 0, p, np.nan)
         number = np.ceil((np.log(p - fixed) - np.log(1 - fixed)) / ((D - 1) * np.log(gamma)))
         # Loads that tend to more than 1 are handed on to all waves.

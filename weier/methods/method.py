@@ -1,8 +1,8 @@
-"""What a method of solution is: one object, of which the rest of the program asks all that depends on the method.
+"""What a method of solution is: one object with all that the rest of the program needs to know of the method.
 
 A method is listed in `weier.methods.registry`. Everything else follows from its fields: how it is run and where it
 applies, how it looks in figures, what a plan may expect of it, which of its settings the trade between speed and
-accuracy compares, and what it is held against at the extremes.
+accuracy compares, and what its reference is at the extremes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 from weier.theory.limits import check_resolvable
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
@@ -26,7 +26,7 @@ Settings = Mapping[str, Any]
 
 
 class Estimate(NamedTuple):
-    """What a closed form gives: compliance, in g_0, and resistance, in g_0/p_0*; each of shape (loads,)."""
+    """The result of a closed form: compliance, in g_0, and resistance, in g_0/p_0*; both of shape (loads,)."""
 
     compliance: Array
     resistance: Array
@@ -41,7 +41,7 @@ class Style(NamedTuple):
 
 
 class Noise(NamedTuple):
-    """What rounding and iteration leave: of a height, relative to the total amplitude; of a slope, to itself."""
+    """Errors by rounding and iteration: of a height, over the total amplitude; of a slope, relative to itself."""
 
     height: float = 1e-12
     slope: float = 1e-11
@@ -68,7 +68,7 @@ class Variant(NamedTuple):
 
 
 def applies_to_resolvable(profile: Waves) -> None:
-    """For methods that resolve every wave: refuse the infinite series, and more waves than a computer holds.
+    """For methods that resolve every wave: refuse the infinite series, and more waves than memory can hold.
 
     NotApplicableError is raised if there is no finest wave, or one that fits too often into the period.
     """
@@ -113,40 +113,40 @@ class Method:
     settings : mapping of str
         What each of these keywords means, with its unit, for people who choose its value.
     applies : callable
-        Raises NotApplicableError, which says why, for a profile that the method says nothing about.
+        Raises NotApplicableError, with the reason, for a profile to which the method does not apply.
     takes_traces : bool
-        Whether it solves any sum of waves, a measured surface too; others rest on the series.
+        Whether it solves any sum of waves, a measured surface too; other methods are for the series only.
     check : callable
         From a profile and settings as keywords, each of the right kind: raises ValueError where `solve` would, before
         anything is solved.
     numerical : bool
         Whether it solves the truncated series itself, so that its curve is exact but for `solution_error`.
     uses_phases : bool
-        Whether the curve depends on the phases: profiles that differ in nothing else share it, if not.
+        Whether the curve depends on the phases; if not, profiles that differ in nothing else have the same curve.
     style : Style
         How its curve is drawn.
     noise : Noise
-        What rounding and iteration leave of its numbers at the default settings.
+        Errors of its numbers by rounding and iteration at the default settings.
     algorithms : sequence of settings
-        Those that choose between algorithms: each is compiled in advance, and tried at the extremes.
+        Settings that choose between algorithms: each is compiled in advance, and tried at the extremes.
     options : sequence of settings
-        Others that have kernels of their own: they are compiled in advance, too.
+        Other settings that have kernels of their own: they are compiled in advance, too.
     run_kernels : callable
         Runs kernels before any curve, to compile them in advance: those that need no other method's, so that methods
         are compiled side by side, and those that only large problems reach.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
-        From the task of a plan to the segments of a curve that this method offers, with their errors and costs.
+        From the task of a plan to the plan parts that this method offers, with their errors and costs.
     runs_others : bool
         Whether it solves nothing itself but runs whichever of the other methods meets a tolerance.
     solution_error : callable
-        From what `solve` returned to the error of the compliance at each load, in g_0, of shape (loads,) or one for
+        From the result of `solve` to the error of the compliance at each load, in g_0, of shape (loads,) or one for
         all of them: by default its `compliance_error`, or 0 where there is none.
     seconds : callable
-        From a profile and loads to the seconds that a curve takes on one core, at most; 0 for next to none.
+        From a profile and loads to the seconds that a curve takes on one core, at most; 0 if they are negligible.
     reference : callable, optional
-        From a profile and loads to what an estimate is by other means, or None where that takes minutes.
+        From a profile and loads to the numbers of an estimate by other means, or None where that takes minutes.
     """
 
     name: str
@@ -165,7 +165,7 @@ class Method:
     options: tuple[Settings, ...] = ()
     run_kernels: Callable[[], None] = lambda: None
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
-    candidates: Callable[[Task], Iterable[Segment]] = lambda task: ()
+    candidates: Callable[[Task], Iterable[PlanPart]] = lambda task: ()
     runs_others: bool = False
     solution_error: Callable[[Any], Any] = stated_compliance_error
     seconds: Callable[..., float] = lambda profile, loads: 0.0
@@ -178,7 +178,7 @@ class Method:
         return tuple(getattr(returned, "_fields", ()))
 
     def check_applies(self, profile: Waves) -> None:
-        """Raise NotApplicableError, which says why, if the method says nothing about a surface."""
+        """Raise NotApplicableError, with the reason, if the method does not apply to a surface."""
         if not (self.takes_traces or isinstance(profile, Profile)):
             raise NotApplicableError(
                 f'method "{self.name}" is for the Weierstrass series, got a {profile.describe()}: '

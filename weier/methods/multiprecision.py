@@ -1,7 +1,7 @@
-"""What the closed forms are, in 50 digits: the sums term by term, of the very doubles that a method is given.
+"""The closed forms in 50 digits: their sums term by term, from the same doubles that a method is given.
 
-Nothing is shared with the methods but the recursion on paper. An infinite series is summed until the rest is a
-geometric series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
+They have nothing in common with the code of the methods. An infinite series is summed until the rest is a geometric
+series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def archard(p: float, D: float, gamma: float, m: float) -> Pair:
         n, before = 0, mp.inf
         while n < m:
             if m == mp.inf and ((zeta >= 1 and 2 * down >= 1) or abs(zeta / before - 1) < mp.mpf(10) ** -DIGITS):
-                return h + g * _compliance(zeta) / (1 - falls), R  # slope is below the last digit
+                return h + g * _compliance(zeta) / (1 - falls), R  # The slope is below the last digit.
             h, R = h + g * _compliance(zeta), R + g * slope * _resistance(zeta)
             before, n, g = zeta, n + 1, g * falls
             if zeta >= 1:

@@ -1,4 +1,4 @@
-"""Who is told of each load that a solver has done."""
+"""Progress over the loads: functions that are called after each load that a solver has done."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-_TOLD: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("told", default=())
+_LISTENERS: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("listeners", default=())
 
 
 def count_load() -> None:
-    """One more load of a curve is done: for loops over the loads."""
-    for told in _TOLD.get():
-        told()
+    """Call all listeners: each loop over the loads of a curve does so after each of them."""
+    for listener in _LISTENERS.get():
+        listener()
 
 
 @contextmanager
-def telling(*told: Callable[[], None]) -> Iterator[None]:
-    """Call these, too, for each load that is done in a `with` statement; without any, its loads are told to nobody.
+def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
+    """In a `with` statement, call these functions, too, after each load; without any, call none.
 
-    So it is with loads that are part of another one. An error that one of them raises stops the solver between two
-    loads.
+    The latter is for loads that are solved as part of another one. An error that a listener raises stops the solver
+    between two loads.
     """
-    token = _TOLD.set((*_TOLD.get(), *told) if told else ())
+    token = _LISTENERS.set((*_LISTENERS.get(), *listeners) if listeners else ())
     try:
         yield
     finally:
-        _TOLD.reset(token)
+        _LISTENERS.reset(token)

@@ -1,4 +1,4 @@
-"""All methods of solution, from the least to the most accurate; whatever the program knows of them it asks here.
+"""All methods of solution, from the least to the most accurate: what the program knows of methods is in this list.
 
 To add a method, write its `METHOD` and list it in METHODS.
 """
@@ -26,14 +26,14 @@ METHODS: tuple[Method, ...] = (
     planned.planning_method(among=lambda: METHODS),
 )
 PLANNED = next(method.name for method in METHODS if method.runs_others)
-PLOTTED = tuple(each.METHOD.name for each in (archard, demelio, layer, patches))  # as in the paper's figures
+PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, layer, patches))  # Those of the paper's figures.
 
 
 def default_method(*surfaces: Waves) -> str:
     """The method of some surfaces where none is given: contact patches, or boundary elements if one is a trace.
 
     A trace has so many waves that contact patches would take a second a load. NotApplicableError is raised for the
-    infinite series, which no method solves exactly: its method is to be chosen.
+    infinite series, which no method solves exactly: the user has to choose one.
     """
     if any(math.isinf(surface.m) for surface in surfaces):
         raise NotApplicableError(

@@ -12,8 +12,8 @@ from weier.methods.registry import METHODS, find_method
 from weier.theory.arguments import checked_count, checked_flag, checked_number, nearest, shown
 from weier.theory.waves import MAX_POINTS
 
-TOLERANCE = "tolerance"  # the setting that means the same in all methods that have it
-MIN_FRACTION = 1e-15  # of a tolerance: less is below rounding
+TOLERANCE = "tolerance"  # The setting that means the same in all methods that have it.
+MIN_FRACTION = 1e-15  # The least value of a tolerance or fraction: less is below rounding.
 
 
 Check = Callable[[str, Any], Any]
@@ -24,7 +24,7 @@ def _count(name: str, value: Any) -> int:
 
 
 def _fraction(name: str, value: Any) -> float:
-    """Every setting that is no count is a tolerance or a share."""
+    """Every numerical setting that is no count is a tolerance or a fraction."""
     return checked_number(name, value, f"lie in [{MIN_FRACTION:g}, 1)", lambda number: MIN_FRACTION <= number < 1)
 
 
@@ -49,7 +49,7 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
 
 
 def _hint(method: Method, setting: str) -> str:
-    """Of which method a setting is, or which it is nearest to, as the end of a message."""
+    """The methods that have a setting, or a setting that is spelt alike, as the end of a message."""
     if found := methods_with(setting):
         return f"; {setting!r} is a setting of {', '.join(found)}"
     near = nearest(setting, all_names())
@@ -121,7 +121,7 @@ def described(methods: Iterable[Method]) -> list[tuple[str, str]]:
     ]
 
 
-@cache  # as often as there are cases
+@cache  # It is called as often as there are cases.
 def _keywords(solve: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     parameters = inspect.signature(solve).parameters.values()
     return {parameter.name: parameter for parameter in parameters if parameter.default is not parameter.empty}

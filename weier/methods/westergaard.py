@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Estimate, Method, Style
-from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
 
@@ -80,15 +80,15 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
-    """The only way that a plan takes for one wave."""
+def _candidates(task: Task) -> Iterator[PlanPart]:
+    """The closed form, which is the only candidate for one wave."""
     if task.profile.m == 1:
-        yield make_segment(task, "westergaard", "one wave has a closed form", _solution)
+        yield make_part(task, "westergaard", "one wave has a closed form", _solution)
 
 
-def _solution(loads: Array) -> SegmentSolution:
+def _solution(loads: Array) -> PartSolution:
     exact = np.zeros(loads.size)
-    return SegmentSolution(compliance(loads), resistance(loads), exact, exact)
+    return PartSolution(compliance(loads), resistance(loads), exact, exact)
 
 
 METHOD = Method(

@@ -108,7 +108,7 @@ def plan(
     --------
     >>> import weier
     >>> found = weier.plan(weier.Profile(D=1.25, gamma=5, m=3), [0.01, 0.1, 20], tolerance=1e-4)
-    >>> [segment.method for segment in found.segments]
+    >>> [part.method for part in found.parts]
     ['bem', 'full contact']
 
     """

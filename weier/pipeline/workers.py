@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.progress import telling
+from weier.methods.progress import reporting_to
 from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.pipeline.progress import Loads, Progress
@@ -58,7 +58,7 @@ class Solver:
         """What a method says of a curve, or why it says nothing."""
         outcome: Outcome
         try:
-            with telling(self.count):
+            with reporting_to(self.count):
                 outcome = self._solve(*curve)
         except (NotApplicableError, ConvergenceError) as error:
             outcome = error.with_traceback(None)  # which would keep the arrays of the solver

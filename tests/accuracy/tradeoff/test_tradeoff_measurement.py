@@ -14,8 +14,8 @@ from weier.data.variables import Status
 from weier.methods import demelio, layer
 from weier.methods.error_model import estimate_error
 from weier.methods.errors import ConvergenceError
+from weier.methods.plan_part import QUANTITIES
 from weier.methods.registry import find_method
-from weier.methods.segment import QUANTITIES
 from weier.methods.settings import check_names
 from weier.scene import Figure
 
@@ -58,8 +58,9 @@ def test_contact_patches_have_an_error_of_their_own(measured):
 
 def test_estimates_are_within_the_errors_that_plans_expect(measured):
     names, loads, amplitude = measured["variant"].values.tolist(), measured["mean_pressure"].values, 3**-0.5
-    for share, name in ((demelio.MAX_ERROR_SHARE, "demelio"), (layer.method.MAX_ERROR_SHARE, "layer 24")):
-        expected = estimate_error(share, loads, 1.5, float(measured["first_contact"][1]), amplitude)
+    largest = {"demelio": demelio.MAX_RELATIVE_ERROR, "layer 24": layer.method.MAX_RELATIVE_ERROR}
+    for name, relative_error in largest.items():
+        expected = estimate_error(relative_error, loads, 1.5, float(measured["first_contact"][1]), amplitude)
         assert np.all(by_load(measured, "compliance")[1, names.index(name)] <= expected)
 
 

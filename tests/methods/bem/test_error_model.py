@@ -35,7 +35,7 @@ def test_points_are_the_fewest_that_do(error):
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
 def test_a_plan_for_a_compliance_takes_the_fewest_points_whose_bound_is_within_it(tolerance):
-    (part,) = plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).segments
+    (part,) = plan(THREE_WAVES, [1e-6, 0.01, 0.1, 1], tolerance).parts
     assert part.method == "bem"
     assert bem.error_model.compliance_error(THREE_WAVES, part.settings["points"]) <= tolerance
     assert (

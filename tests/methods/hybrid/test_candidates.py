@@ -11,7 +11,7 @@ from weier.methods.planned import solver as planned
 
 def test_many_heavy_loads_leave_the_finer_terms_to_the_layer():
     profile = Profile(1.7, 2, math.inf, random_phases(7))
-    parts = plan(profile, np.geomspace(1, 30, 60), 0.3).segments
+    parts = plan(profile, np.geomspace(1, 30, 60), 0.3).parts
     some = tuple(part.at(slice(None, None, 8)) for part in parts if part.method == "hybrid")
     resolved = [part.terms for part in some]
     assert resolved == sorted(resolved, reverse=True)

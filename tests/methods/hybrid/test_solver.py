@@ -10,7 +10,7 @@ from weier import Profile, random_phases
 from weier.methods import hybrid, layer
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.closure import MAX_LOAD
-from weier.methods.hybrid.solver import MESH_SHARE, MIN_LOAD
+from weier.methods.hybrid.solver import MESH_FRACTION, MIN_LOAD
 from weier.methods.layer.solver import ACCURACY
 
 LOADS = np.geomspace(3e-3, 3, 7)
@@ -78,7 +78,7 @@ def test_the_mesh_resolves_what_the_layer_adds_where_the_ratio_is_large(D, gamma
     kept, loads = profile.truncated(1), load * np.array([0.5, 1.0, 2.0])
     found, exact = hybrid.curve(profile, loads, 1), layer.curve(loads, D, gamma, math.inf)
     error = np.abs(found.compliance - exact.compliance)
-    assert np.all(error < MESH_SHARE * kept.tail_amplitude + ACCURACY * exact.compliance)
+    assert np.all(error < MESH_FRACTION * kept.tail_amplitude + ACCURACY * exact.compliance)
     assert np.all(found.compliance > found.compliance_lower)  # inside, not cut off at the bounds
     assert np.all(found.compliance < found.compliance_upper)
     assert found.resistance == pytest.approx(exact.resistance, rel=0.15)  # one to ten nodes touch

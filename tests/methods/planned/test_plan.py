@@ -19,7 +19,7 @@ LOADS = np.geomspace(1e-3, 10, 12)
 
 def test_a_finer_tolerance_takes_no_less():
     plans = [plan(THREE_WAVES, LOADS, tolerance) for tolerance in (0.5, 1e-1, 1e-2, 1e-4, 1e-6, 1e-9)]
-    seconds = [sum(part.seconds for part in found.segments) for found in plans]
+    seconds = [sum(part.seconds for part in found.parts) for found in plans]
     assert seconds == sorted(seconds)
     assert seconds[0] < seconds[-1] / 10
 
@@ -28,22 +28,22 @@ def test_a_finer_tolerance_takes_no_less():
 @pytest.mark.parametrize("quantity", ["compliance", "resistance"])
 def test_the_parts_cover_the_loads_and_add_up(quantity, tolerance):
     found = plan(THREE_WAVES, LOADS, tolerance, quantity)
-    assert np.array_equal(np.concatenate([part.mean_pressure for part in found.segments]), LOADS)
-    sums = [p.truncation + p.discretisation + p.estimate for p in found.segments]
+    assert np.array_equal(np.concatenate([part.mean_pressure for part in found.parts]), LOADS)
+    sums = [p.truncation + p.discretisation + p.estimate for p in found.parts]
     assert found.error == np.concatenate(sums).max() <= tolerance
-    assert found.segments[-1].method == "full contact"
+    assert found.parts[-1].method == "full contact"
     head, _, *rows, total = str(found).splitlines()
-    assert len(rows) == len(found.segments)
+    assert len(rows) == len(found.parts)
     assert total.startswith("  in all: error ")
     html = found._repr_html_()
-    assert html.count("<tr>") == 1 + len(found.segments)
+    assert html.count("<tr>") == 1 + len(found.parts)
     assert head in html
 
 
 def test_each_load_takes_the_method_of_least_seconds_that_does():
     """Whatever the others take, and in as few parts as that allows."""
     random = np.random.default_rng(4)
-    (like,) = plan(Profile(1.5, 3, 1), [0.1] * 1, 1e-3).segments
+    (like,) = plan(Profile(1.5, 3, 1), [0.1] * 1, 1e-3).parts
     none = np.zeros(5)
     for _ in range(20):
         those = [
@@ -71,12 +71,12 @@ def test_each_load_takes_the_method_of_least_seconds_that_does():
 
 def test_a_compliance_takes_the_coarsest_grid_whose_bound_is_within_it_or_exact_edges():
     profile, loads = Profile(1.25, 5, 4, random_phases(1)), np.geomspace(1e-6, 2, 20)
-    (part,) = plan(profile, loads, 1e-3).segments
+    (part,) = plan(profile, loads, 1e-3).parts
     assert part.method == "bem"
     assert bem.error_model.compliance_error(profile, part.settings["points"]) < 1e-3
     assert bem.error_model.compliance_error(profile, 0.8 * part.settings["points"]) > 1e-3
     for tolerance, quantity in ((1e-8, "compliance"), (1e-2, "resistance")):
-        assert {part.method for part in plan(profile, loads, tolerance, quantity).segments} == {"patches"}
+        assert {part.method for part in plan(profile, loads, tolerance, quantity).parts} == {"patches"}
 
 
 def test_one_contact_is_not_too_many_however_many_the_waves():
@@ -92,7 +92,7 @@ def test_one_contact_is_not_too_many_however_many_the_waves():
 
 
 def test_thousands_of_contacts_are_not_too_many():
-    (part,) = plan(Profile(1.25, 5, 6, 1.0), [1.0], 1e-9).segments
+    (part,) = plan(Profile(1.25, 5, 6, 1.0), [1.0], 1e-9).parts
     assert part.method == "patches"
     assert 1e7 < part.memory < 1e9
 

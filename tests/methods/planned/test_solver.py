@@ -14,9 +14,9 @@ from weier import Profile, plan, solve
 from weier.methods import bem, patches, registry
 from weier.methods.errors import ConvergenceError, OutOfReachError
 from weier.methods.method import Method
+from weier.methods.plan_part import PartSolution, make_part
 from weier.methods.planned import solver as planned
 from weier.methods.progress import count_load
-from weier.methods.segment import SegmentSolution, make_segment
 
 LOADS = np.geomspace(1e-3, 10, 12)
 
@@ -94,9 +94,9 @@ def overconfident(name, left, seconds):
     def candidates(task):
         def solve(loads):
             error = np.where(loads < 0.1, left / loads / 100, 0.0)
-            return SegmentSolution(loads + left, 0 * loads, error, 0 * loads)
+            return PartSolution(loads + left, 0 * loads, error, 0 * loads)
 
-        yield make_segment(task, name, "a toy", solve, seconds_load=np.full(task.mean_pressure.size, seconds))
+        yield make_part(task, name, "a toy", solve, seconds_load=np.full(task.mean_pressure.size, seconds))
 
     return Method(name=name, label=name, summary="a toy", solve=lambda profile, loads: None, candidates=candidates)
 
@@ -188,9 +188,9 @@ def slow_segments(task):
                 pass
             count_load()
         solved = patches.curve(task.profile, loads)
-        return SegmentSolution(solved.compliance, solved.resistance, solved.compliance_error, 0 * loads)
+        return PartSolution(solved.compliance, solved.resistance, solved.compliance_error, 0 * loads)
 
-    yield make_segment(task, "slow", "a toy", solve)
+    yield make_part(task, "slow", "a toy", solve)
 
 
 SLOW = Method(name="slow", label="slow", summary="a toy", solve=lambda profile, loads: None, candidates=slow_segments)

@@ -19,7 +19,7 @@ LOADS = np.geomspace(1e-3, 10, 12)
 
 
 def test_terms_that_a_tolerance_does_not_need_are_left_out_within_the_bounds():
-    (part, estimate, flat) = plan(THREE_WAVES, LOADS, 0.1).segments
+    (part, estimate, flat) = plan(THREE_WAVES, LOADS, 0.1).parts
     assert (part.terms, estimate.method) == (2, "demelio")
     assert part.truncation == pytest.approx(THREE_WAVES.amplitude[2])
     kept = patches.curve(THREE_WAVES.truncated(2), LOADS).compliance
@@ -76,7 +76,7 @@ def test_what_misses_its_tolerance_is_solved_by_more_terms_or_refused(monkeypatc
     profile, loads = Profile(1.1, 3, math.inf, math.pi), [0.3, 2.0]
     terms = weier.solve(profile, loads, "planned", tolerance=0.3, quantity="resistance").planned_terms.values
     monkeypatch.setattr(truncations, "expected_chords", too_narrow)
-    assert plan(profile, loads, 0.3, "resistance").segments[0].terms < terms[0]
+    assert plan(profile, loads, 0.3, "resistance").parts[0].terms < terms[0]
     again = weier.solve(profile, loads, "planned", tolerance=0.3, quantity="resistance")
     assert np.all(again.resistance_error <= 0.3 * np.maximum(again.resistance, 1))
     monkeypatch.setattr(truncations, "MAX_POINTS", 10_000)
@@ -85,7 +85,7 @@ def test_what_misses_its_tolerance_is_solved_by_more_terms_or_refused(monkeypatc
 
 
 def test_an_infinite_series_resolves_what_its_tail_demands():
-    part = plan(Profile(1.25, 5, math.inf), LOADS, 1e-2).segments[0]
+    part = plan(Profile(1.25, 5, math.inf), LOADS, 1e-2).parts[0]
     assert part.method == "bem"
     assert part.truncation == pytest.approx(Profile(1.25, 5, int(part.terms)).tail_amplitude)
     assert Profile(1.25, 5, int(part.terms) - 1).tail_amplitude > 1e-2

@@ -21,7 +21,7 @@ from weier.methods.method import (
     Style,
     applies_to_resolvable,
 )
-from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.limits import check_points
 from weier.theory.waves import Waves
 
@@ -101,7 +101,7 @@ def _seconds(profile: Waves, loads: Array) -> float:
     return start + float(of_loads.sum())
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
+def _candidates(task: Task) -> Iterator[PlanPart]:
     """The coarsest grid whose bound is within the tolerance; none for one wave, which has a closed form.
 
     None for a resistance either, whose bounds are wide.
@@ -113,11 +113,11 @@ def _candidates(task: Task) -> Iterator[Segment]:
     except ValueError:
         return
     start, load = error_model.seconds(points, task.contacts)
-    yield make_segment(
+    yield make_part(
         task,
         "bem",
         f"{points / task.profile.waves_per_period[-1]:.0f} points for each of the finest waves are the fewest",
-        partial(_solve_segment, task.profile, points, residual),
+        partial(_solve_part, task.profile, points, residual),
         settings={"points": points},
         discretisation=error_model.solution_error(task.profile, points, np.full(task.mean_pressure.size, residual)),
         seconds_start=start,
@@ -126,11 +126,11 @@ def _candidates(task: Task) -> Iterator[Segment]:
     )
 
 
-def _solve_segment(profile: Waves, points: int, residual: float, loads: Array) -> SegmentSolution:
+def _solve_part(profile: Waves, points: int, residual: float, loads: Array) -> PartSolution:
     grid = curve(profile, loads, points=points, max_residual=residual)
     # In a plan the errors of a load depend on no other load, so that no chords are drawn between the loads.
     of_h, of_R = error_model.errors(profile, loads, points, (grid.compliance, grid.resistance), grid.residual, False)
-    return SegmentSolution(grid.compliance, grid.resistance, of_h, of_R)
+    return PartSolution(grid.compliance, grid.resistance, of_h, of_R)
 
 
 METHOD = Method(

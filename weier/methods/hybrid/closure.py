@@ -12,8 +12,8 @@ from weier.kernels.arrays import Array
 from weier.methods import layer
 from weier.theory.profile import Profile
 
-ROWS = 400  # of ln p as a cubic in ln s, which is then as good as the table of the layer itself
-MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*, which they reach
+ROWS = 400  # Rows of ln p as a cubic in ln s, which is then as accurate as the table of the layer itself.
+MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*; the rows extend over these loads.
 
 
 class NodalClosure(NamedTuple):

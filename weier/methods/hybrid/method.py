@@ -9,7 +9,7 @@ from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile, terms_within
 
-DEFAULT_POINTS = 2**11  # resolve as many terms as fit on so many nodes: tens of milliseconds a load
+DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes: a load takes tens of milliseconds.
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
@@ -28,6 +28,6 @@ METHOD = Method(
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
     solution_error=lambda solved: solved.distance_to_bounds,
-    noise=Noise(1e-6, 1e-4),  # the tables of the layer, whose accuracy is 1e-5, and slopes between their rows
+    noise=Noise(1e-6, 1e-4),  # These are the tables of the layer, of accuracy 1e-5, and slopes between their rows.
     candidates=candidates,
 )

@@ -15,17 +15,18 @@ from weier.theory.halfplane import eigenvalues
 from weier.theory.profile import Profile
 
 MAX_STEPS = 60
-STEP_ACCURACY, RATE_ACCURACY = 1e-6, 1e-9  # relative residuals of the linear equations of a step, of dh/dp
-DIRECTIONS, RESTARTS = 80, 10  # of GMRES: some tens of directions reach these residuals
-TOLERANCE = 1e-9  # of the residual, in g_0
-LOAD_TOLERANCE = 1e-7  # of the load, relative to itself: light loads would drown in the other one
+# Relative residuals of the linear equations: of a step, which the next one corrects, and of the resistance.
+STEP_ACCURACY, RESISTANCE_ACCURACY = 1e-6, 1e-9
+DIRECTIONS, RESTARTS = 80, 10  # Some tens of directions of GMRES reach these residuals.
+TOLERANCE = 1e-9  # The largest residual, in g_0.
+LOAD_TOLERANCE = 1e-7  # The largest relative error of the load: light loads are less than the residual.
 
 
 class Problem(NamedTuple):
     """The resolved surface on its layer.
 
     height : z at the nodes, shape (points,), in g_0
-    influence : eigenvalues of the influence matrix A, but for what a node bears on itself
+    influence : eigenvalues of the influence matrix A without its diagonal, the influence of a node on itself
     closure : of the layer at a node
     """
 
@@ -81,15 +82,15 @@ def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, flo
 
 
 def _resistance(problem: Problem, state: Array) -> float:
-    """By how much a unit of load moves the plane: dh/dp, in g_0/p_0*."""
+    """The resistance dh/dp, by which a unit of load lowers the plane, in g_0/p_0*."""
     unit = np.append(np.zeros(problem.height.size), 1.0)
     _, slope = pressure_at(state[:-1], problem.closure)
-    rate = float(_linear_solution(problem, slope, unit, RATE_ACCURACY)[-1])
-    return max(-rate, 0.0)  # close to full contact the rate is below its own accuracy, of either sign
+    plane_per_load = float(_linear_solution(problem, slope, unit, RESISTANCE_ACCURACY)[-1])
+    return max(-plane_per_load, 0.0)  # Close to full contact it is below its own accuracy, and of either sign.
 
 
 def _displacement(pressure: Array, influence: Array) -> Array:
-    """What the other nodes' pressures add at each node, by FFT."""
+    """The displacement of each node by the pressures of the others, by FFT."""
     return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * influence, pressure.size))
 
 

@@ -19,10 +19,12 @@ from weier.theory.halfplane import influence_coefficients
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
-POINTS_PER_WAVE = 32  # of the finest resolved wave, at least: within 9e-4 of its amplitude, as the layer rounds edges
-MESH_SHARE = 0.1  # of the amplitude that the layer stands for, which the error of the mesh is at most
-MAX_POINTS = 2**14  # more take minutes
-MIN_LOAD = 1e-6  # p_0*: lighter loads drown in the tolerance
+# Points for each of the finest resolved waves, at least: the error is within 9e-4 of their amplitude, as the layer
+# rounds the edges of contact.
+POINTS_PER_WAVE = 32
+MESH_FRACTION = 0.1  # The error of the mesh is at most this part of the amplitude that the layer stands for.
+MAX_POINTS = 2**14  # More points take minutes.
+MIN_LOAD = 1e-6  # p_0*; the displacement under lighter loads is below the tolerance of the residual.
 
 
 class Curve(NamedTuple):
@@ -30,8 +32,8 @@ class Curve(NamedTuple):
 
     compliance : best estimate of h within its bounds, in g_0, from the profile whose waves all peak together
     resistance : dh/dp of it, in g_0/p_0*
-    compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), as much wider as
-        boundary elements may be off
+    compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), widened by the bound on the
+        error of boundary elements
     residual : largest violation of the equations, in g_0
     """
 
@@ -43,7 +45,7 @@ class Curve(NamedTuple):
 
     @property
     def distance_to_bounds(self) -> Array:
-        """How far the farther of the bounds is from the estimate, in g_0."""
+        """The distance of the estimate to the farther of its bounds, in g_0."""
         return np.maximum(self.compliance_upper - self.compliance, self.compliance - self.compliance_lower)
 
 
@@ -94,7 +96,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 
 
 def default_points(kept: Profile) -> int:
-    """Nodes in a period of these terms, on which the error of the mesh is small beside what the layer adds."""
+    """Nodes in a period of these terms, on which the error of the mesh is small beside the height of the layer."""
     finest = kept.waves_per_period[-1]
-    needed = fewest_points(kept, MESH_SHARE * kept.tail_amplitude)
+    needed = fewest_points(kept, MESH_FRACTION * kept.tail_amplitude)
     return max(POINTS_PER_WAVE * finest, min(needed, MAX_POINTS // finest * finest))

@@ -9,15 +9,15 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model
 from weier.methods.errors import NotApplicableError
-from weier.methods.progress import telling
+from weier.methods.progress import reporting_to
 from weier.theory.bounds import complete_bounds
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 
-BOUND_SHARE = 0.1  # of the tail's amplitude, that boundary elements may be off when they find the bounds
-RESIDUAL_SHARE = 0.01  # of the same, at which they stop
-MAX_RESIDUAL = 0.01  # g_0, at which they stop at the latest: the tail of a gamma close to 1 is many times as high
-MAX_POINTS = 2**20
+MESH_FRACTION = 0.1  # The error of boundary elements for the bounds, over the amplitude of the tail.
+# Their residual, over the same, and in g_0 at most: the tail of a gamma close to 1 is many times as high.
+RESIDUAL_FRACTION, MAX_RESIDUAL = 0.01, 0.01
+MAX_POINTS = 2**20  # A load on so many points takes a second.
 
 
 class TooManyPointsError(ValueError):
@@ -43,19 +43,19 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
 
     Notes
     -----
-    They are [h_k, h_k + 2 G_k] with G_k the amplitude of the tail (27), as much wider as boundary elements may be
-    off. The theorem is proved, and so is what a grid misses at first touch, z'' dx^2/8; that it is off by no more
-    under load was measured (`python -m benchmarks.planned`).
+    They are [h_k, h_k + 2 G_k] with G_k the amplitude of the tail (27), widened by the bound on the error of boundary
+    elements. The theorem is proved, and so is the error of a grid at first touch, z'' dx^2/8; that it is no larger
+    under load was measured (docs/bem.md, "Bounds").
     """
     check_infinite(profile)
     kept = profile.truncated(terms)
     tail = kept.tail_amplitude
-    allowed, residual = BOUND_SHARE * tail, min(RESIDUAL_SHARE * tail, MAX_RESIDUAL)
+    allowed, residual = MESH_FRACTION * tail, min(RESIDUAL_FRACTION * tail, MAX_RESIDUAL)
     points = bem.error_model.fewest_points(kept, allowed)
     if points > MAX_POINTS:
         raise TooManyPointsError(f"terms must be fewer, got {terms}: {points} points are more than {MAX_POINTS}")
     loads = checked_loads(mean_pressure)
-    with telling():
+    with reporting_to():  # These loads are a part of others.
         curve = bem.curve(kept, loads, points=points, max_residual=residual, with_resistance=False, staircase="kept")
     error = bem.error_model.compliance_error(kept, points) + error_model.RESIDUAL_FACTOR * residual
     return complete_bounds(curve.compliance, tail, profile.total_amplitude, error)

@@ -9,8 +9,8 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 
-POSITION_SCALE = 4.0  # of ln p: up to here positions are even in it
-MAX_SLOPE_RATIO = 3.0  # of a slope to the chord of its cubic: above it the cubic may not be monotone
+POSITION_SCALE = 4.0  # Positions are linear in ln p up to this distance from the origin, and logarithmic beyond.
+MAX_SLOPE_RATIO = 3.0  # Where a slope is more than so many times the chord, a cubic may not be monotone.
 
 
 class Closure(NamedTuple):
@@ -32,13 +32,13 @@ def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure
     """
     length = np.diff(position)
     chord = np.diff(log_compression) / length
-    first, last = (np.minimum(each, MAX_SLOPE_RATIO * chord) for each in (slope[:-1], slope[1:]))
+    first, last = (np.minimum(at_end, MAX_SLOPE_RATIO * chord) for at_end in (slope[:-1], slope[1:]))
     quadratic, cubic = (3 * chord - 2 * first - last) / length, (first + last - 2 * chord) / length**2
     return Closure(scipy.interpolate.PPoly([cubic, quadratic, first, log_compression[:-1]], position), 0.0, 0.0)
 
 
 def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
-    """Positions of ln p within the rows, and what the pressures beyond both ends add to them there."""
+    """Positions of ln p, limited to the rows, and the distances of those beyond both ends, linear in ln p."""
     position = np.arcsinh((log_pressure - closure.origin) / POSITION_SCALE)
     inside = np.clip(position, *closure.cubics.x[[0, -1]])
     beyond = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)

@@ -13,7 +13,7 @@ from weier.kernels.arrays import Array
 from weier.methods.layer.closure import Closure, log_compression
 from weier.methods.layer.wave import Depth, depth_of, log_pressure_factor
 
-POINTS_OUTSIDE = 8  # of the gap where it is checked
+POINTS_OUTSIDE = 8  # The gap is checked at so many points outside the contact.
 
 
 def violations(state: Array, log_load: Array, closure: Closure, h: Array) -> Array:

@@ -1,13 +1,13 @@
 """The infinite series: its closure is the fixed point of one scale, by Newton's method on all rows of its table.
 
 The map T of `weier.methods.layer.scales`, applied again and again, converges only after hundreds of scales where D
-is close to 2. But the linear equations of each wave tell how much the compression of the layer at each pressure
-changes W (`weier.methods.layer.wave.shares`). So a few systems of linear equations over the rows give W,
+is close to 2. But the linear equations of each wave give the derivative of W by the compression of the layer at each
+pressure (`weier.methods.layer.wave.closure_sensitivity`). So a few systems of linear equations over the rows give W,
 
     ln W - ln T W = 0,    J = d ln T W/d ln W >= 0.
 
-The same matrix tells what errors add up to over all scales. If the table deviates from T of itself by relative errors
-e, its own relative error is (I - J)^-1 e at most. The deviation is measured in the middle of every cell.
+The same matrix bounds the sum of the errors over all scales. If the table deviates from T of itself by relative
+errors e, its own relative error is (I - J)^-1 e at most. The deviation is measured in the middle of every cell.
 """
 
 from __future__ import annotations
@@ -34,19 +34,22 @@ from weier.methods.layer.tables import (
     merge,
     position_of,
 )
-from weier.methods.layer.wave import shares
+from weier.methods.layer.wave import closure_sensitivity
 
-TABLE_SHARE = 0.5  # of the accuracy is for the errors of the table, the rest for the residuals of the waves
-MIN_ESTIMATED_LOAD = -8.0  # ln xi: the first guess takes heavier loads from Archard, lighter ones from these
-MAX_GUESS_STEP = 0.1  # of ln W: Newton's method stops there where it only makes a guess
-MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
-MAX_DAMPED_STEPS = 400  # 10 to 60 are usual
-MAX_STEP = 10.0  # of ln W in Newton's method: beyond it the tangents mislead
-MAX_DAMPED_STEP = 0.5  # of ln W, where steps are damped
-DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0  # theta, from Newton's method to T itself
-PART_AGAIN, MIN_PART = 0.25, 1e-3  # of what a step adds to T W, tried again where a wave has no solution
-RESIDUAL_SHARE = 0.1  # of the relative error that a table may have, for the residuals of its waves
-MIN_RESIDUAL = 1e-13  # rounding allows no smaller one
+TABLE_FRACTION = 0.5  # The errors of the table take this part of the accuracy, the residuals of the waves the rest.
+# The first guess takes loads above this ln xi from Archard, and lighter ones from the heavier ones.
+MIN_ESTIMATED_LOAD = -8.0
+MAX_GUESS_STEP = 0.1  # A guess is good enough when a step of Newton's method changes ln W by less.
+MAX_NEWTON_STEPS = 40  # 3 to 12 steps are usual.
+MAX_DAMPED_STEPS = 400  # 10 to 60 steps are usual.
+MAX_STEP = 10.0  # Newton's method changes ln W by at most so much: beyond, the tangents mislead.
+MAX_DAMPED_STEP = 0.5  # Damped steps change ln W by at most so much.
+# The values of theta that are tried for a damped step, from Newton's method to T itself.
+DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0
+# Where a wave has no solution, this part of what the step adds to T W is tried again, but no part below the second.
+PART_AGAIN, MIN_PART = 0.25, 1e-3
+RESIDUAL_FRACTION = 0.1  # Residuals of the waves of a table, over the relative error that the table may have.
+MIN_RESIDUAL = 1e-13  # Rounding allows no smaller residual.
 
 Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the fixed point, up to a last step
 
@@ -58,7 +61,7 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     """
     # At heavy loads errors of ln W add up to as many scales at least, and residuals of waves do, too.
     gain = np.array([model.infinite_amplitude])
-    needed = RESIDUAL_SHARE * TABLE_SHARE * model.accuracy / (1 + model.infinite_amplitude)
+    needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), MIN_RESIDUAL))
     limit = _limit(model, gain)
     try:
@@ -76,7 +79,7 @@ def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solve
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
         beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
-        if np.max(over_scales @ beside) <= TABLE_SHARE * model.accuracy:
+        if np.max(over_scales @ beside) <= TABLE_FRACTION * model.accuracy:
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
         if rows.position.size > MAX_ROWS:
@@ -87,7 +90,7 @@ def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solve
 def _limit(model: Model, gain: Array) -> float:
     """The relative error of a table that adds up to its part of the accuracy."""
     accuracy, tolerance = model.accuracy, model.tolerance
-    limit = TABLE_SHARE * accuracy / (1 + float(np.max(gain)))
+    limit = TABLE_FRACTION * accuracy / (1 + float(np.max(gain)))
     if not limit >= tolerance:
         raise ConvergenceError(
             f"errors of the layer model add up over {np.max(gain):.1e} scales, which are too many for the "
@@ -191,11 +194,13 @@ def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline
     The second array bounds the effect of relative errors that are linear between the rows.
     """
     loads = log_load_at(image.position)
-    share, log_pressure = shares(image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance))
+    sensitivity, log_pressure = closure_sensitivity(
+        image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance)
+    )
     position, beyond = position_in(scale.closure, log_pressure)
     linear = scipy.interpolate.make_interp_spline(basis.x, np.eye(basis.x.size), k=1)
-    derivative, size = np.empty((2, len(share), basis.x.size))
-    for i, (each, at, distance) in enumerate(zip(share, position, beyond, strict=True)):
-        derivative[i] = each @ basis(at) + (each * distance) @ basis(at, 1)
-        size[i] = np.abs(each) @ linear(at)
+    derivative, size = np.empty((2, len(sensitivity), basis.x.size))
+    for i, (of_wave, at, distance) in enumerate(zip(sensitivity, position, beyond, strict=True)):
+        derivative[i] = of_wave @ basis(at) + (of_wave * distance) @ basis(at, 1)
+        size[i] = np.abs(of_wave) @ linear(at)
     return derivative, size

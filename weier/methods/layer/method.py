@@ -9,16 +9,18 @@ from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
 from weier.methods.layer.solver import ACCURACY, POINTS, Curve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
-from weier.methods.segment import Segment, Task
+from weier.methods.plan_part import PlanPart, Task
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
 POINTS_COMPARED = (6, 24)
-REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6  # twice the points leave a quarter of the error at most
-MAX_REFERENCE_SCALES = 10  # more take minutes
-MAX_ERROR_SHARE = 0.5  # of the compliance, in the amplitude of the terms after the first
-SECONDS = 0.06, 3e-4  # to start, and for each load
-MAX_SECONDS = 0.02, 1e-4  # of the table of a scale, 0.012 at most of 300 scales, and of a load
+# A mesh of twice the points leaves a quarter of the error at most, and serves as the reference.
+REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6
+MAX_REFERENCE_SCALES = 10  # More scales take minutes with this accuracy.
+# Largest error of the compliance that was measured, over the amplitude of the terms after the first.
+MAX_RELATIVE_ERROR = 0.5
+SECONDS = 0.06, 3e-4  # Expected seconds to start, and of each load.
+MAX_SECONDS = 0.02, 1e-4  # Seconds at most: of the table of a scale, 0.012 in 300 scales, and of a load.
 
 
 def _solve(
@@ -35,11 +37,11 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"{points}", {"points": points}
 
 
-def _candidates(task: Task) -> Iterator[Segment]:
+def _candidates(task: Task) -> Iterator[PlanPart]:
     """None where every wave can be resolved, which takes less time for the same error."""
     if resolvable(task.profile):
         return iter(())
-    return offer(task, "layer", MAX_ERROR_SHARE, SECONDS, _solve)
+    return offer(task, "layer", MAX_RELATIVE_ERROR, SECONDS, _solve)
 
 
 def _reference(profile: Profile, loads: Array) -> Reference | None:
@@ -70,7 +72,7 @@ METHOD = Method(
     },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),
-    noise=Noise(1e-6, 1e-5),  # cubics through tables of accuracy 1e-5
+    noise=Noise(1e-6, 1e-5),  # These are what cubics through tables of accuracy 1e-5 leave.
     variants=_variants,
     seconds=_seconds,
     candidates=_candidates,

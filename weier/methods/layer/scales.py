@@ -6,8 +6,8 @@ next coarser W, and it is the same map at every wavelength. So m waves have W = 
 (12), and the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
 
 T passes errors on without increasing them. If W changes by a constant, T W changes by gamma^(D-2) times as much. If W
-is off by no more than some share of itself, so is T W. So the errors of m - 1 tables add up to their sum at most, and
-each table has an equal share of the accuracy.
+has a relative error, that of T W is no larger. So the errors of m - 1 tables add up to their sum at most, and each
+table has an equal part of the accuracy.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from weier.methods.layer.conditions import violations
 from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solve_waves
 
-ROUNDING = 1e-13  # of the freshly applied operator
+ROUNDING = 1e-13  # Rounding of the freshly applied operator.
 
 
 class Model(NamedTuple):
@@ -54,7 +54,7 @@ class Model(NamedTuple):
 
 
 class ComplianceTable(NamedTuple):
-    """The compliance W(xi) of a wave with all finer ones, its limit, and ln xi where it gets there."""
+    """The compliance W(xi) of a wave with all finer ones, its limit, and ln xi where that is reached."""
 
     rows: Rows
     amplitude: float
@@ -65,7 +65,7 @@ class Scale(NamedTuple):
     """One scale: a wave on the layer of all finer ones.
 
     closure : of that layer, in the units of this wave
-    amplitude, log_full : the limit of W, and ln xi where it gets there
+    amplitude, log_full : the limit of W, and ln xi where that is reached
     mesh, tolerance : on which the wave is solved, and to which relative residual
     """
 
@@ -89,7 +89,7 @@ class Scale(NamedTuple):
         The contact conditions are checked on a freshly applied operator.
         """
         h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
-        partial = log_load < self.log_full  # beyond: full contact, exactly
+        partial = log_load < self.log_full  # Beyond, contact is full, and h is exact.
         if partial.any():
             loads = log_load[partial]
             waves = self._solved(loads, None)
@@ -125,7 +125,8 @@ class Scale(NamedTuple):
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
     """The next coarser wave on these."""
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
-    log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))  # trough pressure xi - 1 is enough
+    # In the troughs the pressure is xi - 1 at least, which must press the finer waves flat.
+    log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))
     return Scale(coarser_units(finer.rows.closure, model), amplitude, log_full, model.mesh, model.tolerance)
 
 
@@ -149,10 +150,10 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
 
 def finer_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     """The waves finer than the first of m, in the units of the second, on tables between these positions."""
-    share = model.accuracy / (model.m - 1)
-    waves = finest_wave(bottom, top, share)
+    accuracy = model.accuracy / (model.m - 1)
+    waves = finest_wave(bottom, top, accuracy)
     for _ in range(int(model.m) - 2):
         scale = scale_on(waves, model)
-        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), share)
+        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), accuracy)
         waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

@@ -20,16 +20,18 @@ from weier.methods.layer.wave import Mesh, midpoints
 from weier.theory.arguments import checked_count, checked_number, checked_numbers
 from weier.theory.series import checked_dimension, checked_terms, tail_amplitude
 
-POINTS = 24
+POINTS = 24  # The compliance is then within 5e-6 of the total amplitude; see the notes of `curve`.
 ACCURACY = 1e-5
 TOLERANCE = 1e-10
-MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 take 3 s, and time grows as the cube
-MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the upper one few rows are added to the lattice of a table
-MIN_TOLERANCE = 1e-13  # rounding allows no smaller one at the lightest loads
-RESIDUAL_SHARE = 1e-5  # of the accuracy, for the waves of a table: their residuals add up over the scales
-MAX_SCALES = 1000  # of a finite series that differs from the infinite one
-TAIL_SHARE = 0.1  # of the accuracy: a series that is taken for infinite may differ from it by as much
-FLAT_MARGIN = 1.0  # of ln xi, beyond the least load at which a wave is as good as flat
+MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, and the time grows as the cube.
+MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # At the larger one few rows are added to the lattice of a table.
+MIN_TOLERANCE = 1e-13  # Rounding allows no smaller tolerance at the lightest loads.
+# Residual of the waves of a table, over the accuracy: their residuals add up over the scales.
+RESIDUAL_FRACTION = 1e-5
+MAX_SCALES = 1000  # The most scales of a finite series that differs from the infinite one.
+# A series is taken for infinite where the two differ by at most this part of the accuracy.
+TAIL_FRACTION = 0.1
+FLAT_MARGIN = 1.0  # Tables end so far in ln xi beyond the least load at which a wave is as good as flat.
 
 
 class Curve(NamedTuple):
@@ -69,8 +71,8 @@ def curve(
     points : int
         Nodes on half a wave, 4 to 500.
     accuracy : float
-        Largest relative error of the compliance by the tables of all scales together, whatever loads are asked for;
-        1e-9 to 0.01. The error of the mesh comes on top: see the notes.
+        Largest relative error of the compliance by the tables of all scales together, whatever the loads are; 1e-9 to
+        0.01. The error of the mesh is added to it: see the notes.
     tolerance : float
         Largest residual of a wave, relative to the compression at the edge of its contact; 1e-13 to `accuracy`.
 
@@ -107,7 +109,7 @@ def curve(
     if m == 1:
         solution = Curve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
     else:
-        # Light loads have tables that begin lower, and heavy ones on a finite series tables up to full contact.
+        # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
         top = _top(model)
         parts = zip(
             np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
@@ -144,8 +146,8 @@ def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]
 def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[Array, Array, Array]:
     """ln xi of the load on the waves that are not flat, and height and scale of h = height + scale * (h of these).
 
-    So many waves of the infinite series are taken for flat that its table reaches this load. At the end of the
-    table the pressure along a wave varies by so little that w(p) is straight.
+    As many waves of the infinite series are taken for flat as it takes for its table to reach this load. At the end
+    of the table the pressure along a wave varies by so little that w(p) is linear.
     """
     beyond = log_load - log_load_at(waves.rows.position[-1])
     most = 0.0 if math.isfinite(waves.log_full) else math.inf
@@ -167,11 +169,11 @@ def _solve(loads: Array, bottom: float, top: float, model: Model) -> Curve:
 def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     """The waves finer than the first, on tables that depend on no load."""
     D, gamma, m, _, accuracy, tolerance = model
-    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_SHARE * accuracy), MIN_TOLERANCE))
+    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_FRACTION * accuracy), MIN_TOLERANCE))
     if _may_be_infinite(bottom, model):
         waves = infinite_waves(model, bottom, position_of(_top(model)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
-        if tail <= TAIL_SHARE * accuracy * math.exp(waves.rows.log_compliance[0]):
+        if tail <= TAIL_FRACTION * accuracy * math.exp(waves.rows.log_compliance[0]):
             return waves
     if m > MAX_SCALES + 1:
         raise ConvergenceError(
@@ -195,7 +197,7 @@ def _top(model: Model) -> float:
 def _may_be_infinite(bottom: float, model: Model) -> bool:
     """Whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
     lightest = 2 * math.sqrt(-model.log_height * -log_load_at(bottom))
-    return model.m * -model.log_height >= lightest - math.log(TAIL_SHARE * model.accuracy)
+    return model.m * -model.log_height >= lightest - math.log(TAIL_FRACTION * model.accuracy)
 
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:

@@ -1,8 +1,8 @@
-"""Tables of the compliance of a wave over its load, at rows that do not depend on the loads asked for.
+"""Tables of the compliance of a wave over its load, at rows that do not depend on the loads that are solved.
 
 The pressure of a wave falls to 0 at the edges of its contact, so there is always a part of it below the first row.
 There W is continued as a power. The pressures that the continuation concerns are below e^-17 of the mean pressure at
-the lightest load that a table is used for (e^-9 at 1e-305), and bear less than this share of the load.
+the lightest load that a table is used for (e^-9 at 1e-305), and carry less than this part of the load.
 """
 
 from __future__ import annotations
@@ -19,14 +19,15 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import POSITION_SCALE, Closure, closure_of, log_compression
 
-BOTTOM_POSITIONS = -3.375, -5.875  # of the first row, e^-58 and e^-711
-MIN_LOADS = 1e-18, 1e-305  # the lightest loads that these tables are used for
-MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # of the last row: double precision ends at e^709.8
-CELL_LENGTH = 0.25  # of the first rows, in positions
-MIN_CELL = 1e-3  # of such a cell: a shorter last cell is joined to the one before it
-SLOPE_SHARE = 0.25  # of a slope over half the distance between rows; a cubic is off by 4/27 of it
-MAX_HALVINGS = 30  # of a cell; the smallest accuracy took 17
-MAX_ROWS = 100_000  # of a table; the smallest accuracy took some thousands
+BOTTOM_POSITIONS = -3.375, -5.875  # Positions of the first row, at xi = e^-58 and e^-711.
+MIN_LOADS = 1e-18, 1e-305  # The lightest loads that tables from these rows are used for.
+MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # Position of the last row: double precision ends at e^709.8.
+CELL_LENGTH = 0.25  # Distance of the first rows, in positions.
+MIN_CELL = 1e-3  # A last cell shorter than this part of the others is joined to the one before it.
+# A wrong slope counts with this part of it, times half the distance between rows; a cubic is off by 4/27 of that.
+SLOPE_FRACTION = 0.25
+MAX_HALVINGS = 30  # Halvings of a cell; the smallest accuracy took 17.
+MAX_ROWS = 100_000  # Rows of a table; the smallest accuracy took some thousands.
 
 
 class Rows(NamedTuple):
@@ -75,9 +76,8 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     for _ in range(MAX_HALVINGS):
         between, errors = evaluate_midpoints(waves, rows, left, right)
         rows = merge(rows, between)
-        wrong = ~(
-            errors <= 2 * accuracy
-        )  # a row in the middle of a cell halves its error at least, even beside a kink
+        # A row in the middle of a cell halves its error at least, even beside a kink.
+        wrong = ~(errors <= 2 * accuracy)
         if not np.any(wrong):
             return rows
         if rows.position.size > MAX_ROWS:
@@ -96,7 +96,7 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
     guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)
     between = waves(middle, guess)
     log_W, power = log_compression(rows.closure, log_load_at(middle))
-    by_slope = SLOPE_SHARE * half * np.abs(between.slope - power * POSITION_SCALE * np.cosh(middle))
+    by_slope = SLOPE_FRACTION * half * np.abs(between.slope - power * POSITION_SCALE * np.cosh(middle))
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
 
 
@@ -110,6 +110,6 @@ def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceErro
     """The error that a table raises if it misses its accuracy."""
     return ConvergenceError(
         f"a table of the layer model is still off by {error:.1e} of itself after {rows.position.size} rows, above "
-        f"{accuracy:.1e}, its share of the accuracy: choose a larger accuracy or a smaller tolerance",
+        f"{accuracy:.1e}, its part of the accuracy: choose a larger accuracy or a smaller tolerance",
         error,
     )

@@ -28,16 +28,17 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.methods.layer.closure import Closure, log_compression
 
-MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
-MAX_DIRECT_STEPS = 20  # from a first guess; 4-10 are usual
-MAX_STEP = 2.0  # of a logarithm: further away the tangents of exponentials mislead
-MIN_POWER = 0.02  # d ln w/d ln p: where w hardly grows with p, steps of ln p are no longer than if it were this
-MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # of ln xi, from one load to the next
-MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: the layer is not yet pressed flat
-GUESS_HALVINGS = 16  # of the error of ln sin^2(pi a) in the first guess, which is 700 at most
-LOG_ROUNDING = 1e-15  # of ln p, relative to itself: a few units in the last place
-MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which on a first guess takes the troughs for closed
-MAX_NUMBERS = 2**20  # of the matrices of some loads, which are solved together: 8 MB
+MAX_NEWTON_STEPS = 60  # Steps from a neighbouring load; 2 or 3 are usual.
+MAX_DIRECT_STEPS = 20  # Steps from a first guess; 4 to 10 are usual.
+MAX_STEP = 2.0  # A logarithm changes by at most so much in a step: further away the tangents of exponentials mislead.
+# Where w hardly grows with p, steps of ln p are no longer than if d ln w/d ln p were this.
+MIN_POWER = 0.02
+MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # Strides of ln xi from one load to the next.
+MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: there the layer is not yet pressed flat.
+GUESS_HALVINGS = 16  # Halvings of the error of ln sin^2(pi a) in the first guess, which is 700 at most.
+LOG_ROUNDING = 1e-15  # Rounding of ln p, relative to itself: a few units in the last place.
+MIN_CLOSED_SINE = 0.9  # A first guess takes the troughs for closed from this sin^2(pi a) on.
+MAX_NUMBERS = 2**20  # Loads are solved together while their matrices have at most so many numbers: 8 MB.
 
 
 class Mesh(NamedTuple):
@@ -54,7 +55,7 @@ class Mesh(NamedTuple):
 
 
 class Depth(NamedTuple):
-    """ln sin^2(pi a), w in the trough, and 2 sin^2(pi a) + w, which heights are relative to; of the edges' shape."""
+    """ln sin^2(pi a), w in the trough, and 2 sin^2(pi a) + w, the unit of heights; each of the shape of the edges."""
 
     log_sine: Array
     trough: Array
@@ -130,7 +131,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
     log_w, power = log_compression(closure, log_pressure)
     w = np.exp(log_w) / depth.total[:, None]
     rate, height = w * power, (2 * np.exp(depth.log_sine) / depth.total)[:, None] * mesh.rise
-    # BLAS would sum in another order for another number of loads.
+    # BLAS would sum in another order for another number of loads, and the last bits would depend on it.
     displacement = load * np.einsum("ij,kj->ki", mesh.influence, excess)
     residual, drift, trust = np.zeros((3, *state.shape))
     residual[:, :n], residual[:, n] = (
@@ -159,7 +160,10 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _moved(state: Array, step: Array, trust: Array) -> Array:
-    """The states after a step, no component further than trusted; pressures above the mean rise slowly."""
+    """The states after a step, each component within its trust, and pressures above the mean within `MAX_STEP`.
+
+    Those below the mean may rise up to it.
+    """
     rise = np.maximum(np.minimum(trust, -state), MAX_STEP)
     rise[:, -1] = trust[:, -1]
     return state + np.clip(step, -trust, rise)
@@ -199,8 +203,8 @@ def _deepening(edge: Array, load: Array) -> Array:
     return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
 
 
-def shares(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:
-    """How much a relative error of w at each node changes h, relative to h, shape (loads, M); and ln p there.
+def closure_sensitivity(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:
+    """The relative change of h by a relative error of w at each node, shape (loads, M); and ln p there.
 
     The residuals of the nodes rise with w, so that h changes by the solution of the transposed equations.
     """

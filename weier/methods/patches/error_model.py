@@ -8,7 +8,7 @@ from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
 from weier.methods.patches.many_contacts import MIN_CONTACTS
 from weier.methods.patches.solver import MAX_RELATIVE_TOLERANCE
-from weier.methods.segment import COMPLIANCE
+from weier.methods.plan_part import COMPLIANCE
 
 # Error of the resistance to expect, over the tolerance. It is about 1 but for loads as near as 1e-5 of themselves
 # below a merger, where it was as large as this. What a solution states of itself is in `resistance_error`.

@@ -22,7 +22,7 @@ from weier.methods.patches.inequalities import sample_points
 from weier.methods.patches.solver import TOLERANCE, Curve, curve
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
-from weier.methods.segment import Segment, SegmentSolution, Task, make_segment
+from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 from weier.theory.waves import Waves
 
@@ -62,18 +62,18 @@ def _run_kernels() -> None:
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
 
 
-def candidates(task: Task) -> Iterator[Segment]:
+def candidates(task: Task) -> Iterator[PlanPart]:
     """Contact patches, where memory suffices for all contacts; none for one wave, which has a closed form."""
     tolerance = error_model.loosest_tolerance(task.tolerance, task.quantity)
     if task.profile.m > 1 and tolerance >= MIN_TOLERANCE:
         yield _patches(task, min(tolerance, MAX_TOLERANCE))
 
 
-def _patches(task: Task, tolerance: float) -> Segment:
+def _patches(task: Task, tolerance: float) -> PlanPart:
     waves = task.profile.waves_per_period[-1]
     fits = task.contacts <= error_model.MAX_CONTACTS
     error = np.where(fits, error_model.error(tolerance, task.quantity), np.inf)
-    return make_segment(
+    return make_part(
         task,
         "patches",
         "exact edges of these contacts cost less than a grid that is fine enough",
@@ -86,10 +86,10 @@ def _patches(task: Task, tolerance: float) -> Segment:
     )
 
 
-def _solve(profile: Waves, tolerance: float, loads: Array) -> SegmentSolution:
+def _solve(profile: Waves, tolerance: float, loads: Array) -> PartSolution:
     solved = curve(profile, loads, tolerance)
     error = np.where(solved.patch_count > 0, solved.compliance_error, 0)
-    return SegmentSolution(solved.compliance, solved.resistance, error, solved.resistance_error)
+    return PartSolution(solved.compliance, solved.resistance, error, solved.resistance_error)
 
 
 METHOD = Method(

@@ -1,4 +1,4 @@
-"""What a plan chooses from: full contact, and whatever the methods offer for the whole series or a truncated one."""
+"""The candidates of a plan: full contact, and parts that methods offer for the whole series or a truncated one."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method
+from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.methods.planned import forecast
 from weier.methods.planned.truncations import chord_tasks, resolvable_lengths, truncation_tasks
-from weier.methods.segment import COMPLIANCE, Segment, SegmentSolution, Task, make_segment
 from weier.theory.profile import Profile
 
 FULL_CONTACT = "full contact"
@@ -20,8 +20,8 @@ FULL_CONTACT = "full contact"
 
 def candidates(
     profile: Profile, loads: Array, tolerance: float, quantity: str, methods: Sequence[Method]
-) -> Iterator[Segment]:
-    """All that might do, each at its cheapest setting; their error is infinite where they say nothing."""
+) -> Iterator[PlanPart]:
+    """All candidates, each at its cheapest setting; their error is infinite at loads where they do not apply."""
     lengths = resolvable_lengths(profile)
     first = forecast.first_contact(profile, lengths) if quantity == COMPLIANCE else math.inf
     contacts = forecast.contacts(profile, loads) if profile.m in lengths else np.full(loads.size, np.inf)
@@ -31,19 +31,19 @@ def candidates(
     if quantity == COMPLIANCE:
         for task in truncation_tasks(profile, loads, tolerance, lengths, first):
             yield from _offers(task, methods)
-    elif profile.m not in lengths:  # no bound holds a resistance tightly: all terms are better
+    elif profile.m not in lengths:  # Chords are wide, so that all terms are better where they can be resolved.
         for task, other_loads in chord_tasks(profile, loads, lengths):
             for offer in _offers(task, methods):
                 yield _with_chords(offer, other_loads)
 
 
-def _offers(task: Task, methods: Sequence[Method]) -> Iterator[Segment]:
+def _offers(task: Task, methods: Sequence[Method]) -> Iterator[PlanPart]:
     for method in methods:
         if method.takes(task.profile):
             yield from method.candidates(task)
 
 
-def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
+def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[PlanPart]:
     """Full contact of the terms that the tolerance needs: closed form, free."""
     profile, loads = task.profile, task.mean_pressure
     finite = [] if math.isinf(profile.m) else [int(profile.m)]
@@ -51,8 +51,8 @@ def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
     for terms in {*finite, *few} if task.quantity == COMPLIANCE else finite:
         kept, change = profile.truncated(terms), profile.amplitude_beyond(terms) / 2
         load = forecast.full_contact_load(kept)
-        what = "what follows changes that by half of its height" if change else "nothing is left to flatten"
-        yield make_segment(
+        what = "finer terms change h by half of their height at most" if change else "nothing is left to flatten"
+        yield make_part(
             task,
             FULL_CONTACT,
             f"from {load:.3g} p_0* on these terms are flat, and {what}",
@@ -62,16 +62,16 @@ def _full_contact(task: Task, lengths: Sequence[int]) -> Iterator[Segment]:
         )
 
 
-def _full_contact_solution(kept: Profile, loads: Array) -> SegmentSolution:
+def _full_contact_solution(kept: Profile, loads: Array) -> PartSolution:
     none = np.zeros(loads.size)
-    return SegmentSolution(none + kept.total_amplitude, none, none, none)
+    return PartSolution(none + kept.total_amplitude, none, none, none)
 
 
-def _with_chords(offer: Segment, other_loads: Array) -> Segment:
-    """A candidate with other loads solved beside each load; its own error is within that of the chords."""
+def _with_chords(offer: PlanPart, other_loads: Array) -> PlanPart:
+    """A candidate with other loads solved beside each load; its own error is allowed for in that of the chords."""
     return offer._replace(
         discretisation=np.where(np.isfinite(offer.discretisation), 0.0, np.inf),
         other_loads=other_loads,
         seconds_load=(1 + other_loads.shape[1]) * offer.seconds_load,
-        why=f"{offer.why}; chords to a lighter and a heavier load hold the resistance of the longer series",
+        why=f"{offer.why}; chords to a lighter and a heavier load bound the resistance of the longer series",
     )

@@ -8,15 +8,15 @@ from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Style
+from weier.methods.plan_part import COMPLIANCE, QUANTITIES
 from weier.methods.planned.plan import TOLERANCE
 from weier.methods.planned.solver import Curve, curve
-from weier.methods.segment import COMPLIANCE, QUANTITIES
 from weier.theory.arguments import checked_word
 from weier.theory.profile import Profile
 
 
 def _check(profile: Profile, quantity: str = COMPLIANCE, **others: Any) -> None:
-    """Refuse a quantity that plans do not know."""
+    """Refuse a quantity that is neither compliance nor resistance."""
     checked_word("quantity", quantity, QUANTITIES)
 
 
@@ -38,6 +38,6 @@ def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
         },
         check=_check,
         style=Style("#56B4E9", (3, 0.8), "X"),
-        variants=lambda profile: (),  # it runs those of the others
-        noise=Noise(TOLERANCE, math.inf),  # segments of several methods; asked for the compliance alone
+        variants=lambda profile: (),  # The variants of the other methods are compared instead.
+        noise=Noise(TOLERANCE, math.inf),  # Parts by several methods, for the compliance alone.
     )

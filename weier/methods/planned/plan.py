@@ -1,5 +1,7 @@
 """The plan of one profile: the cheapest methods, load by load, that error models and the bounds theorem allow.
 
+docs/numerics.md, "How plans choose", has what is offered for which quantity.
+
 `weier.methods.planned.solver` runs it, `weier.pipeline.plan` makes one for each case of a scene.
 """
 
@@ -17,18 +19,19 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Flags
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
+from weier.methods.plan_part import COMPLIANCE, QUANTITIES, RESISTANCE, PlanPart
 from weier.methods.planned.candidates import candidates
 from weier.methods.planned.truncations import expected_chords, resolvable_lengths
-from weier.methods.segment import COMPLIANCE, QUANTITIES, RESISTANCE, Segment
 from weier.theory.arguments import checked_number, checked_word
 from weier.theory.loads import checked_loads
 from weier.theory.profile import Profile
 from weier.theory.tables import html_table, significant, text_table
 
 TOLERANCE = 1e-3
-MIN_LOAD = 1e-300  # p_0*: contact patches and the layer know none lighter
-SECONDS_PLAN, SECONDS_SEGMENT = 4e-3, 1.5e-4  # to plan, and to put together what a segment gives
-SUGGESTED = [10.0**exponent for exponent in range(-13, 0)]  # where a tolerance is out of reach: the least that is not
+MIN_LOAD = 1e-300  # p_0*; contact patches and the layer take none lighter.
+SECONDS_PLAN, SECONDS_PART = 4e-3, 1.5e-4  # Seconds to plan, and to assemble the solution of a part.
+# Where a tolerance is out of reach, the least of these that is within reach is suggested.
+SUGGESTED = [10.0**exponent for exponent in range(-13, 0)]
 
 
 @dataclass(frozen=True)
@@ -36,36 +39,36 @@ class Plan:
     """What to run, load by load; Python shows it as a table.
 
     profile, quantity, tolerance : what it was made for, as in `weier.plan`
-    segments : loads that one method solves, in increasing order
+    parts : loads that one method solves, in increasing order
     """
 
     profile: Profile
     quantity: str
     tolerance: float
-    segments: tuple[Segment, ...]
+    parts: tuple[PlanPart, ...]
 
     @property
     def error(self) -> float:
         """Largest expected error: of h in g_0, or of R relative to the larger of itself and 1 g_0/p_0*."""
-        return max(float(segment.error.max()) for segment in self.segments)
+        return max(float(part.error.max()) for part in self.parts)
 
     @property
     def seconds(self) -> float:
-        """Expected seconds of planning and of all segments together, on one core."""
-        return SECONDS_PLAN + sum(segment.seconds + SECONDS_SEGMENT for segment in self.segments)
+        """Expected seconds of planning and of all parts together, on one core."""
+        return SECONDS_PLAN + sum(part.seconds + SECONDS_PART for part in self.parts)
 
     @property
     def memory(self) -> float:
-        """Expected bytes of the largest segment, beyond those of the interpreter."""
-        return max(segment.memory for segment in self.segments)
+        """Expected bytes of the largest part, beyond those of the interpreter."""
+        return max(part.memory for part in self.parts)
 
     def __repr__(self) -> str:
-        """The plan to read: a table with a line for each segment."""
-        return "\n".join([self._head, text_table(HEADER, list(map(_row, self.segments))), f"  {self._total}"])
+        """The plan to read: a table with a line for each part."""
+        return "\n".join([self._head, text_table(HEADER, list(map(_row, self.parts))), f"  {self._total}"])
 
     def _repr_html_(self) -> str:
         """The table, for notebooks."""
-        return html_table(self._head, HEADER, list(map(_row, self.segments)), self._total)
+        return html_table(self._head, HEADER, list(map(_row, self.parts)), self._total)
 
     @property
     def _head(self) -> str:
@@ -77,24 +80,24 @@ class Plan:
         return f"in all: error {self.error:.1e}, {cost}"
 
 
-ERRORS = ("error", "truncation", "discretisation", "estimate")  # of a segment
+ERRORS = ("error", "truncation", "discretisation", "estimate")  # of a part
 HEADER = ("loads", "from", "to", "method", "terms", "settings", *ERRORS, "seconds", "MB", "why")
 
 
-def _row(segment: Segment) -> list[str]:
-    p = segment.mean_pressure
-    largest = [getattr(segment, name).max() for name in ERRORS]
+def _row(part: PlanPart) -> list[str]:
+    p = part.mean_pressure
+    largest = [getattr(part, name).max() for name in ERRORS]
     return [
         f"{p.size}",
         f"{p[0]:.3g}",
         f"{p[-1]:.3g}",
-        segment.method,
-        f"{segment.terms:g}",
-        ", ".join(f"{name} {_short(value)}" for name, value in segment.settings.items()),
+        part.method,
+        f"{part.terms:g}",
+        ", ".join(f"{name} {_short(value)}" for name, value in part.settings.items()),
         *(f"{error:.1e}" if error else "0" for error in largest),
-        significant(segment.seconds, 2),
-        significant(segment.memory / 1e6, 2),
-        segment.why,
+        significant(part.seconds, 2),
+        significant(part.memory / 1e6, 2),
+        part.why,
     ]
 
 
@@ -108,7 +111,7 @@ def plan(
     methods: Sequence[Method],
     tolerance: float = TOLERANCE,
     quantity: str = COMPLIANCE,
-    failed: Sequence[Segment] = (),
+    failed: Sequence[PlanPart] = (),
 ) -> Plan:
     """The cheapest methods for a curve within a tolerance.
 
@@ -124,13 +127,13 @@ def plan(
         Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
     quantity : "compliance" or "resistance"
         What is to be that accurate.
-    failed : sequence of Segment
-        What is not to be tried again, since it left larger errors than expected.
+    failed : sequence of PlanPart
+        Parts that are not to be tried again, since their solutions stated larger errors than expected.
 
     Returns
     -------
     Plan
-        Its segments cover the loads.
+        Its parts cover the loads.
 
     Raises
     ------
@@ -161,9 +164,9 @@ def within_reach(
     methods: Sequence[Method],
     tolerance: float,
     quantity: str,
-    failed: Sequence[Segment],
+    failed: Sequence[PlanPart],
 ) -> Flags:
-    """At which loads there is a plan: see `plan`, which is for all of them."""
+    """The loads at which there is a plan; `plan` raises an error unless there is one at all of them."""
     return _covered(_offers(profile, loads, methods, tolerance, quantity, failed), loads, tolerance)
 
 
@@ -173,19 +176,19 @@ def _offers(
     methods: Sequence[Method],
     tolerance: float,
     quantity: str,
-    failed: Sequence[Segment] = (),
-) -> list[Segment]:
+    failed: Sequence[PlanPart] = (),
+) -> list[PlanPart]:
     offers = candidates(profile, loads, tolerance, quantity, methods)
-    return [offer for offer in offers if not any(offer.fails_like(each) for each in failed)]
+    return [offer for offer in offers if not any(offer.fails_like(other) for other in failed)]
 
 
-def cheapest(offers: Sequence[Segment], tolerance: float) -> tuple[Segment, ...]:
-    """Segments of the offers that together cover the loads within the tolerance.
+def cheapest(offers: Sequence[PlanPart], tolerance: float) -> tuple[PlanPart, ...]:
+    """Parts of the offers that together cover the loads within the tolerance.
 
     Notes
     -----
-    Each load takes the offer of the least seconds a load, whatever the others take: what is asked for beside a load
-    must change neither its value nor its error. So the seconds that a method takes to start do not count.
+    Each load takes the offer of the least seconds a load, whatever the others take: neither the value of a load nor
+    its error may depend on the other loads. So the seconds that a method takes to start do not count.
     """
     cost = np.array([np.where(offer.error <= tolerance, offer.seconds_load, np.inf) for offer in offers])
     taken = cost.argmin(axis=0)
@@ -193,7 +196,7 @@ def cheapest(offers: Sequence[Segment], tolerance: float) -> tuple[Segment, ...]
     return tuple(offers[taken[first]].at(slice(first, last)) for first, last in pairwise(ends))
 
 
-def _covered(offers: Sequence[Segment], loads: Array, tolerance: float) -> Flags:
+def _covered(offers: Sequence[PlanPart], loads: Array, tolerance: float) -> Flags:
     """Whether at each load some offer is within the tolerance."""
     covered = np.zeros(loads.size, bool)
     for offer in offers:
@@ -211,11 +214,13 @@ def _out_of_reach(profile: Profile, loads: Array, tolerance: float, quantity: st
         why = f"{terms} terms are the most that can be resolved, and the others may change it by {change:.1e}"
     else:
         need, why = "larger", "no method can hold the contacts or the grid that it takes, or is as accurate"
-    wider = (each for each in SUGGESTED if each > tolerance)
+    wider = (larger for larger in SUGGESTED if larger > tolerance)
     reached = (
-        each for each in wider if _covered(_offers(profile, loads, methods, each, quantity), loads, each).all()
+        larger
+        for larger in wider
+        if _covered(_offers(profile, loads, methods, larger, quantity), loads, larger).all()
     )
-    within = next((f"{each:.0e} is within reach" for each in reached), "no power of ten below 1 is within reach")
+    within = next((f"{larger:.0e} is within reach" for larger in reached), "no power of ten below 1 is within reach")
     return (
         f"tolerance must be {need}, got {tolerance:g} for the {quantity} of {profile.describe_with_phases()}: "
         f"{why}; {within}"

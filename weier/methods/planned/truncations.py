@@ -1,4 +1,4 @@
-"""The truncated series that may stand for the whole one, and what the terms that they leave out may change."""
+"""The truncated series that may stand for the whole one, and the errors by the terms that they leave out."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import MAX_POINTS, MIN_MEASURED_POINTS
+from weier.methods.plan_part import COMPLIANCE, Task
 from weier.methods.planned import forecast
-from weier.methods.segment import COMPLIANCE, Task
 from weier.theory.profile import Profile, terms_within
 
-MAX_LENGTHS = 4  # numbers of terms to compare, from the fewest whose tail the tolerance allows
-BOUND_SHARE = 0.1  # of the amplitude left out, that a method may be off where it finds bounds on the resistance
-SHARES = np.geomspace(1e-6, 0.999, 120)  # of a load, by which another is lighter; the same of heavier ones
-MAX_LOAD = 1e300  # p_0*: more is foreseen as this, since ten times as much is a number
+MAX_LENGTHS = 4  # So many numbers of terms are compared, from the fewest whose tail the tolerance allows.
+# Error that a method may have where chords bound the resistance, over the amplitude left out.
+METHOD_FRACTION = 0.1
+# Chords lead to loads that are lighter by these fractions, and to the loads that are heavier by them.
+LOAD_FRACTIONS = np.geomspace(1e-6, 0.999, 120)
+MAX_LOAD = 1e300  # p_0*; heavier loads count as this, ten times which is still a finite number.
 
 
 def resolvable_lengths(profile: Profile) -> range:
@@ -39,28 +41,28 @@ def truncation_tasks(
 def chord_tasks(profile: Profile, loads: Array, lengths: Sequence[int]) -> Iterator[tuple[Task, Array]]:
     """The resistance of a long series from the compliance of truncated ones, and the other loads that it takes.
 
-    A concave curve lies below its tangents: the chords to two more loads, a lighter and a heavier one, hold the slope
-    at each load. The bounds are narrower the more terms are resolved, and how many a load needs depends on the load.
+    A concave curve lies below its tangents: the chords to two more loads, a lighter and a heavier one, bound the
+    slope at each load. The bounds become narrower as more terms are resolved. How many a load needs depends on it.
     """
     for terms in lengths:
         kept, amplitude = profile.truncated(terms), profile.amplitude_beyond(terms)
-        error = BOUND_SHARE * amplitude
+        error = METHOD_FRACTION * amplitude
         width, other_loads = expected_chords(kept, loads, amplitude + error)
         contacts = forecast.contacts(kept, loads)
         yield Task(kept, loads, width, error, COMPLIANCE, contacts, np.inf), other_loads
 
 
 def expected_chords(kept: Profile, loads: Array, amplitude: float) -> tuple[Array, Array]:
-    """How far apart the best chords will be, over the larger of the resistance and 1, and the loads they lead to.
+    """The expected width between the best chords, over the larger of the resistance and 1, and their other loads.
 
-    Expected from the layer model's curve, load by load: no load knows of another.
+    It follows from the curve of the layer model, for each load by itself.
     """
     p = np.minimum(loads, MAX_LOAD)[:, None]
-    here, lighter, heavier = forecast.compliance(kept, p), p * (1 - SHARES), p / (1 - SHARES)
+    here, lighter, heavier = forecast.compliance(kept, p), p * (1 - LOAD_FRACTIONS), p / (1 - LOAD_FRACTIONS)
     steepest = (here - forecast.compliance(kept, lighter) + 2 * amplitude) / (p - lighter)
     shallowest = (forecast.compliance(kept, heavier) - here - 2 * amplitude) / (heavier - p)
     best = steepest.argmin(axis=1, keepdims=True), shallowest.argmax(axis=1, keepdims=True)
-    other_loads = [np.take_along_axis(*each, axis=1) for each in zip((lighter, heavier), best, strict=True)]
-    start = ((here + 2 * amplitude) / p)[:, 0]  # the chord from no load, which needs no solution
+    other_loads = [np.take_along_axis(*side, axis=1) for side in zip((lighter, heavier), best, strict=True)]
+    start = ((here + 2 * amplitude) / p)[:, 0]  # The chord from no load needs no solution.
     upper, lower = np.minimum(steepest.min(axis=1), start), np.maximum(shallowest.max(axis=1), 0)
     return (upper - lower) / np.maximum(lower, 1), np.hstack(other_loads)
