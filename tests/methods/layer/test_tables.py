@@ -31,7 +31,7 @@ def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
 def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, limit, least, m):
     for module in (tables, fixed_point):
         monkeypatch.setattr(module, limit, least)
-    with pytest.raises(ConvergenceError, match=r"still off by .* rows, above .*, its share of the accuracy"):
+    with pytest.raises(ConvergenceError, match=r"still off by .* rows, above .*, its part of the accuracy"):
         layer.curve([0.1, 0.2], 1.25, 5, m)
 
 

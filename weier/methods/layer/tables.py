@@ -110,6 +110,6 @@ def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceErro
     """The error that a table raises if it misses its accuracy."""
     return ConvergenceError(
         f"a table of the layer model is still off by {error:.1e} of itself after {rows.position.size} rows, above "
-        f"{accuracy:.1e}, its part of the accuracy: choose a larger accuracy or a smaller tolerance",
+        f"{accuracy:.1e}, its part of the accuracy: choose a larger accuracy",
         error,
     )
