@@ -67,6 +67,8 @@ MIN_CONTACTS = 40
 MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
 LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
 FOLLOWED_TOLERANCE = 1e-10  # The tolerance of states between events, whose loads are sought to ten digits.
+# Looser targets may cut in a gap whose edges they are too loose to find, which then vanishes again.
+LARGEST_TOLERANCE = 1e-6
 LOOSER = 100.0  # Where a tolerance cannot be met, one so many times larger is tried.
 TARGET = 0.01  # The target of the iteration, over the tolerance: it is for each part of the residual by itself.
 # What may be left in the end, over the target, where the tolerance is no more than rounding.
@@ -127,7 +129,7 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
     scale = _scale(problem)
     # Rounding may keep the edges of thin gaps from settling to a target that is relative to a light load. A state
     # that meets a looser target is refused all the same if its residual is not small relative to the load.
-    first = max(tolerance, LEAST_TOLERANCE)
+    first = min(max(tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
     for wanted, looser in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
             return _solve_to(problem, guess, wanted, looser)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.methods.patches.inequalities import NEW_GAP_WIDTH, gap_uncertainty
+from weier.methods.patches.inequalities import GAP_ROUNDING, NEW_GAP_WIDTH, gap_uncertainty
 from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
@@ -86,15 +86,15 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     edge moves until that is gone.
 
     The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/c with
-    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F). Crests other than the highest and its twins are known to
-    a unit in the last place of the amplitudes, and curvatures to one in that of the waves' curvatures. The force
+    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F). Crests other than the highest and its twins are known as
+    gaps are, to rounding of the positions, and curvatures to a unit in the last place of the waves' curvatures. The force
     follows from the pressure at the edges of the contact, as if that were Hertz's.
     """
     period, contacts = series.period, contacts_of(state.segments.extent, state.dual, series.period)
     origin, centre, r = contacts
     crest, _ = nearest_crests(series, origin + centre)
     lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    of_height = state.height_error + EPS * total_amplitude * lower
+    of_height = state.height_error + GAP_ROUNDING * total_amplitude * lower
     strength = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
     force = np.pi / np.sqrt(8) * r**1.5 * strength.mean(axis=1)
     c = np.maximum(-2 * np.log(np.pi * r / period), 1.0)
