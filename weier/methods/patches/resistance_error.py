@@ -86,9 +86,9 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     edge moves until that is gone.
 
     The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/c with
-    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F). Crests other than the highest and its twins are known as
-    gaps are, to rounding of the positions, and curvatures to a unit in the last place of the waves' curvatures. The force
-    follows from the pressure at the edges of the contact, as if that were Hertz's.
+    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F). Crests other than the highest and its twins are known
+    as gaps are, to rounding of the positions, and curvatures to a unit in the last place of the waves' curvatures.
+    The force follows from the pressure at the edges of the contact, as if that were Hertz's.
     """
     period, contacts = series.period, contacts_of(state.segments.extent, state.dual, series.period)
     origin, centre, r = contacts
