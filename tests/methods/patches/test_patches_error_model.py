@@ -1,8 +1,18 @@
-"""What contact patches are expected to cost."""
+"""What contact patches are expected to cost, and how far they may be off."""
 
 import numpy as np
+import pytest
 
-from weier.methods.patches.error_model import seconds
+from weier.methods.patches.error_model import error, loosest_tolerance, seconds
+
+
+@pytest.mark.parametrize("quantity", ["compliance", "resistance"])
+def test_no_wanted_error_is_missed_by_rounding(quantity):
+    """Else a plan says that it is out of reach: one in fifteen was, of a resistance."""
+    wanted = 10.0 ** np.random.default_rng(0).uniform(-11, 0, 1000)
+    expected = np.array([error(loosest_tolerance(each, quantity), quantity) for each in wanted])
+    assert np.all(expected <= wanted)
+    np.testing.assert_allclose(expected, wanted, rtol=1e-14)
 
 
 def test_looser_tolerances_are_expected_to_take_less_time_as_far_as_they_do():

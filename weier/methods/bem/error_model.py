@@ -104,7 +104,7 @@ def seconds(points: float, contacts: Array) -> tuple[float, Array]:
 
 
 def fft_pairs(contacts: Array) -> Array:
-    """Pairs of FFTs that a load takes for both numbers: measured within a factor of two on 1 to 4 000 contacts."""
+    """Pairs of FFTs that a load takes for both numbers: measured within a factor of 2.5 on 1 to 4 000 contacts."""
     return np.asarray(PAIRS * contacts**PAIRS_POWER)
 
 

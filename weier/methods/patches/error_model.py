@@ -14,6 +14,8 @@ from weier.methods.plan_part import COMPLIANCE
 # below a merger, where it was as large as this. What a solution states of itself is in `resistance_error`.
 RESISTANCE_FACTOR = 50.0
 
+ROUNDING = 1e-15  # Of a tolerance: without it, rounding puts the error to expect above what is wanted.
+
 MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 6e-4  # Seconds of a curve, and of each load.
@@ -37,7 +39,9 @@ def error(tolerance: float, quantity: str) -> float:
 
 def loosest_tolerance(wanted: float, quantity: str) -> float:
     """The loosest tolerance at which this `error` is expected; it is not positive where there is none."""
-    return wanted if quantity == COMPLIANCE else (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
+    if quantity == COMPLIANCE:
+        return wanted
+    return (1 - ROUNDING) * (wanted - RESISTANCE_ROUNDING) / RESISTANCE_FACTOR
 
 
 def seconds(waves: int, contacts: Array, tolerance: float = TIMED_TOLERANCE) -> Array:
