@@ -14,7 +14,8 @@ from weier.theory.profile import PARAMETERS, Profile
 if TYPE_CHECKING:
     import xarray as xr
 
-FULL_CONTACT_COMPLIANCE = 0.99  # of the compliance at full contact: above it a linear axis shows no more change
+# Contact counts as full above this part of the compliance at full contact: a linear axis shows no more change.
+FULL_CONTACT_COMPLIANCE = 0.99
 
 
 def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
@@ -32,7 +33,7 @@ def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     """The values of a variable over the loads by one method, or None if it has none."""
-    variables = case.variables  # a dataset takes ten times as long for each, to find its coordinates
+    variables = case.variables  # A dataset takes ten times as long for each of them, to find its coordinates.
     methods = variables["solution_method"].values.tolist()
     if method not in methods:
         return None

@@ -48,7 +48,8 @@ class Noise(NamedTuple):
 
 
 DEFAULT_STYLE, CLOSED_FORM = Style(), Noise()
-TOLERANCES_COMPARED = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # by methods that take a tolerance
+# The tolerances at which methods that take one are compared, in g_0.
+TOLERANCES_COMPARED = tuple(float(f"1e-{decade}") for decade in range(1, 13))
 
 
 class Reference(NamedTuple):

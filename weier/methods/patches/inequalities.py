@@ -43,7 +43,7 @@ from weier.methods.patches.surface import CosineSeries, nearest_crests
 # wave, the residual is close to a parabola over an eighth of a wave.
 PROBES_PER_WAVE, MIN_PROBES = 8, 8
 MIN_PROBE_DISTANCE = 1e-9  # Probes closer than this part of their mean distance differ by rounding only.
-# Intervals of tension that reach beyond this part of the half-width are left to the edge's move.
+# Intervals of tension that reach beyond this part of the half-width end at an edge, whose move may remove them.
 MAX_INNER = 0.99
 SEARCH_STEPS = 40  # Steps of a bisection: these leave 1e-12 of a bracket.
 SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so many points for each node.
@@ -315,7 +315,7 @@ def certify(
 
 
 def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
-    """Intervals of tension within contacts, as `ContactState.tensions`; those that reach an edge are left to that."""
+    """Intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
     t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
     return np.stack([negative["segment"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
 
@@ -323,14 +323,15 @@ def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
 def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
     """The same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
     found = minima[minima["value"] < 0]
-    origin, centre, r = (each[found["interval"]] for each in contacts_of(state.segments.extent, True, period))
+    extent = contacts_of(state.segments.extent, True, period)
+    origin, centre, r = (values[found["interval"]] for values in extent)
     t = (found["position"] - (origin + centre)) / r
     b = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], 1e-300)) / r
     return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:
-    """How far a gap may be off, in g_0, in a state that is exact for heights which differ by `error` at most."""
+    """The uncertainty of a gap, in g_0, in a state that is exact for heights which differ by `error` at most."""
     return GAP_FACTOR * error + GAP_ROUNDING * float(np.abs(series.amplitude).sum())
 
 

@@ -39,8 +39,8 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
     """What gaps in the intervals of tension would add to the resistance, in g_0/p_0*.
 
     A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
-    where q is the tangent pressure there. That of a lone contact is B (2/r)^(1/2)/sqrt(1-t^2), with the strength B at
-    its edges; and where gaps are narrow it is about 1.
+    where q is the tangent pressure there. That of an isolated contact is B (2/r)^(1/2)/sqrt(1-t^2), with the strength
+    B at its edges, and where gaps are narrow it is about 1.
     """
     if state.tensions.size == 0:
         return 0.0
@@ -76,7 +76,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
 
 
 def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
-    """The error of the resistance by its edges, in g_0/p_0*, where heights are off by the error e of the state.
+    """The error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
 
     An edge that moves out by delta lowers the resistance by 2 pi^2 B^2 delta/L, where the tangent pressure is
     B/s^(1/2) beside it: for a narrow contact, this is the derivative of -2 L f^2 ln a. Beside an edge where the
