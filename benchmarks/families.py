@@ -157,7 +157,7 @@ def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
 
 def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
     """Residuals from 1e-6 to 1e-12 g_0."""
-    return usual_settings(random, profile) | {"tolerance": 10 ** random.uniform(-12, -6)}
+    return usual_settings(random, profile) | {"max_residual": 10 ** random.uniform(-12, -6)}
 
 
 SERIES = usual, rational, coarse, long, extreme_dimension
