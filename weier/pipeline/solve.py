@@ -47,9 +47,9 @@ def solve(
     contact_edges : bool
         Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
     workers : int
-        How many processes solve the curves of lists side by side; -1 for one on each core. The numbers are the same.
-        Processes start in about a second, so a list should take some seconds. A script
-        must call `solve` below `if __name__ == "__main__":`, since each process imports it anew.
+        How many processes solve the curves of lists side by side, this one among them; -1 for one on each core. The
+        numbers are the same. Another process starts in about a second, so that a list should take some seconds. A
+        script must call `solve` below `if __name__ == "__main__":`, since each process imports it anew.
     **settings
         Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`, but
         for a tolerance, which is of all that take one: the largest error of the compliance, in g_0. With their

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context, parent_process
@@ -88,7 +88,7 @@ def solve_curves(
     loads : ndarray, shape (loads,)
         Increasing, in p_0*.
     workers : int
-        Processes. The bits do not depend on how many there are.
+        Processes, this one among them. The bits do not depend on how many there are.
     pause : float
         Seconds between two words of how far all curves are.
     say : callable
@@ -105,16 +105,33 @@ def solve_curves(
     return map(Solver(loads, progress.add), curves)
 
 
-def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress: Progress) -> Iterator[Outcome]:
-    """The same by so many processes, each of which takes the next curve when it has solved one.
+def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
+    """The same by this process, from the last curve on, and by others, which take the first ones meanwhile.
 
-    Python spawns them, since a copy of this process would wait for ever for locks that its threads hold.
+    Others start in about a second, in which this one has solved some curves. Python spawns them, since a copy of this
+    process would wait for ever for locks that its threads hold.
     """
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin, (loads,))
+    pool = ProcessPoolExecutor(workers - 1, get_context("spawn"), _begin, (loads,))
+    ended, seen, solve, own = list[bool](), 0, Solver(loads, progress.add), dict[int, Outcome]()
+
+    def count_others() -> None:
+        nonlocal seen
+        before, seen = seen, ended.count(True)
+        progress.add((seen - before) * loads.size)
+
     try:
-        for outcome in pool.map(_solve, curves):
-            progress.add(loads.size)
-            yield outcome
+        futures = [pool.submit(_solve, curve) for curve in curves]
+        for future in futures:
+            future.add_done_callback(lambda future: ended.append(not future.cancelled()))
+        for number in reversed(range(len(curves))):
+            if futures[number].cancel():  # which the others have not begun
+                own[number] = solve(curves[number])
+                count_others()
+        outcomes = []
+        for number, future in enumerate(futures):
+            outcomes.append(own[number] if number in own else future.result())
+            count_others()
+        return outcomes
     except BrokenProcessPool:
         raise ChildProcessError(LOST) from None
     finally:
