@@ -266,7 +266,8 @@ def attempt(call, argument):
     """What a call gives, or None where it refuses in a clear sentence."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.filterwarnings("ignore", "all (phases|loads)")  # doubts about units
+        # To doubt the unit of phases or loads that are drawn so large is as clear an answer as to refuse them.
+        warnings.filterwarnings("ignore", "all (phases|loads)")
         try:
             return (call(),)
         except (ValueError, ConvergenceError, FileNotFoundError) as refusal:
@@ -349,6 +350,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),
         (lambda: INTERFACE.pressure(xr.Dataset()), "normalised must be a number or an array of numbers, got <x"),
         (lambda: weier.solve([], [0.1]), "profile must have at least one element"),
+        (lambda: weier.Trace(xr.Dataset(), 1e-3, unit="m"), "heights must be a number or an array of numbers"),
         (lambda: weier.solve(PROFILE, [0.1], []), "method must have at least one element"),
         (lambda: weier.solve([PROFILE, 1.0], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 1.0"),
         (lambda: weier.solve(PROFILE, [0.1], "fem"), "one of westergaard, archard, .*bem.* got 'fem'"),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,7 +56,8 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
     """
     values = getattr(heights, "magnitude", heights)  # of pint
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
-        values = np.asanyarray(values)
+        with suppress(TypeError):  # a dataset of xarray, which is no array and is refused below
+            values = np.asanyarray(values)
         if np.ma.isMaskedArray(values) and values.dtype.kind in "iuf":
             values = np.ma.filled(values.astype(float), math.nan)
     if isinstance(values, list | tuple) or getattr(values, "dtype", None) is np.dtype(object):
