@@ -185,7 +185,7 @@ def test_history_names_every_step_and_no_time(folder):
 
 
 def test_ncdump_reads_it(folder):
-    if shutil.which("ncdump") is None:
+    if shutil.which("ncdump") is None:  # on a developer's machine; the gate installs it
         pytest.skip("ncdump is not installed: apt-get install netcdf-bin")
     done = subprocess.run(["ncdump", folder / "contact.nc"], capture_output=True, text=True, check=True)
     assert re.search(r"method =\s+\"westergaard\",\s+\"demelio\"", done.stdout)

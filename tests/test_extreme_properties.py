@@ -14,7 +14,6 @@ from weier.accuracy.runner import Outcome, attempt
 from weier.methods.method import Variant
 from weier.methods.registry import METHODS, find_method
 
-pytestmark = pytest.mark.filterwarnings("ignore:all (phases|loads)")  # doubts about units
 MAX_WAVES = 30  # in a period, of what is solved on a mesh or contact by contact
 
 ULP = np.finfo(float).eps

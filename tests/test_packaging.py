@@ -25,7 +25,7 @@ def run(*command, cwd=None):
 @pytest.fixture(scope="module")
 def tracked():
     """All files of the project; what git ignores is made, not written."""
-    if not Path(".git").exists():
+    if not Path(".git").exists():  # in the source archive, whose tests run, too
         pytest.skip("only a clone knows its files")
     listed = run("git", "ls-files", "--cached", "--others", "--exclude-standard").splitlines()
     return {name for name in listed if Path(name).is_file()}

@@ -55,7 +55,8 @@ def begin(problem: Problem) -> PolonskyKeer:
 def begin_counted(problem: Problem) -> PolonskyKeer:
     """A solver with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
 
-    class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # an optional extra: no type to see
+    # The class that is derived from is of an optional package, whose types mypy does not see.
+    class Count(import_module("tamaas").Functional):  # type: ignore[misc]
         gradients = 0
 
         def computeF(self, pressure: Array, gap: Array) -> float:

@@ -342,7 +342,7 @@ def with_script(page, name):
 
 def browse(folder, *arguments):
     browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser is None:
+    if browser is None:  # on a developer's machine; the gate installs one
         pytest.skip("there is no chromium to open the page in: apt-get install chromium")
     command = [
         browser,

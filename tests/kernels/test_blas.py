@@ -5,7 +5,7 @@ from threading import Event
 
 import numpy as np
 import pytest
-import scipy.linalg  # noqa: F401 - whose BLAS counts as well
+import scipy.linalg  # noqa: F401 - it loads a BLAS of its own, whose threads are counted here, too
 from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier
