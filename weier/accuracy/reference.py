@@ -38,12 +38,12 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
     For one wave all methods are exact. Otherwise an estimate has its own reference; the exact contact is for
     numerical methods, and for those that state the error of each number.
     """
-    h, R = [np.full(loads.size, mp.nan, object) for _ in range(2)]
+    (h, R), error = [np.full(loads.size, mp.nan, object) for _ in range(2)], np.zeros(loads.size)
     solved = result.outcome == Outcome.finite
     values = _look_up(method, profile, loads[solved], result) if solved.any() else None
     if values is not None:
-        h[solved], R[solved] = values.compliance, values.resistance
-    return Reference(h, R, values.source if values else "")
+        h[solved], R[solved], error[solved] = values.compliance, values.resistance, values.resistance_error
+    return Reference(h, R, values.source if values else "", error)
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
@@ -69,32 +69,39 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
     if profile.m == 1:
         return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
-    pairs = _by_patches(_shift(profile), np.array(loads))
+    pairs, error = _by_patches(_shift(profile), np.array(loads))
     full_contact, touch = profile.full_contact_load * AT_FULL_CONTACT, _single_crest(profile)
     for i, load in enumerate(loads):
         if load >= full_contact:
-            pairs[i] = _total(profile), mp.mpf(0)
+            pairs[i], error[i] = (_total(profile), mp.mpf(0)), 0.0
         elif load <= MIN_TOUCH and touch:
-            pairs[i] = _first_touch(profile, load)
-    return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12")
+            pairs[i], error[i] = _first_touch(profile, load), 0.0
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12", error)
 
 
-def _by_patches(profile: Profile, loads: Array) -> list[multiprecision.Pair]:
-    """Compliance and resistance by contact patches, each load as tightly as it can be solved; NaN where it cannot."""
-    h, R = np.full((2, loads.size), np.nan)
+def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pair], Array]:
+    """Compliance and resistance by contact patches, each load as tightly as it can be solved; NaN where it cannot.
+
+    And the stated error of the resistance.
+    """
+    h, R, error = np.full((3, loads.size), np.nan)
     for tolerance in TOLERANCES:
         if (left := np.isnan(h)).any():
             variant = Variant(patches.METHOD.name, patches.METHOD.name, {"tolerance": tolerance})
             found = attempt(variant, profile, loads[left])
-            h[left], R[left] = found.compliance, found.resistance
-    return [(mp.mpf(float(each)), mp.mpf(float(rate))) for each, rate in zip(h, R, strict=True)]
+            h[left], R[left], error[left] = found.compliance, found.resistance, found.resistance_error
+    return [(mp.mpf(float(height)), mp.mpf(float(rate))) for height, rate in zip(h, R, strict=True)], error
 
 
-def uncertainty(result: Run, profile: Profile) -> tuple[Array, Array]:
-    """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,)."""
+def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Array, Array]:
+    """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,).
+
+    Beside a birth, the shifted profile may be on its other side by the rounding of its phases, which it states.
+    """
     total = np.full(result.compliance.size, profile.total_amplitude)
     h, R = (patches.error_model.error(TOLERANCES[0], quantity) for quantity in ("compliance", "resistance"))
-    return h * total, R * np.maximum(result.resistance, 1)
+    stated = np.nan_to_num(np.broadcast_to(reference.resistance_error, total.shape))
+    return h * total, np.maximum(R * np.maximum(result.resistance, 1), stated)
 
 
 def _single_crest(profile: Profile) -> bool:

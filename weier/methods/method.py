@@ -53,11 +53,15 @@ TOLERANCES_COMPARED = tuple(float(f"1e-{decade}") for decade in range(1, 13))
 
 
 class Reference(NamedTuple):
-    """Compliance and resistance by other means, shape (loads,), as floats or numbers of mpmath, and which means."""
+    """Compliance and resistance by other means, shape (loads,), as floats or numbers of mpmath, and which means.
+
+    resistance_error : what these means state of their resistance, in g_0/p_0*, of the same shape or 0
+    """
 
     compliance: Any
     resistance: Any
     source: str
+    resistance_error: Any = 0.0
 
 
 class Variant(NamedTuple):

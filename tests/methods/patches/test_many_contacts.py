@@ -85,7 +85,9 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
 def test_an_edge_at_a_narrow_gap_tells_nothing_of_the_opposite_one():
     """The pressure beside the gap is nearly 0, and changed its sign in each step that made the other edge move."""
     starts = Starts(Profile(1.25, 5, 6, (0.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1e-10)
-    assert solve_many_contacts(starts.surface, next(starts.guesses(0.5623413251903491, TOLERANCE)), TOLERANCE)[1] < 15
+    assert (
+        solve_many_contacts(starts.surface, next(starts.guesses(0.5623413251903491, TOLERANCE)), TOLERANCE)[1] <= 10
+    )
 
 
 @one_thread

@@ -74,7 +74,7 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
     errors = result.compliance_error, result.resistance_error
     stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
-    both = deviation, errors, uncertainty(result, profile)
+    both = deviation, errors, uncertainty(result, profile, right)
     return {
         "compliance": h,
         "resistance": R,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.methods.patches.inequalities import GAP_ROUNDING, NEW_GAP_WIDTH, gap_uncertainty
+from weier.methods.patches.inequalities import NEW_GAP_WIDTH, gap_uncertainty
 from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
@@ -22,7 +22,9 @@ from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_cre
 
 # Relative error of a resistance by the end of its own corrections, each of which estimates the next.
 TANGENT_ERROR = 5 * TANGENT_TOLERANCE
-EDGE_FACTOR = 2.0  # The edges count twice: their neighbours, which the formulas leave out, move as well.
+EDGE_FACTOR = (
+    2.0  # An edge beside a narrow gap counts twice: that at its other end, which is left out, moves as well.
+)
 CRACK_FACTOR = 2.0  # Cracks count twice: their width comes from an interval of tension as if that were parabolic.
 SMALL_EDGE_FACTOR = 2.0  # An edge that may move by as much as its contact or gap is wide counts so often.
 EPS = float(np.finfo(float).eps)
@@ -30,7 +32,7 @@ EPS = float(np.finfo(float).eps)
 
 def resistance_error(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
     """An estimate of the error of the resistance in partial contact, in g_0/p_0*."""
-    by_edges = EDGE_FACTOR * _error_by_edges(state, series, total_amplitude)
+    by_edges = _error_by_edges(state, series, total_amplitude)
     by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period)
     return TANGENT_ERROR * max(state.resistance, 1.0) + by_edges + by_cracks + _drop_by_births(state, series)
 
@@ -94,19 +96,20 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     origin, centre, r = contacts
     crest, _ = nearest_crests(series, origin + centre)
     lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    of_height = state.height_error + GAP_ROUNDING * total_amplitude * lower
+    of_height = state.height_error + EPS * total_amplitude * lower
     strength = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
     force = np.pi / np.sqrt(8) * r**1.5 * strength.mean(axis=1)
     c = np.maximum(-2 * np.log(np.pi * r / period), 1.0)
     rounding = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
-    by_force = 2 * of_height / (c * force) + rounding * r**2 / (4 * force)  # of both edges, over the half-width
+    by_force = 2 * of_height / (c * force) + rounding * r**2 / (8 * force)  # of both edges, over the half-width
     gap = 0.5 * distances_between(*contacts, period)
     beside = np.stack([np.roll(gap, 1), gap], axis=1)
     scale = np.minimum(r[:, None], beside)
     by_heights = np.sqrt(2) / np.pi * of_height[:, None] / (strength * np.sqrt(scale))
     move = by_heights + (r * by_force)[:, None]
     # An edge that may move by its scale may be that of no contact or of no gap: then the whole of that is stated.
-    whole = np.where(beside < r[:, None], beside, (r * c)[:, None])
+    is_narrow = beside < r[:, None]
+    whole = np.where(is_narrow, beside, (r * c)[:, None])
     move = np.where(move < scale, move, SMALL_EDGE_FACTOR * whole)
     B = at_contacts(state.tangent_strength, state.dual)
-    return float(2 * np.pi**2 / period * np.sum(B**2 * move))
+    return float(2 * np.pi**2 / period * np.sum(np.where(is_narrow, EDGE_FACTOR, 1.0) * B**2 * move))
