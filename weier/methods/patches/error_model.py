@@ -6,7 +6,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.error_model import RESISTANCE_ROUNDING
-from weier.methods.patches.many_contacts import MIN_CONTACTS
+from weier.methods.patches.many_contacts import LARGEST_TOLERANCE, MIN_CONTACTS
 from weier.methods.patches.solver import MAX_RELATIVE_TOLERANCE
 from weier.methods.plan_part import COMPLIANCE
 
@@ -24,7 +24,7 @@ SECONDS_WAVE = 3.2e-6  # Of each load and wave, times the root of the contacts: 
 SECONDS_CONTACT, SECONDS_PAIR = 1e-4, 4.5e-6
 # Of each load without a matrix: times the contacts to this power, since the depth of a tree grows with them.
 SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1.6e-4, 1.2
-# Both are for a tolerance of 1e-10. Looser ones take fewer nodes and steps, as far as states are solved to them.
+# Both are for a tolerance of 1e-10. Looser ones take fewer nodes and steps, as far as the solvers follow them.
 TIMED_TOLERANCE, TOLERANCE_POWER = 1e-10, -0.03
 # Bytes of each of the finest waves, for its crests, and of each contact, for the sums over its nodes.
 BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4
@@ -46,11 +46,15 @@ def loosest_tolerance(wanted: float, quantity: str) -> float:
 
 def seconds(waves: int, contacts: Array, tolerance: float = TIMED_TOLERANCE) -> Array:
     """Expected seconds of each load to a tolerance in g_0, with so many contacts and so many of the finest waves."""
-    by_matrix = SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2
-    without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER
+    by_matrix = (SECONDS_CONTACT * contacts + SECONDS_PAIR * contacts**2) * _saved(tolerance, MAX_RELATIVE_TOLERANCE)
+    without = SECONDS_WITHOUT_MATRIX * contacts**CONTACT_POWER * _saved(tolerance, LARGEST_TOLERANCE)
     by_contacts = np.where(contacts < MIN_CONTACTS, by_matrix, without)
-    by_tolerance = (min(tolerance, MAX_RELATIVE_TOLERANCE) / TIMED_TOLERANCE) ** TOLERANCE_POWER
-    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_tolerance * by_contacts)
+    return np.asarray(SECONDS_LOAD + SECONDS_WAVE * waves * np.sqrt(contacts) + by_contacts)
+
+
+def _saved(tolerance: float, largest: float) -> float:
+    """Seconds at a tolerance over those at `TIMED_TOLERANCE`, by a solver that follows it up to the largest."""
+    return float((min(tolerance, largest) / TIMED_TOLERANCE) ** TOLERANCE_POWER)
 
 
 def memory(waves: int, contacts: float) -> float:
