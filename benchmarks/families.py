@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from fractions import Fraction
 from itertools import cycle
 from pathlib import Path
@@ -22,7 +23,8 @@ from weier.methods import patches
 
 MAX_WAVES = 1000  # of the finest term in a period: patches then take a third of a second a load at most
 LOADS = 8  # of each series
-REFERENCE, TWIN = 1e-12, 1e-11  # tolerances of the patches, and of those on the reflected profile
+# Tolerances of the patches, and of those on the reflected profile: the first that a load can be solved to.
+REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
 MIN_RESISTANCE = 1e-3  # g_0/p_0*: from here on, errors of R are relative to R
 ARRAYS = ("loads", "exact", "uncertainty")  # of a draw
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
@@ -236,13 +238,21 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
     exact, twin, uncertainty = np.full((3, 2, loads.size), np.nan)
     for number, load in enumerate(loads):
         try:
-            found, other = patches.curve(profile, [load], REFERENCE), patches.curve(reflected, [load], TWIN)
+            found, other = _solve(profile, load, REFERENCE), _solve(reflected, load, TWIN)
         except ConvergenceError as error:
             click.echo(f"patches of {profile!r} at {load!r}: {error}", err=True)
             continue
         exact[:, number], twin[:, number] = ([c.compliance[0], c.resistance[0]] for c in (found, other))
         uncertainty[:, number] = found.residual[0] + 1e-15 * profile.total_amplitude, 1e-11 * found.resistance[0]
     return exact, np.abs(exact - twin) + uncertainty
+
+
+def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.Curve:
+    *tight, loosest = tolerances
+    for tolerance in tight:
+        with suppress(ConvergenceError):
+            return patches.curve(profile, [load], tolerance)
+    return patches.curve(profile, [load], loosest)
 
 
 def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:

@@ -47,9 +47,9 @@ def by_staircase(draw: Draw, loads: Array) -> Any:
 
 
 def by_patches(draw: Draw, loads: Array) -> Any:
-    """Contact patches at a residual of 1e-10 to 1e-6 g_0: below, the reference is no finer than what they state."""
+    """Contact patches at a tolerance of 1e-10 to 1e-2 g_0: below, the reference is no finer than what they state."""
     random = np.random.default_rng(draw.loads.view(np.uint64))  # the same for the whole draw and its single loads
-    return patches.curve(draw.profile, loads, 10 ** random.uniform(-10, -6))
+    return patches.curve(draw.profile, loads, 10 ** random.uniform(-10, -2))
 
 
 METHODS: dict[str, Callable[[Draw, Array], Any]] = {
