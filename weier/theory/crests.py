@@ -109,7 +109,7 @@ def _crests_nearby(
     t, width : in steps, shape (tops,)
     slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
     """
-    row, t = _told_apart(expansion, t, width, finest)
+    row, t = _separated(expansion, t, width, finest)
     rounding, unsettled = 4 * np.finfo(float).eps * slope_scale, np.arange(t.size)
     for _ in range(MAX_NEWTON_STEPS):
         slope, curvature = derivatives(expansion[row[unsettled]], t[unsettled])
@@ -123,7 +123,7 @@ def _crests_nearby(
     return row, t
 
 
-def _told_apart(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
+def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
     """Rows and positions next to each crest, of sampled tops with one or several within this width on either side.
 
     Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.

@@ -38,7 +38,7 @@ def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
 
 
 def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> Expansions:
-    """The series about all nodes, of which there are as many as `count_nodes` tells."""
+    """The series about all nodes, as many as `count_nodes`."""
     nodes = count_nodes(waves_per_period[-1])
     spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
     wave = 0.5 * nodes * np.exp(1j * phase)

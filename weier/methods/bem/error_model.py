@@ -29,7 +29,7 @@ SECONDS_START, SECONDS_LOAD = 5e-4, 7e-5  # Seconds of a curve, and of each load
 SECONDS_NODE = 1.1e-8  # Seconds of a pair of FFTs, of each node.
 PAIRS, PAIRS_POWER = 20, 0.35  # Pairs of FFTs of a load with one contact, and how they grow with the contacts.
 START_PAIRS = 15  # A start takes as long as so many pairs.
-BYTES_NODE = 240  # Bytes of the grids, their eigenvalues and the solver's arrays, of each node: 180 to 240 were measured.
+BYTES_NODE = 240  # Bytes of the grids, their eigenvalues and the arrays of the solver, of each node.
 
 
 def compliance_error(profile: Waves, points: int) -> float:

@@ -13,14 +13,7 @@ from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.solver import Curve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
-from weier.methods.method import (
-    TOLERANCES_COMPARED,
-    Method,
-    Noise,
-    Settings,
-    Style,
-    applies_to_resolvable,
-)
+from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.limits import check_points
 from weier.theory.waves import Waves

@@ -373,10 +373,8 @@ def minima_of_gaps(state: ContactState) -> Records:
             value[i] = at_point(value[i], t[i], r, True)
         for i in range(1, t.size - 1):
             if value[i] <= value[i - 1] and value[i] < value[i + 1]:
-                before, after = (
-                    (value[i - 1] - value[i]) / (t[i] - t[i - 1]),
-                    (value[i + 1] - value[i]) / (t[i + 1] - t[i]),
-                )
+                before = (value[i - 1] - value[i]) / (t[i] - t[i - 1])
+                after = (value[i + 1] - value[i]) / (t[i + 1] - t[i])
                 curvature = 2 * (before + after) / (t[i + 1] - t[i - 1])
                 slope = (after * (t[i] - t[i - 1]) - before * (t[i + 1] - t[i])) / (t[i + 1] - t[i - 1])
                 here = found[count]

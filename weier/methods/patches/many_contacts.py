@@ -4,8 +4,7 @@ The stages are those of docs/patches.md, "The stages of many contacts"; "Given e
 one step does, and "Inequalities" how wide new segments are. `_solve_to` goes through the stages:
 
 1. rough set: `take_step` solves on given edges, by conjugate gradients and on nodes for three digits, and
-   `next_guess`
-   moves the edges, until most of them have settled.
+   `next_guess` moves the edges, until most of them have settled.
 2. Where the inequalities do not hold, `_corrections` cuts segments and adds others, and 1 begins anew.
 3. fine set: with nodes for the tolerance, the same steps go on until the residual and all singularities are below the
    target (`_converged`).
@@ -106,21 +105,15 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
         Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
         # The forces must be solved to less than the target: a larger residual beside a thin gap that was just cut in
         # would look like tension at its end.
-        Stage(
-            True,
-            tolerance,
-            Bounds(REDUCTION, least, target),
-            fine_outside,
-            MAX_TENSION,
-            MIN_OPENING * least,
-        ),
+        Stage(True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least),
     )
 
 
 def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state in partial contact from a guess under its load, and the steps of Newton's method.
 
-    tolerance : of the residual, over the height that the load needs; at least `LEAST_TOLERANCE` is taken
+    tolerance : of the residual, over the height that the load needs, kept between `LEAST_TOLERANCE` and
+        `LARGEST_TOLERANCE`
 
     ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
     fails a check.

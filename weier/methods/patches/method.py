@@ -8,14 +8,7 @@ from functools import partial
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.method import (
-    TOLERANCES_COMPARED,
-    Method,
-    Noise,
-    Settings,
-    Style,
-    applies_to_resolvable,
-)
+from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import sample_points

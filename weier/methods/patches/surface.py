@@ -23,7 +23,7 @@ from weier.theory.limits import check_resolvable
 from weier.theory.waves import Waves
 
 # Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
-# that differ by less than the latter are told apart in more digits than a float has.
+# that differ by less than the latter are compared in more digits than a float has.
 MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
 MAX_CREST_STEPS = 0.5  # as far from a crest as the expansion about it serves
 
@@ -105,7 +105,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     maximum, most = float(about[:, 0].max()), float(np.abs(amplitude).sum())
     offset = about[:, 0] - maximum
     twins = offset > -TWIN_HEIGHT * most
-    if np.any(twins & (offset < -0.5 * MAX_HEIGHT_ROUNDING * most)):  # floats do tell that some are equally high
+    if np.any(twins & (offset < -0.5 * MAX_HEIGHT_ROUNDING * most)):  # else all are equally high
         exact = crest_heights(amplitude, waves_per_period, phase, period, position[twins])
         offset[twins] = [float(each - max(exact)) for each in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
