@@ -172,7 +172,7 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
 
 def contact_runs(contact: Flags) -> tuple[Indices, Indices]:
     """The first and the last node of each contact, the first one in the period; none in full contact."""
-    first, last = np.flatnonzero(contact & ~np.roll(contact, 1)), np.flatnonzero(contact & ~np.roll(contact, -1))
-    if first.size > 0 and last[0] < first[0]:  # The last contact extends across the end of the period.
-        last = np.append(last[1:], last[0] + contact.size)
-    return first, last
+    edge = np.flatnonzero(np.diff(contact, prepend=contact[-1:]))
+    if edge.size > 0 and not contact[edge[0]]:  # The last contact extends across the end of the period.
+        edge = np.append(edge[1:], edge[0] + contact.size)
+    return edge[::2], edge[1::2] - 1

@@ -38,6 +38,7 @@ from weier.methods.patches.segments import (
     MAX_NODES,
     Extent,
     Segments,
+    Sides,
     degrees,
     end_sums,
     estimate_node_count,
@@ -46,8 +47,6 @@ from weier.methods.patches.segments import (
     make_segments,
 )
 from weier.methods.patches.surface import CosineSeries, evaluate_at
-
-Sides = NDArray[np.float64]  # at the left and the right edge of each contact, shape (contacts, 2)
 
 # The square of a width changes by these factors at most in one step, since the formulas hold near the solution.
 MIN_SQUARE, MAX_SQUARE = 0.02, 6.0

@@ -316,6 +316,8 @@ def certify(
 
 def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
     """Intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
+    if negative.size == 0:
+        return np.empty((0, 3))
     t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
     return np.stack([negative["segment"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
 

@@ -9,10 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from weier.kernels.arrays import Array
+from weier.kernels.jit import kernel
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH, gap_uncertainty
 from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
+    Extent,
+    Sides,
     at_contacts,
     contacts_of,
     distances_between,
@@ -92,24 +96,37 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     as gaps are, to rounding of the positions, and curvatures to a unit in the last place of the waves' curvatures.
     The force follows from the pressure at the edges of the contact, as if that were Hertz's.
     """
-    period, contacts = series.period, contacts_of(state.segments.extent, state.dual, series.period)
-    origin, centre, r = contacts
+    contacts = contacts_of(state.segments.extent, state.dual, series.period)
+    origin, centre, _ = contacts
     crest, _ = nearest_crests(series, origin + centre)
-    lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    of_height = state.height_error + EPS * total_amplitude * lower
-    strength = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
-    force = np.pi / np.sqrt(8) * r**1.5 * strength.mean(axis=1)
-    c = np.maximum(-2 * np.log(np.pi * r / period), 1.0)
-    rounding = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
-    by_force = 2 * of_height / (c * force) + rounding * r**2 / (8 * force)  # of both edges, over the half-width
-    gap = 0.5 * distances_between(*contacts, period)
-    beside = np.stack([np.roll(gap, 1), gap], axis=1)
-    scale = np.minimum(r[:, None], beside)
-    by_heights = np.sqrt(2) / np.pi * of_height[:, None] / (strength * np.sqrt(scale))
-    move = by_heights + (r * by_force)[:, None]
-    # An edge that may move by its scale may be that of no contact or of no gap: then the whole of that is stated.
-    is_narrow = beside < r[:, None]
-    whole = np.where(is_narrow, beside, (r * c)[:, None])
-    move = np.where(move < scale, move, SMALL_EDGE_FACTOR * whole)
+    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
+    of_heights = np.asarray(state.height_error + EPS * total_amplitude * is_lower)
+    of_curvature = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    A = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
     B = at_contacts(state.tangent_strength, state.dual)
-    return float(2 * np.pi**2 / period * np.sum(np.where(is_narrow, EDGE_FACTOR, 1.0) * B**2 * move))
+    return _sum_over_edges(A, B, contacts, of_heights, of_curvature, series.period)
+
+
+@kernel
+def _sum_over_edges(A: Sides, B: Sides, contacts: Extent, of_heights: Array, of_curvature: float, L: float) -> float:
+    """The sum of 2 pi^2 B^2 delta/L over both edges of each contact.
+
+    A, B : strengths at the left and right edge of each contact, shape (contacts, 2)
+    of_heights : e of each contact, in g_0
+    of_curvature : rounding of the curvature of crests, in g_0/lambda_0^2
+    """
+    r, total = contacts[2], 0.0
+    gap = 0.5 * distances_between(*contacts, L)
+    for j in range(r.size):
+        force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
+        c = max(-2 * np.log(np.pi * r[j] / L), 1.0)
+        by_force = 2 * r[j] * of_heights[j] / (c * force) + of_curvature * r[j] ** 3 / (8 * force)
+        for side in range(2):
+            beside = gap[j - 1 + side]
+            is_narrow, scale = beside < r[j], min(beside, r[j])
+            move = np.sqrt(2.0) / np.pi * of_heights[j] / (A[j, side] * np.sqrt(scale)) + by_force
+            # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
+            if not move < scale:
+                move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * c)
+            total += (EDGE_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
+    return 2 * np.pi**2 / L * total

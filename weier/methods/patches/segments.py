@@ -24,6 +24,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
+Sides = NDArray[np.float64]  # of segments or contacts: values at the left and the right edge, shape (segments, 2)
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
@@ -91,10 +92,15 @@ def degrees(first_node: Indices) -> Indices:
     return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
 
 
+@kernel
 def end_sums(first_node: Indices, coefficient: Array) -> NDArray[np.float64]:
     """The sums of the coefficients of each segment, shape (segments, 2): at -1, with the sign (-1)^k, and at 1."""
-    signed = np.where(degrees(first_node) % 2 == 0, coefficient, -coefficient)
-    return np.stack([np.add.reduceat(values, first_node[:-1]) for values in (signed, coefficient)], axis=1)
+    total = np.zeros((first_node.size - 1, 2))
+    for j in range(first_node.size - 1):
+        for k in range(first_node[j], first_node[j + 1]):
+            total[j, 0] += coefficient[k] if (k - first_node[j]) % 2 == 0 else -coefficient[k]
+            total[j, 1] += coefficient[k]
+    return total
 
 
 class Segments(NamedTuple):
