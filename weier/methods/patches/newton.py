@@ -401,7 +401,7 @@ def _correction(grids: TwoGrids, residual: Array) -> Array:
     edges and the approach are the same unknowns on both grids.
     """
     restricted, lift = apply_blocks(grids.restriction, residual), apply_blocks(grids.lift, residual)
-    few, points = restricted.size, grids.restriction.place[2, -1]
+    few, points = restricted.size, grids.restriction.start[2, -1]
     slow, change = np.empty(few + residual.size - points), np.empty(residual.size)
     for q in range(slow.size):
         slow[q] = restricted[q] if q < few else residual[points + q - few]
@@ -409,7 +409,7 @@ def _correction(grids: TwoGrids, residual: Array) -> Array:
         slow[few + j] -= lift[j]
     _solve_factorised(grids.factors[0], grids.factors[1], slow)
     phi, fast = apply_blocks(grids.interpolation, slow), apply_blocks(grids.fast, residual)
-    few = grids.interpolation.place[2, -1]
+    few = grids.interpolation.start[2, -1]
     for q in range(residual.size):
         change[q] = -(phi[q] + fast[q] if q < phi.size else slow[few + q - phi.size])
     return change
