@@ -28,15 +28,15 @@ Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there an
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
 # Nodes of a segment, by the digits of its density: alpha + beta k r + zeta/ln(rho), where k r are the radians of the
-# finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "How many nodes").
-# The factors were fitted to the coefficients of 558 segments. Where two segments are so close that slow modes of one
-# are fast ones of the other, the last factor over ln(rho)^2 is added ("Two grids").
+# finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
+# polynomials"). The factors were fitted to the coefficients of 558 segments. Where two segments are so close that
+# slow modes of one are fast ones of the other, the last factor over ln(rho)^2 is added ("Two grids").
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
-# The distance of neighbours over the half-width is limited to these in the formula, since the guess may be wrong about
+# The distance of neighbours over the half-width is limited to these in the formula, since a guess may be wrong about
 # how close they are. The coefficients of a solution show whether it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
