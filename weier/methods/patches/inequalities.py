@@ -50,7 +50,8 @@ SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so ma
 # Newton's method on differences starts with this stencil, over the distance of the probes, which shrinks by the ratio
 # in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force.
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
+# 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
 NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension, which is exact in a parabola.
 # Largest half-width of a new segment over the distance to its nearest neighbour: two new ones side by side must not
