@@ -29,7 +29,7 @@ from weier.theory.expansions import (
     values,
 )
 
-SAMPLES_PER_WAVE = 16  # of the finest; where crests may stand closer together, they are told apart by `_separated`
+SAMPLES_PER_WAVE = 16  # of the finest; where crests may stand closer together, `_separated` finds each of them
 SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)  # of these from a node, in steps
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
