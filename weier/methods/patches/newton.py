@@ -83,8 +83,8 @@ MAX_ROUNDING_STEP = 1e-4
 MAX_RATIO = 0.5
 # Corrections of the tangent end when further ones would change the resistance by less than this part of it.
 TANGENT_TOLERANCE = 1e-11
-# After a correction whose relative size is below this, the equations are not assembled again: their matrix is that of
-# a state which differs by no more, and so does its resistance.
+# After a correction whose relative size is below this, the equations are not assembled again: their matrix, of the
+# state before it, changed the resistance of 360 random loads by 1.6e-11 at most, and three times that is stated.
 MAX_FROZEN_CORRECTION = 1e-10
 MAX_NODE_ROUNDS = 8  # Rounds of adding nodes; one or two are usual.
 MIN_ANGLE = 1e-8  # Below it sin(y) = y and y cot(y) = 1 to rounding.
