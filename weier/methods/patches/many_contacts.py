@@ -2,7 +2,7 @@
 
 The stages are those of docs/patches.md, "The stages of many contacts", which has the reason of each limit. "Given
 edges" and "Moves of edges" derive what one step does, and "Inequalities" how wide new segments are. The set of
-segments is corrected first on nodes for three digits, since wrong sets cost most of the steps. `_solve_to` goes
+segments is corrected first on nodes for three digits, since all steps on wrong sets are lost. `_solve_to` goes
 through the stages, one step at each pass of its loop:
 
 1. rough steps: `take_step` solves on given edges, by conjugate gradients, and `next_guess` moves the edges. Next is
