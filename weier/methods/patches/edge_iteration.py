@@ -95,8 +95,8 @@ class EdgeMoves(NamedTuple):
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
     """The moves from the coefficients of psi in T_k and of its regular part in U_k.
 
-    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k. Inward from an end, psi falls by
-    -sum (+-1)^k k^2 b_k: its derivative at 1 with its sign turned, and that at -1. Of gaps (dual) all are taken with
+    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k. The slope of psi inward is
+    -sum (+-1)^k k^2 b_k: psi' at -1, and psi' with its sign turned at 1. Of gaps (dual) all are taken with
     the sign that they have at the left end, where the gap opens.
     """
     r, first_node = punches.segments.half_width, punches.segments.first_node
