@@ -1,8 +1,13 @@
 """Barber's bounds on what the terms left out of a series can change, Section 5.5.
 
-Roughness within a band of half-height G moves the mean gap at a given load by at most G. So the complete curve
-lies within G of the truncated one when both count from the mean plane, and as it is concave, so does its slope
-between two lines. But for the last two, the functions know arrays only: any consistent units will do.
+Roughness within a band of half-height G moves the mean gap at a given load by at most G (27). So the complete curve H
+lies within G of the truncated one, h, when both count from the same mean plane. As H is concave, its slope at p is no
+more than that of its chord from a lighter load p' and no less than that of its chord to a heavier one:
+
+    R(p) <= [H(p) - H(p')]/(p - p') <= [h(p) - h(p') + 2 G]/(p - p') for p' < p, and the reverse for p' > p with -2 G.
+
+docs/paper.md says why (27) holds at the mean plane, and docs/bem.md, "Bounds", how boundary elements use the chords.
+All but the last two functions take any consistent units.
 """
 
 from __future__ import annotations

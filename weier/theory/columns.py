@@ -16,7 +16,7 @@ from weier.theory.heights import MAX_HEIGHTS
 from weier.theory.line import Line
 from weier.theory.units import units_in
 
-HEAD = 2**16  # bytes from which the kind and the encoding of a file are told
+HEAD = 2**16  # bytes from which the kind and the encoding of a file are recognised
 UNEVEN = 0.01  # of a step: the digits that files give of positions
 MOST_DIGITS = 9  # behind the point, of positions that may have been rounded
 NO_NUMBER = {"na", "n/a", "#n/a", "null", "none", "-", "--", "---", "bad", "*", "***", "1.#qnan", "-1.#ind", "1.#ind"}
@@ -138,12 +138,12 @@ def _digit(x: Array) -> float:
 
 def _check_text(path: Path, head: bytes) -> None:
     """Refuse a file whose first bytes are no text in the encodings that are read."""
-    known = next((told for start, told in SIGNATURES.items() if head.startswith(start)), None)
+    known = next((kind for start, kind in SIGNATURES.items() if head.startswith(start)), None)
     if head.startswith(b"PK\x03\x04"):
         known = ("a zip archive", "unpack it")
         with suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(path) as archive:
             members = archive.namelist()
-            known = next((told for member, told in ARCHIVES.items() if member in members), known)
+            known = next((kind for member, kind in ARCHIVES.items() if member in members), known)
     if known is None and b"\0" in head:
         known = ("UTF-16 text", "save it as UTF-8") if _is_utf_16(head) else ("no text", SAVE_AS_TEXT)
     if known is not None:

@@ -1,4 +1,9 @@
-"""From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units."""
+"""From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
+
+docs/paper.md says where (4) and (5) are half of what the paper prints. The scales of an `Interface` follow from (7):
+lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times area in
+M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
+"""
 
 from __future__ import annotations
 
@@ -122,7 +127,7 @@ RANGES: dict[str, tuple[str, Condition]] = {
     **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0)),
 }
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
-SAME_SCALE = 1e-6  # relative: what a person copies of a number
+SCALE_TOLERANCE = 1e-6  # relative: a scale that a person copies has six digits and more
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}  # coordinates of curves, in m
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
 
@@ -253,7 +258,7 @@ class Interface:
         """
         if hasattr(data, "data_vars"):
             self._check_scale(data)
-            # A dataset is asked to rebuild itself, so that nothing of xarray has to be imported here.
+            # By methods of the dataset itself, so that nothing of xarray has to be imported here.
             values = {name: self._converted(variable) for name, variable in data.variables.items()}
             found = data.assign(values).assign_attrs(vars(self))
             for name in SCALARS.keys() & found.attrs.keys():
@@ -268,7 +273,7 @@ class Interface:
         """Refuse curves of traces in units of another length or height than their own."""
         for name, of_trace in OF_TRACE.items():
             known = np.asarray(data.coords.get(of_trace, math.nan), float)
-            strange = known[np.abs(known / getattr(self, name) - 1) > SAME_SCALE]
+            strange = known[np.abs(known / getattr(self, name) - 1) > SCALE_TOLERANCE]
             if strange.size:
                 raise ValueError(
                     f"{name} must be that of the trace, {strange[0]:.9g} m, got {getattr(self, name):g} m: "
@@ -316,7 +321,7 @@ class Interface:
 def _scaled(normalised: ArrayLike, unit: float) -> Array:
     """Values in a unit; NaN, where a value is missing, stays NaN.
 
-    An infinite resistance is that of no contact, which perfect conductors do not have less of: it stays infinite.
+    An infinite resistance is that of no contact, and stays infinite for perfect conductors, too, whose unit is 0.
     """
     values = checked_numbers("normalised", normalised)
     return np.asarray(np.multiply(values, unit, out=values.copy(), where=np.isfinite(values)))

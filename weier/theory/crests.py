@@ -1,10 +1,11 @@
 """The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-All of them are looked for among samples, and found by Newton's method on Taylor's polynomials. Of more than a
-computer holds, the highest is found wave by wave, in bounded memory: the waves are taken from the largest to the
-smallest, and a place is kept while the waves that have been looked at, with all others at their crests, could lift it
-as high as the best place that is known. This holds for heights, whose waves shrink as they become finer, and for
-pressures of full contact, whose waves grow.
+All of them are looked for among samples, and found by Newton's method on Taylor's polynomials (docs/numerics.md,
+"Heights of any number of waves"). Of more than a computer holds, the highest is found by branch and bound over cells
+of the period, in bounded memory ("The highest crest of very many"): the waves are taken from the largest to the
+smallest, and a cell is kept while the waves so far, with all others at their crests, could lift it as high as the
+highest point that is known. This holds for heights, whose waves shrink as they become finer, and for pressures of
+full contact, whose waves grow.
 """
 
 from __future__ import annotations
@@ -28,25 +29,26 @@ from weier.theory.expansions import (
     values,
 )
 
-SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
+SAMPLES_PER_WAVE = 16  # of the finest; where crests may stand closer together, `_separated` finds each of them
 SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)  # of these from a node, in steps
 MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
 MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
-PARTS = 31  # of the two samples about a top, where crests may stand side by side; odd, for these to be symmetric
-MIN_PART = 1e-5  # of the finest wave: crests closer together than this are one to rounding
+SUBDIVISIONS = 31  # of the two samples about a top, where crests may stand side by side; odd, for symmetry
+MIN_SEPARATION = 1e-5  # of the finest wave: crests closer together than this are one to rounding
 MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
 MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
 MAX_TERMS = 64  # the search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits
-CELLS = 32  # of a wave, whose middles are looked at in the search for the highest crest of very many
-BEAM, MAX_PLACES = 256, 2**17  # places kept by a first search, for a height to beat, and at most: 50 MB for 12 terms
+CELLS_PER_WAVE = 32  # of the finest wave so far, when the search goes on to the next one
+# Cells that are kept by a first search, for a height that the second has to reach; and at most by that one, which
+# takes 50 MB for 12 terms.
+BEAM_WIDTH, MAX_CELLS = 256, 2**17
 HEIGHT_ROUNDING = 1e-13  # of the sum of amplitudes
-PLACE_STEPS = (
-    16  # of Newton's from a 64th of the finest wave away: 6 reach rounding but for crests that are nearly flat
-)
+# Steps of Newton's method from a 64th of the finest wave away: 6 reach rounding but for crests that are nearly flat.
+MAX_POLISH_STEPS = 16
 
 
 def countable(waves: int) -> bool:
-    """Whether every crest of a series with so many of the finest waves in a period can be looked at beforehand."""
+    """Whether all crests of a series with so many of the finest waves in a period can be found beforehand."""
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
@@ -127,30 +129,31 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
     """Rows and positions next to each crest, of sampled tops with one or several within this width on either side.
 
     Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
-    Each is where the slope falls through 0 between points that are so close that the series is concave.
+    Then the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
+    a crest, until the series is concave in it or the part is as small as `MIN_SEPARATION`.
     """
     row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
     while t.size > 0:
         curvature = derivatives(expansion[row], np.stack([t - width, t, t + width]))[1]
-        clear = np.all(curvature < 0, axis=0) | (width * finest < 2 * np.pi * MIN_PART)
+        clear = np.all(curvature < 0, axis=0) | (width * finest < 2 * np.pi * MIN_SEPARATION)
         rows.append(row[clear])
         near.append(t[clear])
         row, t = row[~clear], t[~clear]
-        ends = np.linspace(-width, width, PARTS + 1)
+        ends = np.linspace(-width, width, SUBDIVISIONS + 1)
         slope = derivatives(expansion[row], t + ends[:, None])[0]
         part, of = np.nonzero((slope[:-1] > 0) & (slope[1:] <= 0))
-        width /= PARTS
-        row, t = row[of], t[of] + width * (2 * part + 1 - PARTS)
+        width /= SUBDIVISIONS
+        row, t = row[of], t[of] + width * (2 * part + 1 - SUBDIVISIONS)
     return np.concatenate(rows), np.concatenate(near)
 
 
 def highest_crest(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """Position and height of the highest point of a series; ValueError if too many places may hold it.
+    """Position and height of the highest point of a series; ValueError if too many cells may hold it.
 
-    Of more crests than can be looked at beforehand, it is found wave by wave, where a first search that keeps few
-    places finds a height to beat.
+    If crests are too many for samples, it is found wave by wave. A first search that keeps few cells finds a height
+    that the highest point reaches at least; the second keeps all cells that may reach it.
     """
     terms = len(waves_per_period)
     if terms > MAX_TERMS or countable(waves_per_period[-1]):
@@ -158,14 +161,14 @@ def highest_crest(
             raise ValueError(f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {terms}")
         return _highest_sampled(amplitude, waves_per_period, phase, period)
     search = _Search(amplitude, waves_per_period, phase)
-    few, _ = search.places(-np.inf, BEAM)
-    places, complete = search.places(search.polish(few)[1], MAX_PLACES)
+    few, _ = search.cells(-np.inf, BEAM_WIDTH)
+    cells, complete = search.cells(search.polish(few)[1], MAX_CELLS)
     if not complete:
         raise ValueError(
-            f"the highest crest of these {terms} waves is not found, since more than {MAX_PLACES} places may hold "
+            f"the highest crest of these {terms} waves is not found, since more than {MAX_CELLS} places may hold "
             "it: take fewer terms, or a gamma of smaller numbers"
         )
-    position, top = search.polish(places)
+    position, top = search.polish(cells)
     return position * period % period, top
 
 
@@ -174,7 +177,8 @@ def _highest_sampled(
 ) -> tuple[float, float]:
     """The highest crest among samples, of those tops that may be it.
 
-    Between samples, a crest is higher than they are by an eighth of the largest curvature at most.
+    A crest is half a step from the nearest sample at most, and so higher by an eighth of the largest curvature, in
+    steps, at most.
     """
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
@@ -192,13 +196,14 @@ def crest_heights(
 ) -> list[Any]:
     """Heights of crests in 40 digits, of those floats that the series is given as, near these positions.
 
-    Twin crests may differ by so little that the heights of both, as floats, do not show it.
+    Twin crests may differ by so little that the heights of both, as floats, do not show it. A position that is off
+    by slope/curvature, to rounding of a float, is corrected by slope^2/(2 curvature).
     """
     import mpmath as mp  # which takes a tenth of a second, and few profiles need
 
     with mp.workdps(40):
         k = [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period]
-        phi, a = [mp.mpf(float(p)) for p in phase], [mp.mpf(float(each)) for each in amplitude]
+        phi, a = [mp.mpf(float(p)) for p in phase], [mp.mpf(float(a_n)) for a_n in amplitude]
         heights = []
         for x in position:
             theta = [k_n * mp.mpf(float(x)) + phi_n for k_n, phi_n in zip(k, phi, strict=True)]
@@ -208,11 +213,11 @@ def crest_heights(
         return heights
 
 
-class _Places(NamedTuple):
-    """Places on the period, in the middle of cells of equal width, as far as the waves looked at distinguish them.
+class _Cells(NamedTuple):
+    """Cells of equal width on the period, one of each set that the waves so far do not distinguish.
 
-    position : in periods, shape (places,)
-    cycles : of each wave there, from its crest, shape (places, terms)
+    position : of their middles, in periods, shape (cells,)
+    cycles : of each wave there, from its crest, shape (cells, terms)
     """
 
     position: Array
@@ -220,10 +225,11 @@ class _Places(NamedTuple):
 
 
 class _Search:
-    """The highest crest of a series, wave by wave from the largest.
+    """The highest crest of a series by branch and bound, wave by wave from the largest.
 
-    If the largest wave has K waves in a period, the waves up to i repeat after q_i of these. As integers these are
-    exact, however many waves there are, and so is the phase of each wave at each place, to the rounding of a float.
+    If the largest wave has K waves in a period, the waves up to i repeat after q_i wavelengths of it: q_i is the
+    least common multiple of all K/gcd(K, k). As integers these are exact, however many waves there are, and so is the
+    phase of each wave at each cell, to the rounding of a float.
     """
 
     def __init__(self, amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> None:
@@ -237,20 +243,24 @@ class _Search:
             self.repeat.append(math.lcm(self.repeat[-1], self.waves[0] // math.gcd(self.waves[0], k)))
         self.tail = np.append(np.cumsum(self.amplitude[::-1])[::-1], 0.0)
 
-    def places(self, least: float, most: int) -> tuple[_Places, bool]:
-        """At most so many places that may be as high as `least` or any place met; and whether none was left out."""
-        parts, complete = CELLS, True  # cells in a wave of the largest
-        found = self._moved(_Places(np.zeros(1), self.start[None]), range(1, 2 * parts, 2), 2 * parts)
+    def cells(self, least: float, most: int) -> tuple[_Cells, bool]:
+        """At most so many cells that may be as high as `least` or any cell's middle; and whether none is missing.
+
+        With each wave, cells are copied to all of its wavelengths that the waves so far do not distinguish (branch),
+        those that cannot be high enough are dropped (bound), and the others are halved until they are fine enough.
+        """
+        parts, complete = CELLS_PER_WAVE, True  # cells in a wavelength of the largest wave
+        found = self._moved(_Cells(np.zeros(1), self.start[None]), range(1, 2 * parts, 2), 2 * parts)
         for i in range(len(self.waves)):
             if i > 0 and self.repeat[i] > self.repeat[i - 1]:
                 number = self.repeat[i] // self.repeat[i - 1]
-                if number * found.position.size > MAX_PLACES * CELLS:
+                if number * found.position.size > MAX_CELLS * CELLS_PER_WAVE:
                     return found, False
                 found = self._moved(found, range(0, self.repeat[i], self.repeat[i - 1]), 1)
             while True:
                 kept, least = self._kept(found, least, i + 1, parts)
                 complete = complete and kept.size <= most
-                found = _Places(found.position[kept[:most]], found.cycles[kept[:most]])
+                found = _Cells(found.position[kept[:most]], found.cycles[kept[:most]])
                 if self._is_fine_enough(i, parts):
                     break
                 parts *= 2
@@ -258,36 +268,45 @@ class _Search:
         return found, complete
 
     def _is_fine_enough(self, last: int, parts: int) -> bool:
-        """Whether the waves as far as the last vary less within a cell than that one and the smaller ones may add."""
-        cycles = [k / (parts * self.waves[0]) for k in self.waves[: last + 1]]
-        return max(cycles) * CELLS <= 1 and np.pi * float(self.amplitude[: last + 1] @ cycles) <= self.tail[last]
+        """Whether the waves up to `last` vary less within a cell than that one and the smaller ones may add.
 
-    def _moved(self, places: _Places, shifts: Sequence[int], parts: int) -> _Places:
-        """Each place moved by each of the shifts, in so many parts of a wave of the largest."""
+        Besides, the finest of them must have `CELLS_PER_WAVE` cells. Over half a cell a wave varies by at most pi
+        times its cycles in a whole one, times its amplitude.
+        """
+        cycles = [k / (parts * self.waves[0]) for k in self.waves[: last + 1]]
+        variation = np.pi * float(self.amplitude[: last + 1] @ cycles)
+        return max(cycles) * CELLS_PER_WAVE <= 1 and variation <= self.tail[last]
+
+    def _moved(self, cells: _Cells, shifts: Sequence[int], parts: int) -> _Cells:
+        """Each cell moved by each of the shifts, in so many parts of a wavelength of the largest wave."""
         divisions = parts * self.waves[0]
         cycles = np.array([[k * shift % divisions / divisions for k in self.waves] for shift in shifts])
-        moved = (places.cycles[:, None] + cycles).reshape(-1, len(self.waves))
-        position = places.position[:, None] + np.array([shift / divisions for shift in shifts])
-        return _Places(position.ravel(), moved - np.rint(moved))
+        moved = (cells.cycles[:, None] + cycles).reshape(-1, len(self.waves))
+        position = cells.position[:, None] + np.array([shift / divisions for shift in shifts])
+        return _Cells(position.ravel(), moved - np.rint(moved))
 
-    def _kept(self, places: _Places, least: float, known: int, parts: int) -> tuple[Indices, float]:
-        """Which cells may reach the least height, the most promising first; and that height, raised."""
-        least = max(least, float((np.cos(2 * np.pi * places.cycles) @ self.amplitude).max()))
+    def _kept(self, cells: _Cells, least: float, known: int, parts: int) -> tuple[Indices, float]:
+        """Which cells may reach the least height, the most promising first; and that height, raised by their middles.
+
+        Within a cell each known wave is no higher than at the end that is nearer to its crest, or than its crest; all
+        other waves are no higher than their amplitudes.
+        """
+        least = max(least, float((np.cos(2 * np.pi * cells.cycles) @ self.amplitude).max()))
         half = np.array([k / (2 * parts * self.waves[0]) for k in self.waves[:known]])
-        nearest = np.maximum(np.abs(places.cycles[:, :known]) - half, 0.0)
+        nearest = np.maximum(np.abs(cells.cycles[:, :known]) - half, 0.0)
         most = np.cos(2 * np.pi * nearest) @ self.amplitude[:known] + self.tail[known]
         order = np.argsort(-most, kind="stable")
         return order[most[order] >= least - HEIGHT_ROUNDING * self.tail[0]], least
 
-    def polish(self, places: _Places) -> tuple[float, float]:
-        """Position, in periods, and height of the highest of all crests near these places, by Newton's method."""
-        k = np.array([each / max(self.waves) for each in self.waves])
-        theta, moved = 2 * np.pi * places.cycles, np.zeros(places.position.size)
-        for _ in range(PLACE_STEPS):
+    def polish(self, cells: _Cells) -> tuple[float, float]:
+        """Position, in periods, and height of the highest of all crests near these cells, by Newton's method."""
+        k = np.array([waves / max(self.waves) for waves in self.waves])
+        theta, moved = 2 * np.pi * cells.cycles, np.zeros(cells.position.size)
+        for _ in range(MAX_POLISH_STEPS):
             slope, curvature = -np.sin(theta) @ (self.amplitude * k), -np.cos(theta) @ (self.amplitude * k**2)
             step = np.clip(-slope / np.minimum(curvature, -1e-300), -0.5, 0.5)
             theta, moved = theta + step[:, None] * k, moved + step
         height = np.cos(theta) @ self.amplitude
-        position = places.position + moved / (2 * np.pi * max(self.waves))
+        position = cells.position + moved / (2 * np.pi * max(self.waves))
         highest = int(np.argmax(height))
         return float(position[highest]), float(height[highest])

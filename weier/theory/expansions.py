@@ -1,8 +1,9 @@
 """Taylor's polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-About N equally spaced nodes x_l = l L/N, the coefficients of one order at all nodes are one Fourier transform of
-a_n exp(i phi_n) (i kappa_n)^j/j!, with kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does
-not depend on the number of its waves. Distances t are in steps L/N.
+They are those of docs/numerics.md, "Heights of any number of waves". About N equally spaced nodes x_l = l L/N, the
+coefficients of one order at all nodes are one Fourier transform of a_n exp(i phi_n) (i kappa_n)^j/j!, with
+kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does not depend on the number of its waves.
+Distances t are in steps L/N.
 
 With 4 nodes or more for each of the finest waves, kappa_n <= pi/2. A polynomial is used as far as one step from its
 node: half a step to a point or a crest, and half a step from there. The remainder of the second derivative, the
@@ -19,8 +20,8 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 
-NODES_PER_WAVE = 4  # of the finest, at least
-ORDER = 22
+NODES_PER_WAVE = 4  # of the finest, at least: so that kappa_n <= pi/2
+ORDER = 22  # q, of the last power of t: the least for which the remainder is below rounding
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
 
@@ -38,7 +39,10 @@ def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
 
 
 def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> Expansions:
-    """The series about all nodes, as many as `count_nodes`."""
+    """The series about all nodes, as many as `count_nodes`.
+
+    By `irfft`, a wave of k_n in N nodes has the spectrum N/2 a_n exp(i phi_n) at k_n.
+    """
     nodes = count_nodes(waves_per_period[-1])
     spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
     wave = 0.5 * nodes * np.exp(1j * phase)
@@ -77,7 +81,7 @@ def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[
 
 
 def move(expansion: Expansions, t: Array) -> Expansions:
-    """The same polynomials about the points t."""
+    """The same polynomials about the points t: the coefficient of order i is sum_j (j over i) c_j t^(j-i)."""
     moved, power = np.empty_like(expansion), np.vander(t, ORDER + 1, increasing=True)
     for i in range(ORDER + 1):
         moved[:, i] = np.einsum("j,ij,ij->i", BINOMIAL[i, i:], expansion[:, i:], power[:, : ORDER + 1 - i])

@@ -1,6 +1,9 @@
 """Measured heights before they become waves: what is missing, what is no roughness, and their tilt and form.
 
-Each height is judged by the rest of the line, by medians and quartiles, so that what is spoilt does not judge itself.
+docs/measured.rst, "What an instrument leaves", says what is refused and what is filled. Each height is judged by the
+rest of the line. Standard deviations are estimated from medians and quartiles, as those of a normal distribution
+would be, so that a few spoilt heights do not change what they are judged by. The limits are tested on roughness of
+many kinds, which no check may refuse, and on steps and spikes in it (`tests/theory/test_heights.py`).
 """
 
 from __future__ import annotations
@@ -21,24 +24,27 @@ REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
 DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # of the polynomial that is removed
 MAX_GAP = 5  # heights beside each other that are filled by default
-# Standard deviations of a normal distribution at the median of its magnitudes.
-MEDIAN = 0.6745
-# A value that stands for a missing height recurs exactly, is ten standard deviations from the median of all values,
-# and has nothing within 0.6 of this distance: the flanks of a groove have.
-FAR, VOID = 10.0, 0.6
-# Or it recurs three times and more among heights of which nine in ten do not, and is three standard deviations of
-# their changes from those beside it. A few values that recur most often are looked at.
-RECURRING, FINE, OFF, CANDIDATES = 3, 0.9, 3.0, 8
-# From one height to the next, normal roughness changes by at most five standard deviations. Larger changes that are
-# no jumps have a neighbour that goes the same way and is alike within a factor of three: those of the flank of a
-# groove. A jump is more than a tenth of all heights, too, and twice as large as all changes that are none.
-ABRUPT, ALIKE, JUMP_SHARE, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
-RETURN = 10  # heights within which a spike comes back
+# The median magnitude of a normal distribution, and half the distance of its quartiles, in standard deviations.
+NORMAL_MEDIAN = 0.6745
+# A value that stands for missing heights recurs exactly, is so many standard deviations from the median of all
+# values, and no other value is within this part of that distance: in a groove, its flanks are.
+SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
+# Or it recurs at least so many times, among heights of which at least this part do not recur, and is so many standard
+# deviations of their changes off the line through the heights beside it. Of the values that recur, so many are tried,
+# those that do most often.
+MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS, MAX_SENTINELS = 3, 0.9, 3.0, 8
+# From one height to the next, normal roughness changes by at most five standard deviations: in 10^6 changes there is
+# one beyond that. Six are abrupt. Unless it is a jump, such a change has a neighbour in the same direction that is
+# alike within a factor of three, as on the flank of a groove.
+ABRUPT_DEVIATIONS, FLANK_RATIO = 6.0, 3.0
+# A jump is more than a tenth of the range of heights, too, and twice as large as all changes that are no jumps.
+JUMP_FRACTION, JUMP_OUTLIER = 0.1, 2.0
+MAX_SPIKE_WIDTH = 10  # heights within which a jump must come back to be a spike, and no step
 # Within one to three steps, a jump is also what is five times as large as the three differences on either side, and
 # has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
-REPEATED = 1e-6  # of the range of heights: what the repeated end of a period differs from its beginning
-DOMINANT = 5.0  # times the root mean square of the roughness: a form that is mentioned
+SAME_HEIGHT = 1e-6  # of the range of heights: values that differ by less, as written numbers do, are the same
+DOMINANT_FORM = 5.0  # root mean square of a form over that of the roughness, from which on it is mentioned
 
 
 class Filled(NamedTuple):
@@ -96,27 +102,27 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
     inside = int(lengths.sum())
     longest = int(lengths.max(initial=0))
     cut = int(gaps.sum()) - inside
-    told = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
-    told += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
+    summary = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
+    summary += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
     if missing == REFUSE:
         need = f", max_gap={longest}" if longest > MAX_GAP else ""
         remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
-        raise ValueError(f'{told}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
+        raise ValueError(f'{summary}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
     if longest > max_gap:
         at = int(known[0] + starts[lengths.argmax()]) + 1
         raise ValueError(
-            f"{told}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
+            f"{summary}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
         )
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:
-        raise ValueError(f"{told}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
+        raise ValueError(f"{summary}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
     return np.interp(within, known, z[known]), Filled(inside, longest, cut)
 
 
 def check_sentinels(z: Array) -> None:
     """Refuse a value that recurs exactly where it does not belong: it stands for heights that are missing."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:CANDIDATES].tolist():
+    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:MAX_SENTINELS].tolist():
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
             raise ValueError(
                 f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
@@ -131,22 +137,22 @@ def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
         low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
         distance = abs(heights[at] - middle)
         nearest = np.abs(np.delete(values, at) - values[at]).min(initial=math.inf)
-        if distance > FAR * (high - low) / (2 * MEDIAN) and nearest > VOID * distance:
+        if distance > SENTINEL_DEVIATIONS * (high - low) / (2 * NORMAL_MEDIAN) and nearest > SENTINEL_VOID * distance:
             return True
     return False
 
 
 def _is_out_of_line(z: Array, value: float, count: int) -> bool:
     """Whether a value that is neither the lowest nor the highest one recurs away from the heights beside it."""
-    if count < RECURRING or not z.min() < value < z.max():
+    if count < MIN_RECURRENCES or not z.min() < value < z.max():
         return False
     here = z == value
     known = np.flatnonzero(~here)
     rest = z[known]
-    if np.unique(rest).size < FINE * rest.size:  # heights of few digits, which recur by chance
+    if np.unique(rest).size < MIN_DISTINCT * rest.size:  # heights of few digits, which recur by chance
         return False
     off = np.abs(np.interp(np.flatnonzero(here), known, rest) - value)
-    return bool(np.median(off) > OFF * np.median(np.abs(np.diff(rest))) / MEDIAN)
+    return bool(np.median(off) > OFF_LINE_DEVIATIONS * np.median(np.abs(np.diff(rest))) / NORMAL_MEDIAN)
 
 
 def check_jumps(z: Array, step: float) -> None:
@@ -159,28 +165,32 @@ def check_jumps(z: Array, step: float) -> None:
 
 
 def _check_abrupt_changes(z: Array, step: float) -> None:
-    """Refuse changes from one height to the next that no other change of the line comes near, wherever they stand."""
+    """Refuse changes from one height to the next that are far larger than all others of the line.
+
+    Suspects are abrupt and have no flank beside them. With the heights around them left out, they must exceed a part
+    of the range of the rest, without its form, and the largest change of the rest.
+    """
     change = np.diff(z)
     change = change - np.median(change)
     size = np.abs(change)
-    counted = size[size > REPEATED * size.max()]
+    counted = size[size > SAME_HEIGHT * size.max()]
     if not counted.size:
         return
-    # Where most heights have one of a few values, at least one digit.
-    ordinary = max(float(np.median(counted)) / MEDIAN, float(counted.min()))
+    # Where heights have few digits, most changes are 0 or one unit: then at least that unit.
+    ordinary = max(float(np.median(counted)) / NORMAL_MEDIAN, float(counted.min()))
     before, after = np.append(0, change[:-1]), np.append(change[1:], 0)
     same_way = np.maximum(before * np.sign(change), after * np.sign(change))
-    suspect = (size > ABRUPT * ordinary) & (same_way < size / ALIKE)
+    suspect = (size > ABRUPT_DEVIATIONS * ordinary) & (same_way < size / FLANK_RATIO)
     near = np.convolve(suspect, np.ones(2 * JUMP_NEIGHBOURS - 1), "same") > 0
     rest = ~np.append(near, near[-1])
     if not suspect.any() or rest.sum() < MIN_HEIGHTS:
         return
     spread = np.ptp(_without_polynomial(z[rest], np.flatnonzero(rest), DEGREES[FORM]))
-    limit = max(JUMP_SHARE * float(spread), JUMP_OUTLIER * float(size[~near].max()))
+    limit = max(JUMP_FRACTION * float(spread), JUMP_OUTLIER * float(size[~near].max()))
     abrupt = np.flatnonzero(suspect & (size > limit))
     if abrupt.size:
         at = int(abrupt[0])
-        back = np.flatnonzero(np.abs(z[at + 2 : at + 2 + RETURN] - z[at]) < size[at] / 2)
+        back = np.flatnonzero(np.abs(z[at + 2 : at + 2 + MAX_SPIKE_WIDTH] - z[at]) < size[at] / 2)
         width = int(back[0]) + 2 if back.size else 1
         _refuse_jump("spike" if back.size else "step", at, width, float(size[at]), step, abrupt.size - 1)
 
@@ -193,7 +203,7 @@ def _check_isolated_jumps(z: Array, step: float) -> None:
     for width in JUMP_STEPS:
         size = np.ptp(sliding_window_view(z, width + 1), axis=1)
         around = np.maximum(largest[: size.size], largest[width + n :])
-        for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
+        for at in np.flatnonzero((size > JUMP_FRACTION * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
             others[at : at + width] = 0
             jumps.append((at, width, size[at]))
     for at, width, size in jumps:  # the narrowest first
@@ -217,11 +227,11 @@ def check_end_of_period(z: Array) -> None:
     A crest between two heights, or a flat one, repeats the height, too. There the third differences across the ends
     are smaller with both heights than without one of them.
     """
-    if abs(z[-1] - z[0]) > REPEATED * np.ptp(z):
+    if abs(z[-1] - z[0]) > SAME_HEIGHT * np.ptp(z):
         return
     both, one = np.concatenate([z[-3:], z[:3]]), np.concatenate([z[-3:], z[1:3]])
     kink = np.abs(np.diff(both, 3)).max()
-    if kink > REPEATED * np.ptp(z) and np.abs(np.diff(one, 3)).max() < kink:
+    if kink > SAME_HEIGHT * np.ptp(z) and np.abs(np.diff(one, 3)).max() < kink:
         raise ValueError(
             f"a period must hold its end once, got {z[-1]:.6g} m as the first and as the last of {z.size} heights: "
             f"leave out the last one, and take the length of {z.size - 1} steps"
@@ -237,7 +247,7 @@ def warn_of_form(level: Array) -> None:
     """Warn where a tilt or a parabola is higher than the roughness: contact would be that of the form."""
     rough = float(np.std(detrended(level, FORM)))
     form = float(np.std(level - detrended(level, FORM)))
-    if form > DOMINANT * rough:
+    if form > DOMINANT_FORM * rough:
         warnings.warn(
             f"the form of the trace, a parabola or tilt of {form:.3g} m root mean square, is {form / rough:.3g} "
             f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',
@@ -251,11 +261,12 @@ def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
     x = (x - x.mean()) / max(np.ptp(x), 1.0)
     basis = np.linalg.qr(np.vander(x, degree + 1, increasing=True))[0]
     left = z - basis @ (basis.T @ z)
-    return np.asarray(left - basis @ (basis.T @ left))  # once more: to rounding, also below a high form
+    # Twice, since the first time leaves rounding of the whole, which may be far higher than the roughness.
+    return np.asarray(left - basis @ (basis.T @ left))
 
 
 def _tilt(z: Array) -> float:
-    """The median rise from one height to the next, over half the length of the line."""
+    """The tilt, in heights a step: the median rise over half the length of the line, over the steps in it."""
     half = z.size // 2
     return float(np.median(z[half:] - z[:-half])) / half
 

@@ -20,7 +20,7 @@ from weier.theory.arguments import checked_number, shown
 from weier.theory.profile import Profile, checked_ratio
 from weier.theory.series import amplitude
 from weier.theory.tables import html_table
-from weier.theory.trace import NEAR, Trace
+from weier.theory.trace import DECIMAL_ROUNDING, Trace
 
 WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
 MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
@@ -124,11 +124,11 @@ def fit(
     ratio = checked_ratio(gamma)
     first, m = _band(trace, longest, shortest, ratio)
     last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
-    finest = min(math.floor(period / last * NEAR), trace.waves_per_period[-1])
+    finest = min(math.floor(period / last * DECIMAL_ROUNDING), trace.waves_per_period[-1])
     every = np.arange(1, trace.waves_per_period[-1] + 1)
     variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
     of_every = np.asarray(np.bincount(trace.waves_per_period, variance)[every], float)  # 0 for waves not there
-    band = slice(math.ceil(period / first / NEAR) - 1, finest)
+    band = slice(math.ceil(period / first / DECIMAL_ROUNDING) - 1, finest)
     k, power = every[band], of_every[band]
     _check_power(k, every[_has_power(every, of_every)], period)
     beta, beta_error = _exponent(k, power)
@@ -154,7 +154,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         "shortest",
         finest if shortest is None else shortest,
         f"be at least that of the trace, {least:.6g} m",
-        lambda x: least <= x * NEAR,
+        lambda x: least <= x * DECIMAL_ROUNDING,
     )
     fewest = max(MIN_RATIO, float(ratio)) * last
     first = checked_number(
@@ -162,9 +162,9 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
         f"trace, {trace.lambda_0:.6g} m",
-        lambda x: fewest <= x * NEAR and x <= trace.lambda_0 * NEAR,
+        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= trace.lambda_0 * DECIMAL_ROUNDING,
     )
-    return first, math.floor(math.log(first / last * NEAR) / math.log(ratio))
+    return first, math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
 
 
 def _has_power(k: Indices, power: Array) -> Flags:

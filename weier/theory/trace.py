@@ -1,5 +1,9 @@
 """A measured surface: heights at equal steps, as the finite sum of waves that the numerical methods take.
 
+docs/measured.rst says what becomes of heights ("The trace") and which are refused ("What an instrument leaves"). The
+waves are those of the discrete Fourier transform of one period of N heights: a_k exp(i phi_k) = (2/N) sum_j z_j
+exp(-2 pi i j k/N). Their root mean square is sqrt(sum a_k^2/2).
+
 Lengths along x are in lambda_0, the length of the trace, heights in g_0, the root mean square height of its waves,
 and pressures in p_0* = 2 pi M g_0/lambda_0.
 """
@@ -34,8 +38,8 @@ from weier.theory.waves import Waves
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
 ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-NEAR = 1 + 1e-9  # what quotients of decimal numbers are off
-SAME_LENGTH = 0.01  # relative: what a rounded length is off
+DECIMAL_ROUNDING = 1 + 1e-9  # Quotients of decimal numbers may be off by this factor before they are rounded down.
+LENGTH_TOLERANCE = 0.01  # relative: a length that is given beside that of the file may be rounded to two digits
 MAX_SLOPE = 10.0  # root mean square: a larger one is a wrong unit, since no instrument sees such flanks
 
 
@@ -324,7 +328,7 @@ class Trace(Waves):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What a scene knows this trace by: its name, and the digest of its heights."""
+        """What identifies this trace in a scene: its name, and the digest of its heights."""
         return {"trace": {"file": self.source, "digest": self.digest}}
 
     @property
@@ -393,7 +397,7 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
         z, own = on_grid(one.positions, z, None if length is None else length / unit)
         return z, own * unit
     own = float(one.length or 0) * unit
-    if length is not None and abs(length / own - 1) > SAME_LENGTH:
+    if length is not None and abs(length / own - 1) > LENGTH_TOLERANCE:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
     return z, own
 
@@ -405,7 +409,7 @@ def _checked_shortest(shortest: float | None, length: float, samples: int) -> fl
         "shortest",
         least if shortest is None else shortest,
         f"lie between two steps and the length of the trace, {least:g} and {length:g} m",
-        lambda x: least <= x * NEAR and x <= length * NEAR,
+        lambda x: least <= x * DECIMAL_ROUNDING and x <= length * DECIMAL_ROUNDING,
     )
 
 
@@ -427,8 +431,8 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
     """The period in lengths of the trace, the waves in it that are above rounding, and their coefficients, in m."""
     z = _continued(level, ends)
     period = z.size // level.size  # 2 if it is mirrored
-    # The phase of two samples a wave is unknown: only shorter numbers of waves are told apart.
-    most = min(math.floor(period * length / shortest * NEAR), (z.size - 1) // 2)
+    # A wave of two samples may have any phase, so that N/2 waves are left out of N heights.
+    most = min(math.floor(period * length / shortest * DECIMAL_ROUNDING), (z.size - 1) // 2)
     waves = np.arange(1, most + 1)
     coefficient = 2 * np.fft.rfft(z)[waves] / z.size
     size = np.abs(coefficient)
@@ -454,11 +458,14 @@ def _check_slope(level: Array, step: float) -> None:
 
 
 def _continued(z: Array, ends: str) -> Array:
-    """The heights of one period."""
+    """The heights of one period.
+
+    A tapered trace is multiplied by sin^2 over a tenth of the length at either end, a Tukey window.
+    """
     if ends == PERIODIC:
         return z
     if ends == MIRRORED:
         return np.concatenate([z, z[::-1]])
-    fall = np.arange(z.size) / (TAPER * z.size)
-    share = np.clip(np.minimum(fall, fall[::-1]), 0, 1)
-    return z * np.sin(np.pi / 2 * share) ** 2
+    distance = np.arange(z.size) / (TAPER * z.size)  # from the first height, over the length of the taper
+    fraction = np.clip(np.minimum(distance, distance[::-1]), 0, 1)
+    return z * np.sin(np.pi / 2 * fraction) ** 2

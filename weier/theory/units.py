@@ -92,9 +92,9 @@ def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> 
     own = {name: checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
     found = [*own.values(), *named]
     if len({UNITS[unit] for unit in found}) > 1:
-        told = [f"{name}={unit!r}" for name, unit in own.items()] + [f"{unit!r} by itself" for unit in named]
+        sources = [f"{name}={unit!r}" for name, unit in own.items()] + [f"{unit!r} by itself" for unit in named]
         raise ValueError(
-            f"{what} must have one unit, got {' and '.join(dict.fromkeys(told))}: leave out what is wrong"
+            f"{what} must have one unit, got {' and '.join(dict.fromkeys(sources))}: leave out what is wrong"
         )
     return found[0] if found else ""
 

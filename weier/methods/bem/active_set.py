@@ -1,13 +1,17 @@
 """The fast solver: an active set with preconditioned conjugate gradients, products by FFT, on nested grids.
 
-The discrete problem is that of docs/bem.md; what makes the solver fast is in docs/numerics.md, "Fast boundary
-elements".
+The equations are those of docs/bem.md, "The discrete problem"; what makes the solver fast is in docs/numerics.md,
+"Fast boundary elements".
 
 The unknown is the nodal pressure p, the deformed surface is z - A p, and the rigid plane rests on it at the height H:
 z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
 this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
 residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
 free, so the active set is corrected as soon as its violations clearly outweigh the error of the solution on it.
+
+`cascade` goes through the grids. On each, `solve_load` alternates steps on the contact as it is (`_conjugate_step`)
+with corrections of the contact (`_correct_contact`), until both the gap in contact and the violations are below the
+residual to reach.
 
 On the contact that is left, the tangent pressure q = dp/d(mean pressure) is found in the same way: mean(q) = 1 and
 A q = R in contact, with R the resistance.
@@ -31,12 +35,13 @@ from weier.theory.waves import Waves
 
 # The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
 TANGENT_TOLERANCE = 1e-6
-# Where R is less than this, in g_0/p_0*, that flatness is relative to this: beside full contact the rest is rounding.
+# Where R is less than this, in g_0/p_0*, that flatness is relative to this: near full contact the rest is rounding.
 MIN_RESISTANCE = 1e-6
 # Steps of conjugate gradients of a load on one grid; 10 are usual, and hundreds for thousands of contacts at once.
 MAX_STEPS = 1000
-# The contact is corrected first when its violations are so many times the error of the pressure on it. With 1, ten
-# thousand contacts take 1.4 times as many FFTs, and ten contacts 3 % fewer.
+# The contact is corrected first when its violations are so many times the gap that is left in contact, and one more
+# with each correction, so that it settles. With 1, ten thousand contacts take 1.4 times as many FFTs, and ten
+# contacts 3 % fewer.
 FIRST_PATIENCE = 3
 PART = 2**22  # A call ends after pairs of FFTs of so many nodes in all: a quarter of a second on a busy machine.
 
@@ -166,7 +171,10 @@ def _refresh(load: float, grid: Grid, state: GridState) -> None:
 
 @kernel
 def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
-    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0."""
+    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0.
+
+    A tension counts as the displacement that it makes at its own node.
+    """
     contact_gap = 0.0
     violation = 0.0
     for i in range(state.pressure.size):
@@ -198,7 +206,8 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
     """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
 
-    The energy is r.M^-1 r of the residual r before the step, M the preconditioner.
+    The energy is r.M^-1 r of the residual r before the step, M the preconditioner. The load is kept by subtracting
+    the mean in contact from M^-1 r. The product serves M^-1 r first, and A times the direction after it.
     """
     search, points = state.search[0], state.pressure.size
     for i in range(points):
@@ -263,7 +272,10 @@ def solve_load(load: float, grid: Grid, state: GridState) -> bool:
 
 @kernel
 def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
-    """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside."""
+    """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside.
+
+    The edges are `EDGE` beyond the last nodes, where they are in the continuum. The sum is scaled by the caller.
+    """
     shape[:] = 0.0
     points = contact.size
     for run in range(1, edge.size - 1):
@@ -279,9 +291,9 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
     """Continue with the tangent pressure on the contact as it stands; return whether it is done.
 
-    It takes the place of the pressure in `state`. A q is flat in contact within `flatness` times the resistance,
-    which is the energy q.Aq, or inf if that was missed. It starts from the contact of this load alone, so that what
-    an unfinished one leaves depends on no other load.
+    It overwrites the pressure in `state`. A q is flat in contact within `flatness` times the resistance, which is the
+    energy q.A q/N. The resistance is inf if that was missed. It starts from flat punches on the contact of this load,
+    so that the result depends on no other load.
     """
     search, points = state.search[0], state.pressure.size
     edge = find_edges(state.contact, state.edge)

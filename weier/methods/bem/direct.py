@@ -1,6 +1,8 @@
 """The paper's solver: the dense matrix of influence and an active set by inversion (Johnson 1985, Section 5.9).
 
-It solves the discrete problem of docs/bem.md.
+It solves the equations of docs/bem.md, "The discrete problem": A p + d = z at the nodes in contact, with the mean gap
+d as one more unknown and the load as one more equation. With z = 0 and the load 1, the same matrix gives the tangent
+pressure and -R.
 """
 
 from __future__ import annotations

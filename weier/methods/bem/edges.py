@@ -1,6 +1,8 @@
 """The edges of contact on a grid, and residuals continued across them for the preconditioner.
 
-What this saves is in docs/numerics.md, "Fast boundary elements".
+What this saves is in docs/numerics.md, "Fast boundary elements". The preconditioner is A^-1 of the whole surface: the
+residual is extrapolated into the gaps, multiplied by A^-1, and restricted to contact by the transpose of the
+extrapolation, so that the preconditioner is symmetric.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""The error and the cost of boundary elements that are expected before they are run (docs/bem.md, "Bounds")."""
+"""The error and the cost of boundary elements that are expected before they are run.
+
+The bounds are those of docs/bem.md, "Bounds". The costs were fitted to measured runs (docs/numerics.md, "How plans
+choose").
+"""
 
 from __future__ import annotations
 
@@ -13,16 +17,17 @@ from weier.theory.bounds import chord_bounds, first_contact
 from weier.theory.crests import SAMPLES_PER_WAVE, countable, sample
 from weier.theory.waves import Waves
 
-# The grid misses a crest half a node off by z'' dx^2/8. That is the error at first touch; no larger one was measured
-# at any load (docs/bem.md). Here z'' is in radians of the finest wave, and dx is 2 pi over its points.
-CREST_MISSED = (2 * math.pi) ** 2 / 8
+# A crest half a node off the grid is missed by z'' (dx/2)^2/2 = z'' dx^2/8. That is the error at first touch; no
+# larger one was measured at any load. Here z'' is per square radian of the finest wave, so that dx is 2 pi over its
+# points.
+MISSED_CREST = (2 * math.pi) ** 2 / 8
 
 MIN_MEASURED_POINTS = 12  # Grids of fewer points for each of the finest waves were not measured.
-MAX_POINTS_PER_WAVE = 1e15  # More than any computer holds, and still an integer.
+MAX_POINTS_PER_WAVE = 1e15  # The fewest points are cut off here: more than any computer holds, and still an integer.
 MAX_POINTS = 2**21  # A load on so many points takes a second.
-# Points for each of the finest waves that a tolerance may ask for. With twice as many, the set of contact did not
-# settle at 2 of 4 loads (D = 1.25, gamma = 5, m = 3).
-FINEST = 10_000
+# Points for each of the finest waves at most, where a tolerance chooses them. With twice as many, the set of contact
+# did not settle at 2 of 4 loads (D = 1.25, gamma = 5, m = 3).
+MAX_SOLVED_POINTS_PER_WAVE = 10_000
 MAX_OTHERS = 400  # From each load chords are drawn to so many others: more make the bounds hardly closer.
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 7e-5  # Seconds of a curve, and of each load.
@@ -34,7 +39,7 @@ BYTES_NODE = 240  # Bytes of the grids, their eigenvalues and the arrays of the 
 
 def compliance_error(profile: Waves, points: int) -> float:
     """Error of h on `points` nodes, in g_0: the largest curvature of the surface times dx^2/8."""
-    return CREST_MISSED * curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
+    return MISSED_CREST * curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 
 def solution_error(profile: Waves, points: int, residual: Array) -> Array:
@@ -59,7 +64,7 @@ def curvature(profile: Waves) -> float:
 
 def fewest_points(profile: Waves, error: float) -> int:
     """Fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
-    needed = math.sqrt(CREST_MISSED * curvature(profile) / error)
+    needed = math.sqrt(MISSED_CREST * curvature(profile) / error)
     needed = min(max(needed, MIN_MEASURED_POINTS), MAX_POINTS_PER_WAVE)
     halvings = 2 ** int(math.log2(needed / MIN_POINTS_PER_CARRIED_WAVE))
     return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]

@@ -1,4 +1,4 @@
-"""Pressure, gap and displacement under one load, node by node."""
+"""Pressure, gap and displacement under one load, node by node (docs/bem.md, "The discrete problem")."""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
 """Nested grids: the waves that each carries, and how a solution is carried to the next finer one.
 
-A wave joins on the first grid that resolves it. The pressure so far is then its local mean, and under each of its
-crests stands Westergaard's pressure for that mean: thousands of contacts begin near to where they end.
+What this saves is in docs/numerics.md, "Fast boundary elements"; docs/bem.md, "The discrete problem", has the
+eigenvalues. A wave joins on the first grid that resolves it. The pressure so far is then its local mean, and under
+each of its crests stands Westergaard's pressure for that mean, Eq. (10): thousands of contacts begin near to where
+they end.
 """
 
 from __future__ import annotations
@@ -21,8 +23,8 @@ MIN_POINTS = 128  # On fewer nodes a grid saves less than its steps cost.
 # Ratio of a wave to the one before from which on it is a scale of its own; the waves of a measured surface are
 # closer.
 MIN_SCALE_RATIO = 1.2
-# A coarse grid stops at the residual 30 g/(points per wave)^2, ten times its own error (docs/numerics.md, "Fast
-# boundary elements").
+# A coarse grid stops at the residual 30 g/(points per wave)^2: ten times its own error, which is 3.3 g/(points per
+# wave)^2 at most (docs/numerics.md, "One wave on 512 nodes"), with g the amplitude of its finest wave.
 COARSE_ACCURACY = 30.0
 
 
@@ -146,7 +148,10 @@ def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
 
 @kernel
 def _squared_beyond(before: float, last: float) -> float:
-    """Square of the pressure after the last node in contact, extrapolated linearly, and not above 0 there."""
+    """Square of the pressure at the first node outside contact, extrapolated linearly, and not above 0.
+
+    Near an edge the pressure is A s^(1/2), so that its square is linear.
+    """
     return min(0.0, 2 * last * last - before * before)
 
 
@@ -193,7 +198,8 @@ def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> Non
     count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
     if wave > 0 and count < MIN_SCALE_RATIO * harmonics.waves_per_period[wave - 1]:
         return
-    narrowest = np.sin(np.pi * count / p.size) ** 2  # A contact narrower than two nodes might lie between them.
+    # xi is sin^2(pi a/lambda) for a contact of half-width a (8): with a below one node, it might lie between nodes.
+    narrowest = np.sin(np.pi * count / p.size) ** 2
     highest = 0.0
     for i in range(p.size):
         sine = np.sin(np.pi * (count * i % p.size / p.size + cycle))

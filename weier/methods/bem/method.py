@@ -1,4 +1,4 @@
-"""Boundary elements as one of the methods."""
+"""Boundary elements as one of the methods, and what they offer to a plan (docs/numerics.md, "How plans choose")."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from weier.theory.waves import Waves
 PAPER_POINTS = 12  # Points for each of the finest waves, as the paper has them.
 MAX_POINTS_COMPARED = 100_000  # Points in one period in comparisons: a load then takes tens of milliseconds.
 MAX_RESIDUAL = 1e-10  # Residual, in g_0, at which the solver stops by default: below the error of any grid.
-RESIDUAL_FRACTION = 1e-3  # Residual over the tolerance, where one is given; it costs a step or two.
+# Residual over the tolerance, where one is given, so that the tolerance is left to the error of the grid. Three more
+# digits of the residual cost a step or two.
+RESIDUAL_FRACTION = 1e-3
 
 
 def _solve(
@@ -51,7 +53,7 @@ def _grid_within(
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
     residual = RESIDUAL_FRACTION * tolerance
     found = error_model.fewest_points(profile, tolerance - RESIDUAL_FACTOR * residual)
-    most = min(error_model.MAX_POINTS, error_model.FINEST * profile.waves_per_period[-1])
+    most = min(error_model.MAX_POINTS, error_model.MAX_SOLVED_POINTS_PER_WAVE * profile.waves_per_period[-1])
     if found > most:
         raise ValueError(
             f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than {most}: "
@@ -143,7 +145,7 @@ METHOD = Method(
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "o"),
-    noise=Noise(1e-9, 2.5e-3),
+    noise=Noise(1e-9, 2.5e-3),  # A residual of 1e-10, and what is left of the staircase on the default grid.
     algorithms=({}, {"solver": "direct"}),
     variants=_variants,
     seconds=_seconds,

@@ -21,9 +21,9 @@ from weier.kernels.jit import kernel
 EDGE = 0.384947631413
 # Excess of the compliance on a grid as a step begins, over D (a + b): the constant of docs/bem.md for triangles.
 AT_START_OF_STEP = 1 / 24
-# Pressure that a displaced node takes off its neighbour, over its own, by the inverse of A: r of docs/bem.md.
+# Pressure that an open node moves to each of its neighbours, over its own: -(A^-1)_01/(A^-1)_00, r of docs/bem.md.
 NEIGHBOUR_STIFFNESS = 0.439056239
-CLOSED = (5 - NEIGHBOUR_STIFFNESS) / 6  # Fraction of a step from which on a gap of one node is closed: f_c.
+CLOSED_FRACTION = (5 - NEIGHBOUR_STIFFNESS) / 6  # Of a step, from which on a gap of one node is closed: f_c.
 # Square of the half-width of a contact of one node as its step ends, in nodes: that of Hertz's contact.
 SINGLE_NODE_SQUARE = 1 / (2 * math.log(2))
 
@@ -97,7 +97,11 @@ def _edges_in_their_steps(
 def _edges_of_single_nodes(
     contact: Flags, since: NDArray[np.float64], until: NDArray[np.float64], beyond: NDArray[np.float64]
 ) -> Flags:
-    """Where the edges of contacts and gaps of one node are, in place; and which of these gaps have closed.
+    """Fill in `beyond` at contacts and gaps of one node; return which of these gaps have closed.
+
+    docs/bem.md, "The staircase", derives both from a parabola: of the surface for a contact, whose half-width squared
+    is f/(2 ln 2) nodes, and of the pressure for a gap, whose half-width squared is 2 (f_c - f)/(1 + r) + 2 s^2. The
+    shift s beside the node is a quarter of the difference between both sides, of b or of a, over a + b.
 
     since, until : loads a and b of each edge, of the shape of `beyond`
     """
@@ -115,7 +119,7 @@ def _edges_of_single_nodes(
             a, b = 0.5 * (since[0, before] + since[1, after]), until[0, before]
             if a + b > 0:
                 shift = (since[0, before] - since[1, after]) / (4 * (a + b))
-                square = 2 * (CLOSED - a / (a + b)) / (1 + NEIGHBOUR_STIFFNESS) + 2 * shift * shift
+                square = 2 * (CLOSED_FRACTION - a / (a + b)) / (1 + NEIGHBOUR_STIFFNESS) + 2 * shift * shift
                 closed[j] = square <= 0
                 half_width = np.sqrt(max(square, 0.0))
                 beyond[0, before], beyond[1, after] = 1 + shift - half_width, 1 - shift - half_width

@@ -1,6 +1,8 @@
 """Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way.
 
-The rules are derived in docs/patches.md, "Moves of edges". Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s
+The rules are derived in docs/patches.md, "Moves of edges"; "The stages of many contacts" has what makes a segment
+settled. `take_step` solves on given edges and finds their moves (`edge_moves`), and `next_guess` moves them, with the
+density on them. Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s
 within. An edge that moves out by 2 k_0/k_1 is free of the singularity, to first order and whatever the others do: the
 Jacobian of k_0 in the edges is diagonal at the solution. Far from it, two closed forms are better. A contact narrower
 than the gaps beside it is Hertz's, whose width squared follows from psi exactly. A gap narrower than the contacts
@@ -48,11 +50,18 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import CosineSeries, evaluate_at
 
-# The square of a width changes by these factors at most in one step, since the formulas hold near the solution.
+# The limits of a step are safeguards far from the solution. Loads from spoilt guesses take within 9 % of the same
+# number of steps with each of them halved or doubled (docs/numerics.md, "Contact patches in numbers").
+#
+# The square of a width changes by these factors at most in one step, since the formulas hold near the solution. A
+# contact that would shrink so far vanishes (`MIN_GROWTH`), so that the first is for gaps.
 MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
 MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # A centre moves by so many half-widths at most in one step.
-GROWTH_WITHOUT_CURVATURE = 0.5  # A half-width grows by this part of itself where psi has no curvature to follow.
-# A gap of which a step would leave less than this part is tight: one that is so in two steps running is merged.
+# What stands for psi/phi, with the sign of psi, where phi is not positive, as it is on Hertz's contact: an edge with
+# overlap beyond it moves outward, and one in tension inward.
+RATIO_WITHOUT_CURVATURE = 0.5
+# A gap of which a step would leave less than this part is tight. One that is so in two steps running is merged, since
+# one step alone may overshoot.
 MIN_GAP_LEFT = 0.1
 MAX_GAP_LOSS = 0.8  # In the first of these two steps it loses this part of itself at most.
 MIN_GROWTH = -0.85  # A contact vanishes if a step would shrink its half-width by more than this part.
@@ -61,7 +70,9 @@ SETTLED_MOVE = 0.1
 # The set of contacts is corrected when no more than this part of them moves: those beside a missing one may never
 # settle.
 MAX_UNSETTLED = 0.3
-UNRESOLVED = 2  # The last coefficients of the regular part on each contact, so many of them, are 0.
+# The last coefficients of the regular part on each contact, so many of them, are 0: those of psi two degrees higher
+# are unknown.
+UNRESOLVED = 2
 NODE_STEPS = 8  # Node counts are rounded up to as many values between powers of 2, so that few rules are needed.
 
 
@@ -81,30 +92,36 @@ class EdgeMoves(NamedTuple):
 
 
 def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
-    """The moves from the coefficients of psi in T_k and of its regular part in U_k."""
+    """The moves from the coefficients of psi in T_k and of its regular part in U_k.
+
+    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k. The slope of psi inward is
+    -sum (+-1)^k k^2 b_k: psi' at -1, and psi' with its sign turned at 1. Of gaps (dual) all are taken with
+    the sign that they have at the left end, where the gap opens.
+    """
     r, first_node = punches.segments.half_width, punches.segments.first_node
-    outward_sign = np.array([1.0, -1.0 if punches.dual else 1.0])
-    psi = outward_sign * end_sums(first_node, b)
+    sign = np.array([1.0, -1.0 if punches.dual else 1.0])
+    psi = sign * end_sums(first_node, b)
     gap, degree = punches.gap, degrees(first_node)
-    phi = outward_sign * end_sums(first_node, a * (degree + 1))
-    inward_fall = -outward_sign * end_sums(first_node, b * degree**2)
-    by_gap, closed, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_fall, 0.25 if punches.dual else -0.75)
+    phi = sign * end_sums(first_node, a * (degree + 1))
+    inward_slope = -sign * end_sums(first_node, b * degree**2)
+    by_gap, closed, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_slope, 0.25 if punches.dual else -0.75)
     by_contact = _moves_by_contact(r, psi, phi, gap_is_narrow)
     outward = np.where(gap_is_narrow, by_gap, by_contact)
-    room = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
-    return EdgeMoves(outward, closed, np.abs(outward).max(axis=1) / room)
+    narrowest = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
+    return EdgeMoves(outward, closed, np.abs(outward).max(axis=1) / narrowest)
 
 
 def _moves_by_contact(r: Array, psi: Sides, phi: Sides, gap_is_narrow: NDArray[np.bool_]) -> Sides:
-    """Outward moves by Hertz's contact: (r + dr)^2 = r^2 + 2 r dr with dr the mean of both edges' moves.
+    """Outward moves by Hertz's contact, of which psi/phi is (a^2 - r^2)/(2 r^2) -+ (c - x_c)/r at its ends.
 
-    An edge at a narrow gap, where the pressure may fall to the other contact, says nothing of the opposite edge,
-    whose own value then stands for both.
+    The mean of both is half the growth of the squared half-width, and half their difference is the shift of the
+    centre. The value at an edge beside a narrow gap is that of the gap, not of Hertz's contact. Then the value at the
+    opposite edge stands for both.
     """
-    x = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), GROWTH_WITHOUT_CURVATURE * np.sign(psi))
-    x = np.where(gap_is_narrow, x[:, ::-1], x)
-    growth = _growth_of_square(0.5 * (x[:, 0] + x[:, 1]))
-    shift = np.clip(0.5 * (x[:, 1] - x[:, 0]), -MAX_CONTACT_SHIFT, MAX_CONTACT_SHIFT)
+    ratio = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), RATIO_WITHOUT_CURVATURE * np.sign(psi))
+    ratio = np.where(gap_is_narrow, ratio[:, ::-1], ratio)
+    growth = _growth_of_square(0.5 * (ratio[:, 0] + ratio[:, 1]))
+    shift = np.clip(0.5 * (ratio[:, 1] - ratio[:, 0]), -MAX_CONTACT_SHIFT, MAX_CONTACT_SHIFT)
     return np.stack([growth - shift, growth + shift], axis=1) * r[:, None]
 
 
@@ -114,20 +131,25 @@ def _growth_of_square(linear: Array) -> Array:
 
 
 def _moves_by_gap(
-    r: Array, gap: Array, psi: Sides, inward_fall: Sides, factor_of_k_0: float
+    r: Array, gap: Array, psi: Sides, inward_slope: Sides, factor_of_k_0: float
 ) -> tuple[Sides, Flags, NDArray[np.bool_]]:
     """Outward moves by the gaps beside; which right gaps close; and at which edges the gap is the narrower.
 
     For gaps between contacts kappa b^2 is in proportion to b k_1 - 3 k_0/4, and for contacts between gaps (dual) to
-    b k_1 + k_0/4, with b the half-width of what lies between. Its square grows by the factor 1 - 4 k_0 over that.
+    b k_1 + k_0/4, with b the half-width of what lies between. Its square grows by the factor 1 - 4 k_0 over that, and
+    its half-width, to first order, by the part -2 k_0 over that. If that is not positive, it shrinks at an edge with
+    overlap beyond it, and grows at one in tension. Both ends of a gap that is narrower than both contacts each give
+    its growth: it grows by their mean, and half their difference shifts its centre.
     """
-    width = np.stack([np.roll(gap, 1), gap], axis=1) / 2
-    k_0, k_1 = psi * np.sqrt(r / 2)[:, None], (inward_fall + psi / 4) * np.sqrt(0.5 / r)[:, None]
-    curvature = width * k_1 + factor_of_k_0 * k_0
-    safe = np.where(curvature > 0, curvature, 1.0)
-    growth = np.where(curvature > 0, -2 * k_0 / safe, np.where(k_0 > 0, -1.0, 1.0))
-    left, right = growth[:, 1], np.roll(growth[:, 0], -1)  # of the gap on the right, from both of its ends
-    narrow = np.stack([gap < 2 * r, gap < 2 * np.roll(r, -1)], axis=1)  # than the contact at either end
+    half_width = np.stack([np.roll(gap, 1), gap], axis=1) / 2
+    k_0, k_1 = psi * np.sqrt(r / 2)[:, None], (inward_slope + psi / 4) * np.sqrt(0.5 / r)[:, None]
+    curvature = half_width * k_1 + factor_of_k_0 * k_0
+    divisor = np.where(curvature > 0, curvature, 1.0)
+    growth = np.where(curvature > 0, -2 * k_0 / divisor, np.where(k_0 > 0, -1.0, 1.0))
+    # From here on of the gap on the right of each contact: its growth from both ends, and where it is narrower than
+    # the contact at either end.
+    left, right = growth[:, 1], np.roll(growth[:, 0], -1)
+    narrow = np.stack([gap < 2 * r, gap < 2 * np.roll(r, -1)], axis=1)
     both = narrow.all(axis=1)
     linear = np.where(both, 0.5 * (left + right), np.where(narrow[:, 0], left, right))
     closed = narrow.any(axis=1) & (1 + 2 * linear < 0)
@@ -217,7 +239,7 @@ class Step(NamedTuple):
 
 
 def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
-    """A guess on segments, with no forces: from an estimate of them conjugate gradients save hardly a step."""
+    """A guess on segments, with no forces: an estimate of these saves conjugate gradients hardly a step."""
     count = _estimate_nodes(problem, segments.extent, stage)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
@@ -248,7 +270,7 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     r, gap = segments.half_width, punches.gap
     carried = np.add.reduceat(forces.force, segments.first_node[:-1])
     vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
-    vanishing[np.argmax(carried)] = False
+    vanishing[np.argmax(carried)] = False  # One contact is left in any case.
     next_outward = np.roll(moves.outward[:, 0], -1)
     tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
     merging = (moves.closed | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)

@@ -1,4 +1,8 @@
-"""The error and the cost of contact patches that plans expect before they are run."""
+"""The error and the cost of contact patches that plans expect before they are run.
+
+How plans use them is in docs/numerics.md, "How plans choose"; all factors were fitted to measured runs ("Contact
+patches in numbers"). What the stated errors of a solution rest on is in `inequalities` and `resistance_error`.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +23,20 @@ ROUNDING = 1e-15  # Of a tolerance: without it, rounding puts the error to expec
 MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 6e-4  # Seconds of a curve, and of each load.
-SECONDS_WAVE = 3.2e-6  # Of each load and wave, times the root of the contacts: boundary elements to start from.
+# Of each load and wave, times the root of the contacts: boundary elements to start from, whose steps grow with the
+# contacts.
+SECONDS_WAVE = 3.2e-6
 # Of each load by a dense matrix: of each contact, to assemble, and of its square, to factorise.
 SECONDS_CONTACT, SECONDS_PAIR = 1e-4, 4.5e-6
 # Of each load without a matrix: times the contacts to this power, since the depth of a tree grows with them.
 SECONDS_WITHOUT_MATRIX, CONTACT_POWER = 1.6e-4, 1.2
-# Both are for a tolerance of 1e-10. Looser ones take fewer nodes and steps, as far as the solvers follow them.
+# Both are for a tolerance of 1e-10. Looser ones take fewer nodes and steps: the seconds go with this power of the
+# tolerance, up to the largest that each solver works to.
 TIMED_TOLERANCE, TOLERANCE_POWER = 1e-10, -0.03
 # Bytes of each of the finest waves, for its crests, and of each contact, for the sums over its nodes.
 BYTES_WAVE, BYTES_CONTACT = 1e4, 7.5e4
 NODES_CONTACT = 20  # Nodes of a contact in a dense matrix.
-MATRIX_COPIES = 7  # The matrix itself, its factors and what they are made from.
+MATRIX_COPIES = 7  # Arrays of the size of the matrix: itself, its factors and what they are made from.
 
 
 def error(tolerance: float, quantity: str) -> float:
@@ -53,7 +60,7 @@ def seconds(waves: int, contacts: Array, tolerance: float = TIMED_TOLERANCE) -> 
 
 
 def _saved(tolerance: float, largest: float) -> float:
-    """Seconds at a tolerance over those at `TIMED_TOLERANCE`, by a solver that follows it up to the largest."""
+    """Seconds at a tolerance over those at `TIMED_TOLERANCE`, by a solver that works to `largest` at most."""
     return float((min(tolerance, largest) / TIMED_TOLERANCE) ** TOLERANCE_POWER)
 
 

@@ -34,9 +34,9 @@ from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.theory.waves import Waves
 
-MAX_DECADES = 1.0  # The search begins with loads so many decades apart.
+MAX_DECADES = 1.0  # The search begins with loads so many decades apart, and halves these intervals where needed.
 # Where an edge has advanced by more than this, in the finest waves, it may have passed a minimum of the gap and a
-# maximum together, which slopes at `SLOPES` points may not show.
+# maximum together, which slopes at `SLOPE_POINTS` points may not show.
 MAX_ADVANCE = 0.15
 # In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
 # not be followed from one end to the other.
@@ -49,9 +49,12 @@ LOAD_ACCURACY = 1e-12  # Relative accuracy of the roots.
 # Tension over the largest pressure of a contact, and overlap over the load, at the load of an event. The minimum that
 # was sought leaves far less, and an edge that has gone on over a crest far more.
 MAX_VIOLATION = 1e-7
-SLOPES = 12  # Slopes of the gap are evaluated at so many points where an edge has advanced or a contact is new.
-SAMPLES = 32  # The minimum of the gap or of the pressure is refined beside the lowest of so many samples.
-POSITION_ACCURACY = 1e-8  # Accuracy of the place of such a minimum, over the distance of the samples.
+# The slope of the gap is evaluated at so many points where an edge has advanced or a contact is new. A minimum that
+# is missed has a maximum beside it, and both between two of these points.
+SLOPE_POINTS = 12
+MINIMUM_SAMPLES = 32  # The minimum of the gap or of the pressure is refined beside the lowest of so many samples.
+# Accuracy of the position of such a minimum, over the distance of the samples: its value is then off by the square.
+POSITION_ACCURACY = 1e-8
 
 
 class Events(NamedTuple):
@@ -284,17 +287,21 @@ def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
     """Changes of sign of the gap's slope from - to +, from origin + left to origin + right, of shape (intervals,)."""
-    fraction = 0.5 * (1 - np.cos((np.arange(SLOPES) + 0.5) * (np.pi / SLOPES)))  # closer together at the ends
+    angle = (np.arange(SLOPE_POINTS) + 0.5) * (np.pi / SLOPE_POINTS)
+    fraction = 0.5 * (1 - np.cos(angle))  # closer together at the ends
     y = left[:, None] + (right - left)[:, None] * fraction
-    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SLOPES), y.ravel())).reshape(y.shape)
-    for i in range(1, SLOPES):
+    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SLOPE_POINTS), y.ravel())).reshape(y.shape)
+    for i in range(1, SLOPE_POINTS):
         sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
     return np.asarray(np.sum((sign[:, :-1] < 0) & (sign[:, 1:] > 0), axis=1))
 
 
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:
-    """Distance from the origin and value of the minimum of the gap, or of the pressure, which may be negative."""
-    y = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1]
+    """The minimum between the ends of an event, of the gap before a birth or of the pressure after a merger.
+
+    Its distance from the event's origin and its value, which may be negative.
+    """
+    y = np.linspace(event.left, event.right, MINIMUM_SAMPLES + 2)[1:-1]
     lowest = int(np.argmin(_gaps_or_pressures(state, series, event.birth, event.origin, y)))
     step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(
@@ -307,7 +314,11 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
 
 def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool, origin: float, y: Array) -> Array:
-    """Gaps at points origin + y off the contacts, or pressures at points on them; any may be negative."""
+    """Gaps at points origin + y off the contacts, or pressures at points on them; any may be negative.
+
+    The density on segments is the pressure of contacts or, integrated, the gap in gaps (dual). The others, off the
+    segments, are the complementary residual.
+    """
     at = np.full(y.size, origin)
     if of_gaps != state.dual:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
@@ -315,7 +326,7 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool,
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
-    """The slope of the gap at points origin + y off the contacts."""
+    """The slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
     if state.dual:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)

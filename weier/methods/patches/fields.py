@@ -3,6 +3,10 @@
 The formulas are those of docs/patches.md, "Pressure and gap anywhere" and, for the closed forms, "Chebyshev
 polynomials".
 
+`residuals_one_by_one` sums over the segments at each point: by quadrature far from a segment (`_far_field`), and by
+closed forms near to it or on it (`_near_field`). `residuals_by_sums` has fast sums over all nodes instead, and
+replaces them near segments by the same closed forms (`_correct_near_segments`).
+
 A point is given by an origin and the distance y from it, as in `surface`, so that points near a crest keep all their
 digits.
 """
@@ -28,13 +32,14 @@ MIN_SUM_SEGMENTS = 40  # Fewer cost little either way: 13 gaps at 1000 points ta
 FAR_FIELD_EXPONENT = 18.5
 POTENTIAL, CAUCHY = 0, 1  # The two integrals over the density: of ln|2 sin| and of cot.
 BLOCK = 64  # So many points far from a segment are summed at once: with 40 nodes they take 20 kB, within the cache.
-# Angles between x and a segment above this follow from the angles of both, with a rounding of 2e-15 of them.
+# Angles between x and a segment's centre above this follow from the angles of both, whose rounding is 2e-15 of it.
 MIN_ANGLE = 0.1
 # The kernels less their pole at 0 are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u) is
 # -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next poles,
 # at 1 and -1; less these, z(2k) - 1 takes the place of z(2k), and they converge up to 2. So terms fall by 4 at least.
 MAX_POLE_DISTANCE = 0.5  # Where |u| exceeds this, the poles at 1 and -1 are taken off, too.
-SERIES_TERMS, LN_ROUNDING = 32, 37.0  # The most terms; where |u| is small, as many as fall to exp(-37).
+# The most terms, of which the last is 4^-32 = 5e-20; where |u| is small, as many as fall to exp(-37) = 1e-16.
+SERIES_TERMS, LN_ROUNDING = 32, 37.0
 _ORDER = np.arange(1, SERIES_TERMS + 1)
 _ZETA_LESS_1 = np.array(
     [np.pi**2 / 6 - 1, np.pi**4 / 90 - 1, *(np.sum(np.arange(2.0, 1e3) ** (-2.0 * k)) for k in _ORDER[2:])]
@@ -122,7 +127,8 @@ def _near_field(
 
     The poles of the segment, and those of its images on both sides where these are near too, are integrated in
     closed form, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. What remains of the kernel is smooth and left to
-    quadrature.
+    quadrature. It is the series in u. For the logarithm there is a constant, too: ln|2 sin(pi u)| is ln|x-s|, and
+    with both images the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.
     """
     total, largest_u = 0.0, r / period * (abs(t) + 1)
     images = 0 if largest_u < MAX_POLE_DISTANCE and period / r - abs(t) > reach else 1

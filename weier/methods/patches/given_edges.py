@@ -41,7 +41,8 @@ from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch
 
 MAX_STEPS = 300  # Steps of conjugate gradients; 10 to 30 are usual.
-# The pressure is carried along up to a move of so many half-widths: beyond, its tangent is no prediction.
+# The pressure is carried along with moving edges, to first order in the move, up to so many half-widths: beyond, its
+# derivative predicts nothing.
 MAX_PREDICTED_MOVE = 0.3
 
 
@@ -89,7 +90,11 @@ class Forces(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """How small the residual must become: `reduction` times that of the start, but in [least, most], in g_0."""
+    """How small the residual must become: `reduction` times that at the start, but in [least, most], in g_0.
+
+    A step of the edges needs no more digits than it moves them by (`reduction`); `most` bounds what counts as solved,
+    and below `least` a smaller residual is of no use.
+    """
 
     reduction: float
     least: float
@@ -98,7 +103,11 @@ class Bounds(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _own_influence(count: int, dual: bool) -> Table:
-    """What the closed form of a segment adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, j != i."""
+    """What the closed form of a segment adds to sum_j f_j ln|t_i - t_j| or, dual, sum_j f_j/(t_i - t_j)^2, j != i.
+
+    A unit f_j is the density sum_k T_k(t_j) T_k, k > 0 counting twice, over pi, whose integral with ln|t - t'| is
+    -ln 2 - 2 sum T_k T_k/k. Dual, it is (2/pi) sum_k U_k(t_j) U_k, whose finite part is -2 sum (k + 1) U_k U_k.
+    """
     node, _, polynomial, _ = gauss_rule(count, dual)
     distance = np.abs(node[:, None] - node)
     np.fill_diagonal(distance, np.inf if dual else 1.0)
@@ -109,7 +118,11 @@ def _own_influence(count: int, dual: bool) -> Table:
 
 @lru_cache(maxsize=256)
 def _own_inverse(count: int, dual: bool) -> Table:
-    """The forces on a contact for a residual of mean 0 or, dual, on a gap of width 1 for any residual."""
+    """The forces on a contact for a residual of mean 0 or, dual, on a gap of width 1 for any residual.
+
+    A residual T_k takes the forces k/(2 K) T_k, and its coefficient in a residual is 2/K times the sum of both.
+    Dual, U_k takes 2 pi r^2 w_i U_k/(k + 1), with r = 1/2, and its coefficient is 2/pi times a weighted sum.
+    """
     _, weight, polynomial, _ = gauss_rule(count, dual)
     if dual:
         return weight[:, None] * (polynomial.T / np.arange(1, count + 1)) @ polynomial * weight
@@ -135,6 +148,8 @@ def make_punches(segments: Segments, period: float, dual: bool = False) -> Punch
 
 def displacement(punches: Punches, force: Array) -> Array:
     """A f, in g_0, or C f, in p_0*, at the nodes."""
+    # On a segment pi (x_i - x_j)/L is `angle` times t_i - t_j, so that the closed form of t is scaled, and what
+    # ln|2 sin y| has beside ln|t_i - t_j| at y = 0 is ln(2 angle).
     angle = np.pi / punches.period * punches.segments.half_width
     if punches.dual:  # At y = 0, 1/sin^2(y) less its pole 1/y^2 is 1/3.
         scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
@@ -158,9 +173,10 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
 def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, start: Array, bounds: Bounds) -> Forces:
     """z - A f = d and sum f = total, by conjugate gradients that keep the sum; dual, C f = forcing.
 
-    The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*.
+    The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*. The sum is
+    kept by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r; d changes by `shift`.
     """
-    dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)
+    dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)  # `even` is M^-1 1
     half_width = punches.segments.half_width
     scale = punches.at_nodes(2 * half_width) if dual else np.ones(start.size)
     if not dual:
@@ -194,7 +210,8 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
 def _psi_of_forces(count: int, dual: bool) -> Table:
     """Coefficients of psi in T_k, times r or, dual, r^2, from forces; those of gaps are cut off at T_(K-1).
 
-    With w = sum c_k sin((k+1) theta), psi = -(1/r) sum (k+1) c_k T_(k+1).
+    Of contacts f = (pi/K) r psi. Of gaps f = r w_i W_i, so that w = sum c_k sin((k+1) theta) has the coefficients
+    c_k = 2/(pi r) sum f U_k, and psi = -(1/r) sum (k+1) c_k T_(k+1).
     """
     rule = gauss_rule(count, dual)
     if not dual:
@@ -204,7 +221,10 @@ def _psi_of_forces(count: int, dual: bool) -> Table:
 
 @lru_cache(maxsize=256)
 def _forces_of_psi(old: int, count: int, dual: bool) -> Table:
-    """Forces at so many nodes, over r or, dual, r^2, from as many coefficients of psi in T_k as there are."""
+    """The inverse of `_psi_of_forces`: forces at `count` nodes, over r or, dual, r^2, from `old` coefficients of psi.
+
+    Coefficients of higher degree than the nodes can carry are left out.
+    """
     rule, matrix = gauss_rule(count, dual), np.zeros((count, old))
     kept = matrix[:, int(dual) : count + dual]
     kept[:] = (rule.polynomial * rule.weight)[: kept.shape[1]].T
@@ -233,15 +253,18 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def _values_and_motion(count: int) -> tuple[Table, Table]:
-    """From coefficients of psi to its values at the zeros of T_K, and from those of phi to (1-t^2) phi' - t phi."""
+    """From coefficients of psi to its values at the zeros of T_K, and from those of phi to (1-t^2) phi' - t phi.
+
+    As sqrt(1-t^2) U_k = sin((k+1) theta), the latter is -(k+1) T_(k+1) for U_k.
+    """
     polynomial = gauss_rule(count, False).polynomial.T
-    return polynomial, np.roll(-np.arange(count) * polynomial, -1, axis=1)  # -(k+1) T_(k+1) for U_k
+    return polynomial, np.roll(-np.arange(count) * polynomial, -1, axis=1)
 
 
 def moved_expansion(segments: Segments, b: Array, centre: Array, half_width: Array) -> Array:
     """Coefficients of psi when the segments have moved: to second order the solution, if Newton's step moved them.
 
-    With w = (dc + t dr)/r, psi + w [(1-t^2) phi' - t phi].
+    A place that moved by w = (dc + t dr)/r in its coordinate t has psi + w [(1-t^2) phi' - t phi].
     """
     r, counts = segments.half_width, segments.node_count.tolist()
     rules = [gauss_rule(count, False) for count in counts]

@@ -1,9 +1,9 @@
 """The inequalities of contact: no tension on the contacts, no overlap outside them; and what a solution violates.
 
 The formulas are those of docs/patches.md: "Inequalities" for where violations are looked for and for the width of new
-segments, and "The bound on the compliance" for the bounds.
+segments, "The bound on the compliance" for the bounds, and "Edges" for how far a crack opens.
 
-The equations on the segments say nothing of the inequalities. Both solvers look for violations here:
+The equations on the segments do not imply the inequalities. Both solvers look for violations here:
 
 - Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
   segment is missing. `_probe_points` are where it is evaluated, `_brackets` are the probes beside which a minimum may
@@ -39,8 +39,8 @@ from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, contacts_of, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
-# Each interval between segments has so many probes and so many for each of the finest waves. Between two crests of a
-# wave, the residual is close to a parabola over an eighth of a wave.
+# Each interval between segments has so many probes for each of the finest waves and so many more. From a crest, an
+# eighth of a wave away, a cosine differs from its parabola by 5 %.
 PROBES_PER_WAVE, MIN_PROBES = 8, 8
 MIN_PROBE_DISTANCE = 1e-9  # Probes closer than this part of their mean distance differ by rounding only.
 # Intervals of tension that reach beyond this part of the half-width end at an edge, whose move may remove them.
@@ -48,16 +48,20 @@ MAX_INNER = 0.99
 SEARCH_STEPS = 40  # Steps of a bisection: these leave 1e-12 of a bracket.
 SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so many points for each node.
 # Newton's method on differences starts with this stencil, over the distance of the probes, which shrinks by the ratio
-# in each refinement. A stencil h is wrong about the place of a minimum by h^2, relative to the wave: 1e-8 in the end.
+# in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force.
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
+# 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
 NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension, which is exact in a parabola.
 # Largest half-width of a new segment over the distance to its nearest neighbour: two new ones side by side must not
 # touch.
 MAX_NEW_WIDTH = 0.4
-MAX_RESIDUAL = 100  # The largest residual that is accepted, in units of the relative tolerance.
-# How far a minimum may lie below the lowest of three probes, over what the parabola through them says.
+# The largest residual that is accepted, over the relative tolerance. Looser targets, which are tried where rounding
+# keeps edges from settling, are held to this as well.
+MAX_RESIDUAL = 100
+# How far a minimum may lie below the lowest of three probes, over the depth that the parabola through them may have:
+# a safety factor, for what is no parabola.
 MAX_FALL = 3
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
@@ -67,14 +71,14 @@ DIRECT_SUMS = 40  # The residuals of many segments are checked at so many points
 # largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
 # of e comes from tension or load, this is an estimate.
 GAP_FACTOR = 4.0
-# Rounding of a gap, over the sum of the amplitudes: twice what the gaps of profiles and of the same ones shifted
-# along x were seen to differ by.
+# Rounding of a gap, over the sum of the amplitudes: twice the largest difference that was measured between the gaps
+# of profiles and of the same ones shifted along x.
 GAP_ROUNDING = 1e-13
 
 
 Residual = Callable[[Array], Array]
-# Of each bracket the probe before it, the lowest one, the one after, and the index of its interval, each of shape
-# (brackets,).
+# Of each bracket the probe before it, the lowest one, the one after, and the index of its interval, each an array of
+# shape (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
 
 
@@ -199,7 +203,9 @@ def find_negative_intervals(state: ContactState) -> Records:
 def _sample_expansion(a: Array) -> tuple[Array, Array]:
     """Points t, denser than the nodes, and the values of an expansion there.
 
-    A positive sample below both neighbours moves to the minimum between them, which may be negative.
+    A positive sample below both neighbours moves to the minimum between them, which may be negative: to the zero of
+    the derivative. The parabola through three samples falls below the middle one by an eighth of the larger rise, if
+    they are equally far apart.
     """
     count = SAMPLES_PER_NODE * a.size + 1
     t, sample = np.empty(count + 1), np.empty(count + 1)
@@ -209,7 +215,8 @@ def _sample_expansion(a: Array) -> tuple[Array, Array]:
     value = sample.copy()
     for i in range(1, count):
         rise = max(sample[i - 1], sample[i + 1]) - sample[i]
-        # The minimum is taken to be positive where it is no lowest sample, or exceeds the rise to its neighbours.
+        # The minimum is taken to be positive where the sample is not the lowest of three, or exceeds the rise to its
+        # neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
         t[i] = _find_zero(derivative_expansion(a), t[i - 1], t[i + 1])
@@ -281,6 +288,11 @@ def certify(
 ) -> ContactState:
     """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
 
+    The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and q is a tension on contacts or
+    a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and q from the
+    pressures on segments. Of gaps (dual), the residual is a pressure: q comes from the complement, and eps from the
+    overlap in segments and from what these do not close.
+
     residual : the largest on each segment, of `contact_residual`
     minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
         and, of gaps, all below the margin
@@ -296,12 +308,13 @@ def certify(
         closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
-    worst, outside = SAMPLED_FACTOR * float(residual.max()), float(minima["value"].min(initial=0.0))
-    off, on, width = max(worst, -outside), closure, 0.0
+    largest, lowest = SAMPLED_FACTOR * float(residual.max()), float(minima["value"].min(initial=0.0))
+    of_complement, of_density, width = max(largest, -lowest), closure, 0.0
     if negative.size > 0:
-        on = max(closure, -float(negative["lowest"].min()))
+        of_density = max(closure, -float(negative["lowest"].min()))
         width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
-    error = error_bound(state, *((on, off, period) if state.dual else (off, on, width)), period)
+    violated = (of_density, of_complement, period) if state.dual else (of_complement, of_density, width)
+    error = error_bound(state, *violated, period)
     # A pressure q that is left on a width W moves the surface by about 2 q W: see `error_bound`.
     of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
     tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
@@ -429,7 +442,7 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
         # The next stencil must stay within the bracket; that of the last refinement counts by its middle only.
         inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)
         shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
-        # The place of the minimum is uncertain by the width of the stencil, and its depth by so much more.
+        # The minimum may be off by the width of the stencil, and deeper by what it falls over that.
         fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
         some = np.minimum(here - fall, lowest[1]) < 0
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
@@ -450,6 +463,7 @@ def find_missing(
     """
     punches, dual = step.punches, problem.dual
 
+    # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         points = make_tree(np.zeros(x.size), x)
         total = potential(punches.matrix.tree, step.forces.force, points, punches.period, dual)
@@ -461,13 +475,14 @@ def find_missing(
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
     depth, room = -minima["value"], _room(step, minima)
+    # Between two crests side by side the curvature of the difference may vanish: the floor keeps the reach finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
     half_width = np.minimum((NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 
 def _room(step: Step, minima: Records) -> Array:
-    """The distance of each new segment to the nearest of its neighbours, or half of that to another new one."""
+    """The distance of each new segment to the nearest old one, or half of that to another new one if that is less."""
     to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])

@@ -1,20 +1,23 @@
 """One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
-The stages are those of docs/patches.md, "The stages of many contacts"; "Given edges" and "Moves of edges" derive what
-one step does, and "Inequalities" how wide new segments are. `_solve_to` goes through the stages:
+The stages are those of docs/patches.md, "The stages of many contacts", which has the reason of each limit. "Given
+edges" and "Moves of edges" derive what one step does, and "Inequalities" how wide new segments are. The set of
+segments is corrected first on nodes for three digits, since all steps on wrong sets are lost. `_solve_to` goes
+through the stages, one step at each pass of its loop:
 
-1. rough set: `take_step` solves on given edges, by conjugate gradients and on nodes for three digits, and
-   `next_guess` moves the edges, until most of them have settled.
-2. Where the inequalities do not hold, `_corrections` cuts segments and adds others, and 1 begins anew.
-3. fine set: with nodes for the tolerance, the same steps go on until the residual and all singularities are below the
-   target (`_converged`).
-4. The inequalities are judged again, more strictly: back to 3 if they do not hold.
-5. The residual is evaluated at points between the nodes (`contact_residual`). Segments on which it is too large get
-   more nodes: back to 3.
-6. `_resistance` solves for the tangent pressure, `_cracks` keeps the gaps that are too small for a segment of their
-   own, and `certify` bounds the error.
+1. rough steps: `take_step` solves on given edges, by conjugate gradients, and `next_guess` moves the edges. Next is
+   another step, or 2 once most edges have settled.
+2. rough corrections: `_corrections` cuts segments and adds others where the inequalities do not hold. Next is 1 on
+   the corrected set or, if nothing was to be corrected, 3.
+3. fine steps: the same steps with nodes for the tolerance. Next is another step, or 4 once the residual and all
+   singularities are below the target (`_converged`).
+4. fine corrections: the inequalities are judged again, more strictly. Next is 3 on the corrected set, or 5.
+5. check: the residual is evaluated at points between the nodes (`contact_residual`). Next is 3 with more nodes where
+   it is too large, or 6.
+6. resistance: `_resistance` solves for the tangent pressure, `_cracks` keeps the gaps that are too small for a
+   segment of their own, and `certify` bounds the error.
 
-All targets are heights, in g_0: dual, a pressure counts as the displacement that it makes over the width of its gap.
+All limits are heights, in g_0: dual, a pressure counts as the displacement that it makes over the width of its gap.
 """
 
 from __future__ import annotations
@@ -66,33 +69,39 @@ MIN_CONTACTS = 40
 MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
 LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
 FOLLOWED_TOLERANCE = 1e-10  # The tolerance of states between events, whose loads are sought to ten digits.
-# Looser targets may cut in a gap whose edges they are too loose to find, which then vanishes again.
+# The largest relative tolerance of the residual: a looser one may cut in a gap whose edges it is too loose to find,
+# which then vanishes again.
 LARGEST_TOLERANCE = 1e-6
 LOOSER = 100.0  # Where a tolerance cannot be met, one so many times larger is tried.
-TARGET = 0.01  # The target of the iteration, over the tolerance: it is for each part of the residual by itself.
-# What may be left in the end, over the target, where the tolerance is no more than rounding.
+# The target of the iteration, over the tolerance: the equations, the edges and the last coefficients each leave a
+# part of the target, and stage 5 finds their sum.
+TARGET = 0.01
+# The residual that may be left in stage 5, over the target, where the target is no less than rounding allows.
 MAX_OVER_TARGET = 10.0
-ROUGH_TARGET = 1e-3  # The largest residual of the rough set, over the height that the load needs,
-ROUGH_TOLERANCE = 1e-6  # and over the amplitude of the finest wave: contacts are missed by no more.
+# The rough limit of the residual and of an overlap, over the scale; and over the amplitude of the finest wave, so
+# that no contact is missed on a crest that stands higher than this.
+ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
 ROUNDING = 1e-13  # Rounding of a residual, over the displacement under the whole load.
 REDUCTION = 1e-3  # The conjugate gradients of a step reduce the residual by so much: edges then move by three digits.
-# Tension over the largest pressure of a contact that shows that it must be cut: in the rough set and in the fine one.
+# A contact is cut where the tension over its largest pressure exceeds this, in rough and in fine corrections. Less
+# changes the resistance by about as much, and the compliance by the square.
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
-MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that no longer shrink are rounding.
-MIN_ROUNDING_RATIO = 0.1  # They no longer shrink where one is more than this part of the one before.
-# A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to.
+MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that shrink no more are rounding.
+MIN_ROUNDING_RATIO = 0.1  # They shrink no more where one exceeds this part of the one before.
+# A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to: in
+# less, the residual would hide the singularities that determine its edges.
 MIN_OPENING = 100.0
 MIN_PIECE = 1e-3  # Pieces shorter than this part of a contact's half-width do not survive a cut.
 
 
 def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> tuple[Stage, Stage]:
-    """The rough stage, in which the set of contacts is still to be found, and the fine one.
+    """What stages 1 and 2 are held to, in which the set of contacts is still to be found, and what 3 and 4 are.
 
-    The rough limit is a part of the finest wave and of the scale, whichever is less. It bounds both the residual and
-    the overlap that is left; in the fine stage the target does.
+    The rough limit is a part of the finest wave or of the scale, whichever is less, and no less than the target. It
+    bounds both the residual and the overlap that is left; in the fine stages the target does.
     """
     rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
     if problem.dual:  # The height of a wave of pressure is its amplitude over the number of waves in lambda_0.
@@ -103,8 +112,8 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
         rough_outside, fine_outside = ROUGH_TENSION * problem.load, MAX_TENSION * problem.load
     return (
         Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
-        # The forces must be solved to less than the target: a larger residual beside a thin gap that was just cut in
-        # would look like tension at its end.
+        # The forces are solved to a tenth of the target, where a thousandth of the residual at the start is less:
+        # more, beside a thin gap that was just cut in, would look like tension at its end.
         Stage(True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least),
     )
 
@@ -120,8 +129,9 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
     """
     problem, failure = Problem(surface.series(guess.dual), guess.load, guess.dual), ConvergenceError("")
     scale = _scale(problem)
-    # Rounding may keep the edges of thin gaps from settling to a target that is relative to a light load. A state
-    # that meets a looser target is refused all the same if its residual is not small relative to the load.
+    # Rounding may keep the edges of thin gaps from settling to a target that is relative to a light load. So it is
+    # tried relative to larger heights, too, first at the tolerance and then at a looser one. A state that meets a
+    # looser target is refused all the same if its residual is not small relative to the load (`certify`).
     first = min(max(tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
     for wanted, looser in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
@@ -134,17 +144,18 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
 def _solve_to(
     problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
 ) -> tuple[ContactState, int]:
-    """The state and the steps, with targets relative to this height, in g_0, through the stages of the module.
+    """The state and the steps, with targets relative to the height `scale`, in g_0, through the stages of the module.
 
-    With `follows`, the segments stay those of the guess and only edges move, in the fine stage, to the residual's
-    target; the inequalities are not looked at.
+    With `follows`, the segments stay those of the guess, only stage 3 is used, and no inequality is judged.
     """
     load, wanted = problem.load, tolerance * scale
     target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
-    moved = False  # Whether edges have moved since the set was corrected: each correction waits for that.
+    # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
+    # segments that the last one has added are guesses.
+    moved = False
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
@@ -161,7 +172,11 @@ def _solve_to(
         state = contact_state(problem, step)
         if follows:
             return state, steps
-        negative = find_negative_intervals(state)  # stages 2 and 4
+        # Stages 2 and 4: a segment is cut where it violates its own inequality, and one is added where what lies
+        # between segments violates the other. The margin is how well a gap will be known once the state is certified
+        # (docs/patches.md, "The bound on the compliance"): the minima below it are kept for the births that they may
+        # be.
+        negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
         is_open = wrong["height"] > stage.opening
         margin = (
@@ -175,7 +190,7 @@ def _solve_to(
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
-        else:  # stages 5 and 6
+        else:  # stage 5 and, where the residual is small on all segments that can have more nodes, stage 6
             residual = contact_residual(state, problem.series)
             height = 2 * state.segments.half_width * residual if problem.dual else residual
             count = state.segments.node_count
@@ -199,7 +214,10 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
 
 
 def _scale(problem: Problem) -> float:
-    """A height, in g_0, of the order of the displacement that the load needs; and no more than the first wave's."""
+    """The scale of a load: the height, in g_0, of the displacement that it needs; and no more than the first wave's.
+
+    A load p L that is concentrated on one line displaces it by p L times a logarithm.
+    """
     return min(problem.load * problem.series.period, 1.0)
 
 
@@ -216,7 +234,9 @@ def _converged(step: Step, target: float, last_move: float) -> bool:
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
     """Nodes of each segment: those that it has, and more where the last coefficients have not decayed.
 
-    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k. Segments that still move wait.
+    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) has less. The
+    last two coefficients are taken, as one of them vanishes where the density is even or odd. Segments that have not
+    settled keep their nodes.
     """
     segments = step.punches.segments
     last, count = segments.first_node[1:], segments.node_count
@@ -239,7 +259,10 @@ def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Re
 def _corrections(
     problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records, margin: float
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
-    """Segments to add, shape (added, 2), which of those there remain, and minima off them that are below a margin."""
+    """Segments to add, shape (added, 2), which of those there remain, and minima off them that are below a margin.
+
+    A segment in which an interval is negative is removed, and the pieces of it that are left over are added.
+    """
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     missing, minima = find_missing(problem, step, stage.outside, margin)
@@ -288,7 +311,8 @@ def _resistance(problem: Problem, punches: Punches, tolerance: float) -> tuple[f
     """The resistance, and the strength B of the tangent pressure B/s^(1/2) at the edges of each segment.
 
     The tangent pressure has the mean 1 and makes a flat surface sink by R everywhere on the contacts: to first order
-    no edge moves. On gaps, a pressure of full contact that rises by 1 closes the mean gap by R.
+    no edge moves. So it is that of punches under the forcing 0 and the load L. On gaps, a pressure of full contact
+    that rises by 1 closes the mean gap by R: they are solved under the forcing 1, a tension that opens it by R.
     """
     none, bounds = np.zeros(punches.segments.node.size), Bounds(max(LEAST_TANGENT_REDUCTION, tolerance), 0.0, np.inf)
     tangent = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)

@@ -1,4 +1,4 @@
-"""Contact patches as one of the methods, and what they offer to a plan."""
+"""Contact patches as one of the methods, and what they offer to a plan (docs/numerics.md, "How plans choose")."""
 
 from __future__ import annotations
 

@@ -1,14 +1,17 @@
 """Sums over many points of forces times a periodic kernel, in the time O(points): a fast multipole method on a line.
 
-It is that of docs/patches.md, "Sums over all nodes".
+It is that of docs/patches.md, "Sums over all nodes". The fields between two intervals of points go through Chebyshev
+points: forces at the points are carried up the tree to the Chebyshev points of each interval (`_moments`), from there
+by the kernel to those of the intervals far from it (`pair_sums`, `potential`), and down the tree to the points
+(`_add_local_fields`).
 
 The kernel is ln|2 sin(pi (x_a - x_b)/L)|, of contacts, or 1/sin^2(pi (x_a - x_b)/L), of gaps (dual).
 
-The points, in order, are halved again and again: a binary tree whose nodes know the interval that their points span.
-Between two nodes whose distance is at least the wider one's width, the kernel is a polynomial in either place to
-rounding, so that it is taken at the Chebyshev points of both intervals (Fong and Darve, J. Comput. Phys. 228, 2009,
-8712). All other pairs of points are summed as they are. Both parts are kept as small matrices, because the method of
-conjugate gradients multiplies by the same ones many times.
+The points, in order, are halved again and again: a binary tree, of which each node has the interval that its points
+span. Between two nodes whose distance is at least the wider one's width, the kernel is a polynomial in either
+position to rounding, so that it is taken at the Chebyshev points of both intervals (Fong and Darve, J. Comput. Phys.
+228, 2009, 8712). All other pairs of points are summed as they are. Both parts are kept as small matrices, because the
+method of conjugate gradients multiplies by the same ones many times.
 """
 
 from __future__ import annotations
@@ -26,13 +29,14 @@ from weier.theory.halfplane import replace_by_influence
 Pairs = NDArray[np.int64]  # shape (pairs, 2)
 Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 
-# A singularity as far from an interval as the interval is wide lies on the Bernstein ellipse of 3 + sqrt(8) = 5.83,
-# and 5.83^-15 = 3e-12 bounds the relative error of the smooth part of ln, of which little is that rough.
+# A singularity as far from an interval as the interval is wide is at t = 3, in its coordinate from -1 to 1, and so on
+# the Bernstein ellipse of 3 + sqrt(8) = 5.83. The error of the smooth part of ln is bounded by 5.83^-15 = 3e-12 of
+# this, of which little is that rough: the sums are right to 5e-15 (docs/numerics.md, "Contact patches in numbers").
 ORDER = 15
 # The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
 POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
 LEAF_POINTS = 40  # Points of a leaf at most: more cost memory in near pairs, and fewer cost it in far ones.
-MIN_DISTANCE = 1.0  # Nodes are far from each other at this distance over the width of the wider one.
+MIN_DISTANCE = 1.0  # Nodes of the tree are far from each other at this distance over the width of the wider one.
 
 
 class Tree(NamedTuple):

@@ -24,13 +24,15 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_crests
 
-# Relative error of a resistance by the end of its own corrections, each of which estimates the next.
+# Relative error of a resistance by the end of its own corrections, whose limit is an estimate: five times that.
 TANGENT_ERROR = 5 * TANGENT_TOLERANCE
-EDGE_FACTOR = (
-    2.0  # An edge beside a narrow gap counts twice: that at its other end, which is left out, moves as well.
-)
+# An edge beside a narrow gap counts twice: the edge at the other end of the gap moves as well, which the estimate of
+# its own move leaves out.
+EDGE_FACTOR = 2.0
 CRACK_FACTOR = 2.0  # Cracks count twice: their width comes from an interval of tension as if that were parabolic.
-SMALL_EDGE_FACTOR = 2.0  # An edge that may move by as much as its contact or gap is wide counts so often.
+# An edge that may move by as much as its contact or gap is wide counts as if it moved so many times the half-width of
+# the gap, or a c of the contact. For a contact, 2 a c at both edges is four times what its loss changes.
+SMALL_EDGE_FACTOR = 2.0
 EPS = float(np.finfo(float).eps)
 
 
@@ -61,7 +63,7 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     """By how much contacts that may be born in narrow gaps would lower the resistance, in g_0/p_0*.
 
-    A gap g that is known to e leaves room for a contact that penetrates by e - g at most. Where the plane cuts the
+    A gap g that is known to e leaves space for a contact that penetrates by e - g at most. Where the plane cuts the
     crest at the half-width b, the contact gives way by c = -2 ln(pi b/L) or more for each unit of force, less the
     relief by the nearest other contact, from which the force is taken. The plane nears the crest by t = R - u' for
     each unit of mean pressure, where the displacement u' of the crest is nowhere below -2 L ln 2. So the contact
@@ -92,9 +94,10 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     edge moves until that is gone.
 
     The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/c with
-    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F). Crests other than the highest and its twins are known
-    as gaps are, to rounding of the positions, and curvatures to a unit in the last place of the waves' curvatures.
-    The force follows from the pressure at the edges of the contact, as if that were Hertz's.
+    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F), since a^2 is in proportion to F. Crests other than the
+    highest and its twins are known as gaps are, to rounding of the amplitudes, which adds to e. Curvatures
+    kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
+    a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
     """
     contacts = contacts_of(state.segments.extent, state.dual, series.period)
     origin, centre, _ = contacts

@@ -28,20 +28,22 @@ Sides = NDArray[np.float64]  # of segments or contacts: values at the left and t
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# Nodes of a segment, by the digits of its density: a + b k r + c/ln(rho), fitted to the coefficients of 558 segments;
-# and e/ln(rho)^2 more where two segments are so close that slow modes of one are fast ones of the other.
+# Nodes of a segment, by the digits of its density: alpha + beta k r + zeta/ln(rho), where k r are the radians of the
+# finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
+# polynomials"). The factors were fitted to the coefficients of 558 segments. Where two segments are so close that
+# slow modes of one are fast ones of the other, the last factor over ln(rho)^2 is added ("Two grids").
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
-# The distance of neighbours over the half-width is limited to these in the formula. The coefficients of a solution
-# show whether it needs more nodes.
+# The distance of neighbours over the half-width is limited to these in the formula, since a guess may be wrong about
+# how close they are. The coefficients of a solution show whether it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
-MORE_NODES, AT_LEAST_MORE = 1.3, 2
-# Rounding of the last coefficients of the widest segment. That of a narrower one grows with the inverse square of the
-# width: heights fall with the square, and their rounding does not.
+NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
+# Rounding of the last coefficients of the widest segment, over the largest one. That of a narrower segment grows with
+# the inverse square of the width, since the heights on it fall with the square and their rounding does not.
 TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
 COARSE_TOLERANCE = 1e-3  # The few nodes on which Newton's method solves resolve the density to three digits.
 
@@ -50,36 +52,36 @@ class Blocks(NamedTuple):
     """A matrix for each segment, from values of its own in a row with those of the others to new values in a row.
 
     table : the entries of all matrices, column by column
-    place : where each begins in the table, its first row and its first column, shape (3, segments + 1); several may
-        begin at the same place, and last are the numbers of all entries, rows and columns
+    start : where each begins in the table, its first row and its first column, shape (3, segments + 1); several may
+        begin at the same entry, and last are the numbers of all entries, rows and columns
     """
 
     table: Array
-    place: NDArray[np.int64]
+    start: NDArray[np.int64]
 
 
 def make_blocks(matrices: Iterable[Table]) -> Blocks:
-    """The matrices of all segments in order; one that several segments share stands in the table once."""
+    """The matrices of all segments in order; one that several segments have stands in the table once."""
     matrices = list(matrices)  # They stay alive, so that their identities stay theirs.
-    tables, start, end = [], dict[int, int](), 0
+    tables, entry, end = [], dict[int, int](), 0
     for matrix in matrices:
-        if id(matrix) not in start:
-            start[id(matrix)], end = end, end + matrix.size
+        if id(matrix) not in entry:
+            entry[id(matrix)], end = end, end + matrix.size
             tables.append(matrix.ravel("F"))
     row = accumulate((matrix.shape[0] for matrix in matrices), initial=0)
     column = accumulate((matrix.shape[1] for matrix in matrices), initial=0)
-    place = [*(start[id(matrix)] for matrix in matrices), end], [*row], [*column]
-    return Blocks(np.concatenate(tables), np.array(place))
+    start = [*(entry[id(matrix)] for matrix in matrices), end], [*row], [*column]
+    return Blocks(np.concatenate(tables), np.array(start))
 
 
 @kernel
 def apply_blocks(blocks: Blocks, f: Array) -> Array:
     """The matrix of each segment times its part of f."""
-    place, table = blocks.place, blocks.table
-    result = np.zeros(place[1, -1])
-    for j in range(place.shape[1] - 1):
-        entry, first, last = place[0, j], place[1, j], place[1, j + 1]
-        for q in range(place[2, j], place[2, j + 1]):
+    start, table = blocks.start, blocks.table
+    result = np.zeros(start[1, -1])
+    for j in range(start.shape[1] - 1):
+        entry, first, last = start[0, j], start[1, j], start[1, j + 1]
+        for q in range(start[2, j], start[2, j + 1]):
             factor = f[q]
             for i in range(first, last):
                 result[i] += factor * table[entry + i - first]
@@ -88,13 +90,16 @@ def apply_blocks(blocks: Blocks, f: Array) -> Array:
 
 
 def degrees(first_node: Indices) -> Indices:
-    """The degrees of the polynomials whose coefficients stand at the places of the nodes: 0, 1, ... on each."""
+    """The degrees of the polynomials whose coefficients are numbered as the nodes are: 0, 1, ... on each segment."""
     return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
 
 
 @kernel
 def end_sums(first_node: Indices, coefficient: Array) -> NDArray[np.float64]:
-    """The sums of the coefficients of each segment, shape (segments, 2): at -1, with the sign (-1)^k, and at 1."""
+    """The sums of the coefficients of each segment, shape (segments, 2): with the sign (-1)^k, and without.
+
+    They are the values at -1 and 1 of an expansion in T_k or, where the coefficients have the factor k + 1, in U_k.
+    """
     total = np.zeros((first_node.size - 1, 2))
     for j in range(first_node.size - 1):
         for k in range(first_node[j], first_node[j + 1]):
@@ -286,17 +291,18 @@ def distances_between(origin: Array, centre: Array, half_width: Array, period: f
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:
     """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
 
-    The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge.
+    The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge: at the
+    distance delta r, ln(rho) = ln(1 + delta + sqrt(delta (delta + 2))).
     """
     finest = float(series.wavenumber[-1])
-    return np.asarray(_count_nodes(*extent, series.period, finest, _needs(tolerance)))
+    return np.asarray(_count_nodes(*extent, series.period, finest, _node_factors(tolerance)))
 
 
 @kernel
 def _count_nodes(
-    origin: Array, centre: Array, half_width: Array, period: float, finest: float, needs: tuple[float, ...]
+    origin: Array, centre: Array, half_width: Array, period: float, finest: float, factors: tuple[float, ...]
 ) -> Indices:
-    least, per_radian, per_neighbour, per_twin = needs
+    least, per_radian, per_neighbour, per_twin = factors
     distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
         r = half_width[j]
@@ -308,8 +314,8 @@ def _count_nodes(
 
 
 @lru_cache(maxsize=64)
-def _needs(tolerance: float) -> tuple[float, ...]:
-    """The parameters of the number of nodes for this tolerance."""
+def _node_factors(tolerance: float) -> tuple[float, ...]:
+    """The factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
     tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
@@ -335,7 +341,7 @@ def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Fl
 
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:
     """The next larger number of nodes for segments on which the coefficients have not decayed."""
-    return np.minimum(np.ceil(MORE_NODES * node_count) + AT_LEAST_MORE, MAX_NODES).astype(np.int64)
+    return np.minimum(np.ceil(NODE_GROWTH * node_count) + MIN_ADDED_NODES, MAX_NODES).astype(np.int64)
 
 
 def increase_node_count(count: Indices, resolved: Flags, load: float) -> Indices:

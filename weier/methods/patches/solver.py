@@ -1,6 +1,7 @@
 """What users call: curves over the loads, and solutions under single loads, each from its own start.
 
-Which guesses, solvers and tolerances are tried, in which order, is in docs/patches.md, "Where a load starts".
+Which guesses, solvers and tolerances are tried, in which order, is in docs/patches.md, "Where a load starts"; "Edges"
+has the strengths, and "The bound on the compliance" what is stated of its error.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ from weier.theory.loads import checked_loads
 from weier.theory.waves import Waves
 
 TOLERANCE = 1e-10
-# The relative tolerance of Newton's steps, coefficients and residuals: looser ones take no less time, since sets of
-# contacts are then corrected more often. A load that fails, or whose bound is too wide, is tried again with a
-# tolerance so many times tighter, and so often in all.
+# The largest relative tolerance of Newton's steps, coefficients and residuals: looser ones take no less time, since
+# sets of contacts are then corrected more often. A load that fails, or whose bound is too wide, is tried again with a
+# tolerance that is `TIGHTENING` times tighter, `ATTEMPTS` times in all.
 MAX_RELATIVE_TOLERANCE, TIGHTENING, ATTEMPTS = 1e-4, 100.0, 3
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
 
@@ -245,8 +246,8 @@ def _solve_relative(starts: Starts, load: float, tolerance: float) -> tuple[Cont
 def _correct_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state from one guess whose set of contacts may be wrong, or large, and the steps to it.
 
-    A residual that is small beside the load does not determine how wide a small contact is. The steps of Newton's
-    method with a dense matrix are relative to each segment and do, so that a set of few ends with them.
+    A residual that is small relative to the load does not determine how wide a small contact is. The steps of
+    Newton's method with a dense matrix are relative to each segment and do, so that a set of few ends with them.
     """
     state, steps = many_contacts.solve_many_contacts(surface, guess, tolerance)
     if state.segments.centre.size < many_contacts.MIN_CONTACTS:

@@ -1,7 +1,11 @@
 """Where each load starts from: the contacts that it is likely to have, and the density on them.
 
-They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere; the
-formulas are those of docs/patches.md, "Where a load starts".
+They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere. The
+formulas are those of docs/patches.md, "Where a load starts"; "The staircase" of docs/bem.md has the edges of a grid.
+
+`Starts.guesses` yields guesses in this order, until one of them leads to a solution: Hertz's contacts on crests
+(`isolated_contacts`), the last gaps on the crests of the tension (`isolated_gaps`), the contacts of a grid and those
+of a finer one (`contacts_guess`), and the gaps between these (`gaps_guess`).
 """
 
 from __future__ import annotations
@@ -31,12 +35,14 @@ from weier.methods.punches import OFFSET
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 from weier.theory.waves import Waves
 
-# Tolerances of the compliance, in g_0: rounding allows none below, and a solution within the largest says nothing.
+# Tolerances of the compliance, in g_0: rounding allows none below, and the largest is all that one wave yields.
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0
-# A contact is Hertz's, or a gap like it, up to so many radians of the finest wave in its half-width: the parabola of
-# a cosine is off by 2 % there.
+# A contact is Hertz's, or a gap like it, up to so many radians of the finest wave in its half-width: there a cosine
+# differs from its parabola by 2 %.
 MAX_RADIANS = 0.5
-MAX_CROWDING = 0.1  # It is isolated up to this half-width over the distance to the next one: forces are off by 1 %.
+# It is isolated up to this half-width over the distance to the next one: there the field of its force differs from
+# that of a force on a line by the square of this, 1 %.
+MAX_CROWDING = 0.1
 MAX_ISOLATED = 32  # The forces of at most so many contacts are found as forces on lines, by dense equations.
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # Their forces take 3 or 4 steps to this relative accuracy.
 POINTS_PER_WAVE = (16, 32)  # Points for each of the finest waves of the grids that are tried, in this order.
@@ -47,10 +53,12 @@ MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 2000, 8
 # Residual of boundary elements from which Newton's method can start: in g_0 and as a part of the finest wave,
 # whichever is less; but no less than the last, since the finest waves of a smooth measured surface are rounding.
 GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
-# Relative residual of their tangent pressure: the corrections that follow from it are off by as much themselves on so
-# few points.
+# Relative residual of their tangent pressure, from which the positions of the edges between nodes follow: on so few
+# points these are off by as much themselves.
 TANGENT_TOLERANCE = 1e-2
-MAX_NODE_RATIO = 0.7  # Gaps are solved for where they need at most so many times the nodes of the contacts.
+# Gaps are solved for where they need at most so many times the nodes of the contacts. At equal cost contacts are
+# better: their guess has Hertz's pressure, and their indentation keeps its digits at light loads.
+MAX_NODE_RATIO = 0.7
 
 
 class Starts:
@@ -167,6 +175,7 @@ def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
     curvature, total = series.crest_curvature, load * series.period
+    # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return None
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
@@ -180,7 +189,9 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
 
     A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and the forces of others lower it.
     The logarithm hardly changes with the forces, so that it is that of the step before and the equations are linear.
-    A crest under a negative force leaves the contacts, and one that would stand above the plane joins them.
+    Forces whose sum is given may all displace the surface by `OFFSET` more, which the plane then has too.
+    A crest under a negative force leaves the contacts, and one that would stand above the plane joins them. As
+    forces of this sum raise no place by more than 2 ln 2 times their sum, crests below that need not be tried.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, crest = np.zeros(n), np.empty(most, np.int64)
@@ -224,7 +235,8 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
     """The gaps where full contact would be in tension, if they are so small that they do not act on each other."""
-    most, curvature = series.maximum - load, series.crest_curvature
+    most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
+    # The widest gap is no narrower than one under this tension on the sharpest crest.
     if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return None
     crest = np.flatnonzero(most + series.crest_offset > 0)
@@ -235,7 +247,7 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
 def _isolated_guess(
     series: CosineSeries, load: float, dual: bool, crest: Indices, half_width: Array, force: Array | float
 ) -> ContactState | None:
-    """A guess on crests in order; None if segments are not parabolic, or so wide that they act on each other."""
+    """A guess on crests in order; None if one is wider than its parabola, or so wide that they act on each other."""
     position, widest = series.crest_position[crest], half_width.max(initial=0.0)
     distance = np.append(position[1:], position[:1] + series.period) - position
     if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):

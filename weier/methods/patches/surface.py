@@ -4,8 +4,9 @@ A crest is a local maximum of a cosine series. A contact that has just been born
 difference of height between the two would be lost in rounding, if both heights were sums over all waves. Therefore
 positions are given as a crest and the distance from it, and heights relative to the highest crest.
 
-Heights are evaluated by Taylor's polynomials about the crests, and about equally spaced nodes between them
-(docs/numerics.md, "Heights of any number of waves"), whatever the number of waves.
+docs/patches.md, "Contacts and gaps", has the tension of full contact and why positions are given so. Heights are
+evaluated by Taylor's polynomials about the crests, and about equally spaced nodes between them, whatever the number
+of waves (docs/numerics.md, "Heights of any number of waves").
 """
 
 from __future__ import annotations
@@ -22,10 +23,13 @@ from weier.theory.expansions import ORDER, Expansions, expand
 from weier.theory.limits import check_resolvable
 from weier.theory.waves import Waves
 
-# Of the sum of amplitudes: crests that differ by less, which is rounding of the phases, are equally high; and those
-# that differ by less than the latter are compared in more digits than a float has.
+# Over the sum of amplitudes: crests that differ by less than the first, which is rounding of the phases, are equally
+# high. Those that differ by less than the second are compared in more digits than a float has, since their difference
+# would have fewer than ten of its own.
 MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
-MAX_CREST_STEPS = 0.5  # as far from a crest as the expansion about it serves
+# The expansion about a crest is used up to so many steps from it, as it comes from a node half a step away at most
+# and serves up to one step from there.
+MAX_CREST_STEPS = 0.5
 
 
 class CosineSeries(NamedTuple):
@@ -61,7 +65,7 @@ class CosineSeries(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """The two series that the solver looks at.
+    """The two series that the solver needs: heights for contacts, and tensions for gaps.
 
     heights : z, in g_0: the first contact is on its highest crest
     tensions : the pressure of full contact with its sign turned and without its mean, in p_0*: the last gap is at
@@ -107,7 +111,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     twins = offset > -TWIN_HEIGHT * most
     if np.any(twins & (offset < -0.5 * MAX_HEIGHT_ROUNDING * most)):  # else all are equally high
         exact = crest_heights(amplitude, waves_per_period, phase, period, position[twins])
-        offset[twins] = [float(each - max(exact)) for each in exact]
+        offset[twins] = [float(height - max(exact)) for height in exact]
     offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
     about[:, 0], nodes[:, 0] = offset, nodes[:, 0] - maximum
     return CosineSeries(
@@ -126,7 +130,10 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
 
 
 def _round_positions(x: Array, period: float) -> Array:
-    """Positions within [0, L), rounded so that a period more or less leaves them all their digits."""
+    """Positions within [0, L), rounded so that a period more or less leaves them all their digits.
+
+    They become multiples of the distance of floats beyond 4 L, so that sums of them and of periods are exact.
+    """
     x = (x % period + 4 * period) - 4 * period
     return np.asarray(np.where(x < period, x, 0.0))
 
