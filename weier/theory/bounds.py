@@ -1,8 +1,9 @@
 """Barber's bounds on what the terms left out of a series can change, Section 5.5.
 
-Roughness within a band of half-height G moves the mean gap at a given load by at most G. So the complete curve
-lies within G of the truncated one when both count from the mean plane, and as it is concave, so does its slope
-between two lines. But for the last two, the functions know arrays only: any consistent units will do.
+docs/closed_forms.md, "Bounds on the terms left out", proves them. Roughness within a band of half-height G moves the
+mean gap at a given load by at most G. So the complete curve lies within G of the truncated one when both count from
+the mean plane, and as it is concave, so does its slope between two lines. But for the last two, the functions know
+arrays only: any consistent units will do.
 """
 
 from __future__ import annotations

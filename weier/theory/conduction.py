@@ -1,4 +1,7 @@
-"""From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units."""
+"""From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
+
+The formulas are those of docs/closed_forms.md, "From compliance to resistance".
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The error and the cost of boundary elements that are expected before they are run (docs/bem.md, "Bounds")."""
+"""The error and the cost of boundary elements that are expected before they are run.
+
+The formulas are those of docs/bem.md, "Bounds", and for the cost of docs/planned.md, "Expected seconds".
+"""
 
 from __future__ import annotations
 

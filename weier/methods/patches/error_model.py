@@ -1,4 +1,7 @@
-"""The error and the cost of contact patches that plans expect before they are run."""
+"""The error and the cost of contact patches that plans expect before they are run.
+
+The formulas are those of docs/planned.md, "Expected errors" and "Expected seconds".
+"""
 
 from __future__ import annotations
 
