@@ -1,15 +1,16 @@
 """Archard's approximation: each wave carries the peak pressure of the next coarser one, Eqs (15)-(21).
 
-Term n is loaded to zeta_{n-1} = mean pressure of term n / p_n*, with zeta_{-1} = p/p_0* and
-zeta_n = gamma^(1-D) f(zeta_{n-1}). Three runs of terms follow one another, and two of them are sums of
-amplitudes only:
+The formulas are those of docs/closed_forms.md: "Archard", and "Flat waves" for the part shared with Demelio.
 
-- flattened terms, zeta > 1: f is affine, so their number has a closed form, and what follows is self-affine to
+Term n carries xi_n, a mean pressure in its p_n*, from xi_0 = p/p_0* on: xi_{n+1} = gamma^(1-D) f(xi_n). The paper
+calls it zeta_{n-1}. Three runs of terms follow one another, and two of them are sums of amplitudes only:
+
+- flattened terms, xi > 1: f is affine, so their number has a closed form, and what follows is self-affine to
   the complete series;
-- terms in partial contact, zeta < 1: ln zeta approaches its fixed point, the distance halving at each term;
+- terms in partial contact, xi < 1: ln xi approaches its fixed point, the distance halving at each term;
 - flattened terms again, if that fixed point lies above 0, gamma^(D-1) < 2.
 
-f, h_n and dh_n/dzeta join smoothly at zeta = 1: a term that rounding puts into the neighbouring run makes no error.
+f, h_n and dh_n/dxi join smoothly at xi = 1: a term that rounding puts into the neighbouring run makes no error.
 Heights are in g_0, pressures in p_0*.
 """
 
@@ -26,7 +27,7 @@ from weier.theory.series import full_contact_pressure
 
 LN2 = np.log(2)
 NEGLIGIBLE = 1e-20  # It keeps differences positive, and is less than their rounding.
-DIRECT_TERMS = 12  # So many terms bring ln zeta from -700 to within 0.2 of its fixed point.
+DIRECT_TERMS = 12  # So many terms bring ln xi from -700 to within 0.2 of its fixed point.
 TAYLOR_TERMS = 12  # Terms of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16.
 MAX_MINUS_LOG = 750.0  # It is more than -ln of any double.
 
@@ -57,40 +58,43 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
     waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
-    # The derivative of ln zeta halves from term to term (18).
+    # The derivative of ln xi halves from term to term (18).
     slope = _sums(waves, (waves.D - 2) * np.log(waves.gamma) - LN2, 0.0) / waves.load
     return waves.behind_flat_waves(slope)
 
 
 def _fixed_point(D: Array, gamma: Array) -> Array:
-    """The fixed point of zeta = gamma^(1-D) (1 + zeta) (18)."""
+    """The fixed point of xi = gamma^(1-D) (1 + xi) (18)."""
     return 1 / np.expm1((D - 1) * np.log(gamma))
 
 
 def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
-    """Sums of ratio^k zeta_k (constant - ln zeta_k) over the waves that are not flat, zeta_k+1 = shrink sqrt(zeta_k).
+    """Sums of ratio^k xi_k (constant - ln xi_k) over the waves that are not flat, xi_{k+1} = shrink sqrt(xi_k).
 
-    The first terms are summed one by one, until ln zeta is close to its fixed point or all waves are flat again.
+    The first terms are summed one by one, until ln xi is close to its fixed point or all waves are flat again.
     """
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
     log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
-    # Where ln zeta approaches a point above 0, all waves are flat again after so many.
+    # Where ln xi approaches a point above 0, all waves are flat again after so many.
     rising = np.ceil(np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE)))
     direct = np.minimum(np.where(log_shrink > 0, rising, DIRECT_TERMS), waves.waves)
-    zeta, log_zeta = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
+    xi, log_xi = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
     total, weight = np.zeros(direct.shape), np.ones(direct.shape)
     for wave in range(int(direct.max(initial=0))):
         here = wave < direct
-        total = np.where(here, total + weight * zeta * (constant - log_zeta), total)
+        total = np.where(here, total + weight * xi * (constant - log_xi), total)
         weight = np.where(here, weight * ratio, weight)
-        zeta = np.where(here, np.minimum(shrink * np.sqrt(zeta), 1.0), zeta)
-        log_zeta = np.where(here, np.minimum(log_shrink + log_zeta / 2, 0.0), log_zeta)
+        xi = np.where(here, np.minimum(shrink * np.sqrt(xi), 1.0), xi)
+        log_xi = np.where(here, np.minimum(log_shrink + log_xi / 2, 0.0), log_xi)
     fixed = np.minimum(2 * log_shrink, 0)
-    return total + weight * _taylor_series(log_zeta - fixed, fixed, waves.waves - direct, log_ratio, constant)
+    return total + weight * _taylor_series(log_xi - fixed, fixed, waves.waves - direct, log_ratio, constant)
 
 
 def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
-    """Such a sum over so many more terms, at this distance of ln zeta from its fixed point."""
+    """Such a sum over so many more terms, at this distance of ln xi from its fixed point.
+
+    In docs/closed_forms.md `distance` is delta, `fixed` F, `terms` T, `log_ratio` ln rho and `constant` c.
+    """
     # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
     # powers of distance/2^k sum to geometric series.
     order, ratio, power, halved = np.exp(fixed), np.exp(log_ratio), np.exp(log_ratio * terms), np.exp2(-terms)

@@ -1,13 +1,14 @@
 """Chebyshev polynomials on an interval: Gauss's quadrature, and densities with their integrals in closed form.
 
+docs/patches.md, "Chebyshev polynomials", derives the formulas and says what they are used for.
+
 A density is sqrt(1-t^2) phi(t) in the coordinate t of its interval, -1..1. With phi = sum a_k U_k(t), and with rho^-n
 in place of T_n(t) outside the interval, where rho = t + sign(t) sqrt(t^2-1), its integrals have closed forms:
 
     int sqrt(1-s^2) U_k(s)/(t-s) ds      = pi T_(k+1)(t)
     int sqrt(1-s^2) U_k(s) ln|t-s| ds    = (L_k - L_(k+2))/2,  L_0 = pi (ln|rho| - ln 2),  L_n = -(pi/n) T_n(t)
 
-Both hold at the edges and beyond them, where quadrature would lose all digits. docs/patches.md, "Chebyshev
-polynomials", derives them and says what they are used for.
+Both hold at the edges and beyond them, where quadrature would lose all digits.
 """
 
 from __future__ import annotations

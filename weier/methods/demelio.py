@@ -1,7 +1,9 @@
 """Demelio's approximation: every wave carries the same mean pressure, Eqs (23)-(26).
 
-The N + 1 terms with p_n* < p are flattened; the others are self-affine to the complete series and sum to (26),
-scaled by g_{N+1} and p_{N+1}*. Heights are in g_0, pressures in p_0*.
+The formulas are those of docs/closed_forms.md: "Demelio", and "Flat waves" for the part shared with Archard.
+
+The first N terms, with p_n* < p, are flattened; the others are self-affine to the complete series and sum to (26),
+scaled by g_N and p_N*. Heights are in g_0, pressures in p_0*.
 """
 
 from __future__ import annotations
@@ -41,15 +43,15 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
-    """Sums of gamma^-k and of k gamma^-k over m terms."""
-    # sum k r^k = [sum of r^k over the m - 1 last but one - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
+    """The sums S_0 and S_1 over m terms, of gamma^-n and of n gamma^-n."""
+    # sum n r^n = [sum of r^n over m - 1 terms - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
     fewer = np.maximum(m - 1, 0)
     last = fewer * np.exp(-np.log(gamma) * fewer)  # a power takes ten times as long where it vanishes
     return _geometric(gamma, m), (_geometric(gamma, fewer) - last) / (gamma - 1)
 
 
 def _geometric(gamma: Array, m: Array) -> Array:
-    """Sum of gamma^-k over m terms."""
+    """Sum of gamma^-n over m terms."""
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 

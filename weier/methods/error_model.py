@@ -1,5 +1,8 @@
 """What the error and cost models of several methods share.
 
+The formulas are those of docs/planned.md, "Expected errors"; docs/closed_forms.md, "Bounds on the terms left out",
+says what a residual does.
+
 `python -m benchmarks.planned` holds these models against the errors and seconds of random profiles, by method, and
 the constants of memory come from `python -m benchmarks.memory`. Heights are in g_0, pressures in p_0*, seconds those
 of one core of a 2.5 GHz server, bytes those beyond the interpreter's own. The error of a resistance is relative to

@@ -1,4 +1,7 @@
-"""What the estimates of a whole series have in common: how they are run, and how they are offered to a plan."""
+"""What the estimates of a whole series have in common: how they are run, and how they are offered to a plan.
+
+Their expected errors are those of docs/planned.md, "Expected errors".
+"""
 
 from __future__ import annotations
 

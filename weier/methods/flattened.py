@@ -1,11 +1,13 @@
 """Series whose coarsest waves are pressed flat: the part that Archard's and Demelio's approximations have in common.
 
+The formulas are those of docs/closed_forms.md, "Flat waves".
+
 Wave n carries xi_n, a mean pressure in its p_n*. Behind a flat wave, xi_n > 1, the next one carries
 
     xi_{n+1} - fixed = gamma^(1-D) (xi_n - fixed),
 
-where `fixed` is 0 if waves hand on the mean pressure alone. So the number N of flat waves has a closed form, and
-those that remain are self-affine to the complete series:
+where `fixed`, the xi_inf of that page, is 0 if waves hand on the mean pressure alone. So the number N of flat waves
+has a closed form, and those that remain are self-affine to the complete series:
 
     h(p; m) = sum of g_n over n < N + g_N h(xi_N; m - N),    dh/dp = gamma^-N h'(xi_N; m - N).
 
@@ -31,7 +33,7 @@ INFINITE_TERMS = 1e300
 class Remaining(NamedTuple):
     """The waves that each load does not press flat; arrays of the shape to which loads and series broadcast.
 
-    load : what the first of them carries, in its p*; NaN where a load is not positive
+    load : xi_N, what the first of them carries, in its p*; NaN where a load is not positive
     waves : how many they are
     flat : number N of the others
     D, gamma : of the series, of their own shape

@@ -1,7 +1,8 @@
 """The closed forms in 50 digits: their sums term by term, from the same doubles that a method is given.
 
-They have nothing in common with the code of the methods. An infinite series is summed until the rest is a geometric
-series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
+The sums are those of docs/closed_forms.md: "One wave", "Archard" and "Demelio". They have nothing in common with the
+code of the methods. An infinite series is summed until the rest is a geometric series or below the last digit. Each
+function returns compliance, in g_0, and resistance, in g_0/p_0*.
 """
 
 from __future__ import annotations
@@ -36,18 +37,18 @@ def archard(p: float, D: float, gamma: float, m: float) -> Pair:
     """Each wave under the peak pressure of the coarser one (15)-(21)."""
     with mp.workdps(DIGITS):
         down, falls = _ratios(D, gamma)
-        zeta, slope, g = mp.mpf(p), mp.mpf(1), mp.mpf(1)  # zeta_{n-1}, its derivative with p, g_n
+        xi, slope, g = mp.mpf(p), mp.mpf(1), mp.mpf(1)  # xi_n, its derivative with p, g_n
         h = R = mp.mpf(0)
         n, before = 0, mp.inf
         while n < m:
-            if m == mp.inf and ((zeta >= 1 and 2 * down >= 1) or abs(zeta / before - 1) < mp.mpf(10) ** -DIGITS):
-                return h + g * _compliance(zeta) / (1 - falls), R  # The slope is below the last digit.
-            h, R = h + g * _compliance(zeta), R + g * slope * _resistance(zeta)
-            before, n, g = zeta, n + 1, g * falls
-            if zeta >= 1:
-                zeta, slope = down * (1 + zeta), down * slope
+            if m == mp.inf and ((xi >= 1 and 2 * down >= 1) or abs(xi / before - 1) < mp.mpf(10) ** -DIGITS):
+                return h + g * _compliance(xi) / (1 - falls), R  # The slope is below the last digit.
+            h, R = h + g * _compliance(xi), R + g * slope * _resistance(xi)
+            before, n, g = xi, n + 1, g * falls
+            if xi >= 1:
+                xi, slope = down * (1 + xi), down * slope
             else:
-                zeta, slope = 2 * down * mp.sqrt(zeta), down * slope / mp.sqrt(zeta)
+                xi, slope = 2 * down * mp.sqrt(xi), down * slope / mp.sqrt(xi)
         return h, R
 
 
@@ -66,10 +67,10 @@ def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
 
 
 def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
-    """All flattened terms, then sum k r^k = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
+    """All flattened terms, then sum n r^n = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
     flat = max(mp.ceil(mp.log(p) / ((D - 1) * mp.log(gamma))), 0)
     g, xi, r = gamma ** ((D - 2) * flat), p * gamma ** ((1 - D) * flat), 1 / gamma
-    logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # of sum -r^k ln xi_k
+    logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # of sum -r^n ln xi_n
     h = (1 - g) / (1 - gamma ** (D - 2)) + g * xi * (1 / (1 - r) + logarithms)
     return h, gamma**-flat * logarithms
 

@@ -1,4 +1,7 @@
-"""A plan's task for the methods, and the parts of a plan that they offer as candidates."""
+"""A plan's task for the methods, and the parts of a plan that they offer as candidates.
+
+They are those of docs/planned.md, "What is offered".
+"""
 
 from __future__ import annotations
 

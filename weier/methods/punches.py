@@ -1,11 +1,13 @@
 """Approximate forces on flat punches from their displacements, in the time O(punches).
 
+They are a preconditioner of conjugate gradients, or a part of one, and need not be exact (docs/patches.md, "Given
+edges").
+
 A unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
 by -2 ln|2 sin(pi d/L)|. This matrix is taken for the covariance of random displacements. Every second displacement is
 predicted from its nearest neighbours among the others, with an error that is nearly independent of the rest; and so
 on with every second of the others, until few are left (Vecchia's approximation of the inverse: Schaefer, Katzfuss and
-Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019). It is a preconditioner of conjugate gradients, or a part of one, and
-need not be exact (docs/patches.md, "Given edges").
+Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019).
 """
 
 from __future__ import annotations

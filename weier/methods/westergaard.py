@@ -1,7 +1,7 @@
 """One wave against a plane: Westergaard's closed form, Eqs (6)-(14) and Appendix A.
 
-Lengths along x are in the wavelength lambda, heights in the amplitude g, pressures in p* (7): xi is the mean
-pressure (9). The functions broadcast.
+The formulas are those of docs/closed_forms.md, "One wave". Lengths along x are in the wavelength lambda, heights in
+the amplitude g, pressures in p* (7): xi is the mean pressure (9). The functions broadcast.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
 
-docs/paper.md says where (4) and (5) are half of what the paper prints. The scales of an `Interface` follow from (7):
-lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times area in
-M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
+The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of an `Interface` follow
+from (7): lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times
+area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 """
 
 from __future__ import annotations

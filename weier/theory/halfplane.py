@@ -1,5 +1,7 @@
 """The elastic half-plane under periodic pressure: what elements of it, and forces on lines, do to the surface.
 
+The formulas are those of docs/bem.md, "The discrete problem", and of docs/patches.md, "Contacts and gaps".
+
 A pressure wave p_k displaces the surface by u_k = p_k/|k|, with k in waves per lambda_0; the mean pressure is
 removed, u_0 = 0. On N equal elements with linear pressure the same is a circulant matrix, known exactly through its
 eigenvalues: no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 2.37 and Fig. 5.17c).

@@ -1,6 +1,7 @@
 """The terms of the Weierstrass series in closed form, without a profile: amplitudes, pressures, and their sums.
 
-Heights are in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
+The formulas are those of docs/closed_forms.md: "Flat waves", and "Bounds on the terms left out" for the tail. Heights
+are in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
 """
 
 from __future__ import annotations

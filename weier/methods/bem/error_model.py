@@ -1,7 +1,7 @@
 """The error and the cost of boundary elements that are expected before they are run.
 
-The bounds are those of docs/bem.md, "Bounds". The costs were fitted to measured runs (docs/numerics.md, "How plans
-choose").
+The bounds are those of docs/bem.md, "Bounds". The costs are those of docs/planned.md, "Expected seconds", and were
+fitted to measured runs.
 """
 
 from __future__ import annotations

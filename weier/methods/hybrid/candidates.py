@@ -1,4 +1,7 @@
-"""The candidates of a plan by resolved terms on the layer: as few terms as some load allows."""
+"""The candidates of a plan by resolved terms on the layer: as few terms as some load allows.
+
+Their errors are those of docs/hybrid.md, "The error, and where it stops".
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The layer that stands for all finer terms: pressure and compression at a node as functions of one number s."""
+"""The layer that stands for all finer terms: pressure and compression at a node as functions of one number s.
+
+The formulas are those of docs/hybrid.md, "The equations".
+"""
 
 from __future__ import annotations
 

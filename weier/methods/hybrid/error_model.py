@@ -1,5 +1,6 @@
 """The error and the cost of resolved terms on a layer that are expected before they are run.
 
+The formula is that of docs/hybrid.md, "The error, and where it stops", and of docs/planned.md, "Expected seconds".
 What was measured is in docs/numerics.md, "The tail on the layer".
 """
 

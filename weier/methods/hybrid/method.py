@@ -1,4 +1,4 @@
-"""Resolved terms on the layer of all finer ones, as one of the methods."""
+"""Resolved terms on the layer of all finer ones, as one of the methods (docs/hybrid.md)."""
 
 from __future__ import annotations
 

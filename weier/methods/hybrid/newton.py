@@ -1,4 +1,7 @@
-"""Newton's method for the nodes and the rigid plane, its linear equations by GMRES."""
+"""Newton's method for the nodes and the rigid plane, its linear equations by GMRES.
+
+The formulas are those of docs/hybrid.md: "The equations" and "Newton's method".
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,7 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
 
 
 def _full_contact(problem: Problem, load: float) -> Array:
-    """A state to start from: s at every node, then the height of the plane.
+    """A state to start from: s at every node, then the height H of the plane.
 
     The pressure is that of full contact on a layer as stiff as it is under the mean pressure.
     """
@@ -97,7 +100,7 @@ def _displacement(pressure: Array, influence: Array) -> Array:
 def _linear_solution(problem: Problem, slope: Array, right: Array, accuracy: float) -> Array:
     """The linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
 
-    [1 + (A - c) diag(dp/ds), 1; mean of dp/ds, 0] [ds; dh_plane] = right
+    [1 + (A - c) diag(dp/ds), 1; mean of dp/ds, 0] [ds; dH] = right
     """
     n, influence, dp = right.size - 1, problem.influence, float(slope.mean())
 

@@ -1,4 +1,8 @@
-"""Bounds on the infinite series: the bounds theorem on a plain grid that resolves its first terms."""
+"""Bounds on the infinite series: the bounds theorem on a plain grid that resolves its first terms.
+
+The formulas are those of docs/hybrid.md, "Bounds"; docs/closed_forms.md, "Bounds on the terms left out", proves the
+theorem.
+"""
 
 from __future__ import annotations
 

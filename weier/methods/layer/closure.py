@@ -1,4 +1,7 @@
-"""The closure of a layer: its compression w(p), a table of ln w over ln p with slopes and cubics between the rows."""
+"""The closure of a layer: its compression w(p), a table of ln w over ln p with slopes and cubics between the rows.
+
+The formulas are those of docs/layer.md, "Tables"; "One scale" says what w is.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The contact conditions of a wave, checked in contact and outside on a freshly applied operator.
 
-The displacements of a state of `weier.methods.layer.wave` are summed again as a cosine series, without the matrices
-of the mesh.
+The formulas are those of docs/layer.md, "What is checked". The displacements of a state of
+`weier.methods.layer.wave` are summed again as a cosine series, without the matrices of the mesh.
 """
 
 from __future__ import annotations

@@ -1,13 +1,15 @@
 """The infinite series: its closure is the fixed point of one scale, by Newton's method on all rows of its table.
 
-The map T of `weier.methods.layer.scales`, applied again and again, converges only after hundreds of scales where D
-is close to 2. But the linear equations of each wave give the derivative of W by the compression of the layer at each
-pressure (`weier.methods.layer.wave.closure_sensitivity`). So a few systems of linear equations over the rows give W,
+The formulas are those of docs/layer.md, "The whole series". The map T of `weier.methods.layer.scales`, applied again
+and again, converges only after hundreds of scales where D is close to 2. But the linear equations of each wave give
+the derivative of W by the compression of the layer at each pressure (`weier.methods.layer.wave.closure_sensitivity`).
+So a few systems of linear equations over the rows give W,
 
     ln W - ln T W = 0,    J = d ln T W/d ln W >= 0.
 
 The same matrix bounds the sum of the errors over all scales. If the table deviates from T of itself by relative
-errors e, its own relative error is (I - J)^-1 e at most. The deviation is measured in the middle of every cell.
+errors, its own relative errors are (I - J)^-1 times these at most. The deviation is measured in the middle of every
+cell.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Curves of the non-linear layer model (4.3): compliance and resistance over the loads."""
+"""Curves of the non-linear layer model (4.3): compliance and resistance over the loads.
+
+The formulas are those of docs/layer.md: "Tables" for where tables end and what heavier loads do, and "The whole
+series" for the series that is taken for infinite.
+"""
 
 from __future__ import annotations
 

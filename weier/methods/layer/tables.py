@@ -1,5 +1,7 @@
 """Tables of the compliance of a wave over its load, at rows that do not depend on the loads that are solved.
 
+The formulas are those of docs/layer.md, "Tables".
+
 The pressure of a wave falls to 0 at the edges of its contact, so there is always a part of it below the first row.
 There W is continued as a power. The pressures that the continuation concerns are below e^-17 of the mean pressure at
 the lightest load that a table is used for (e^-9 at 1e-305), and carry less than this part of the load.

@@ -1,19 +1,21 @@
 """One wave on a half-plane through a layer: a single scale of the non-linear layer model (4.3).
 
+The formulas are those of docs/layer.md, "One wave on a layer"; docs/closed_forms.md, "One wave", derives the
+displacements from the kernel of the half-plane.
+
 Lengths along x are in the wavelength, heights in the amplitude, pressures in p* (7) of this wave. xi is the mean
 pressure, w(p) the compression of the layer. In the contact, -a < x < a,
 
-    u(x) + w(p(x)) = h - 2 sin^2(pi x),    u(x) = -2 int p(s) ln|2 sin(pi (x - s))| ds,
+    u(x) + w(p(x)) = h - 2 sin^2(pi x),
 
-and either p = 0 at its edges or a = 1/2. With sin(pi x) = sin(pi a) cos(phi/2) the kernel becomes
-ln(2 sin^2(pi a)) + ln|cos phi - cos phi'|, whose eigenfunctions are cosines whatever a is:
+and either p = 0 at its edges or a = 1/2. With sin(pi x) = sin(pi a) cos(phi/2),
 
     p dx = -q dphi,  q = xi/(2 pi) + sum_k q_k cos(k phi),    u = -xi ln sin^2(pi a) + sum_k 2 pi/k q_k cos(k phi).
 
-(Westergaard's q is xi (1 - cos phi)/(2 pi).) So the same M midpoints in phi serve every load, and gather at the
-edges: phi = 0 at x = a, pi at the crest. The state of a wave is an array of M + 1 numbers,
+So the same M midpoints in phi serve every load, and gather at the edges: phi = 0 at x = a, pi at the crest. The state
+of a wave is an array of M + 1 numbers,
 
-    y_j = ln(2 pi q_j/xi),    edge = ln sin^2(pi a) < 0, or w(p) >= 0 in the trough where a = 1/2.
+    y_j = ln(2 pi q_j/xi),    edge = sigma = ln sin^2(pi a) < 0, or w_t = w(p) >= 0 in the trough where a = 1/2.
 
 Logarithms keep the pressure positive over all decades of load, so that there is no set of active nodes to find.
 Heights relative to the edge, phi = 0, need neither h nor a.

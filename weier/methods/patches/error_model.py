@@ -1,7 +1,7 @@
 """The error and the cost of contact patches that plans expect before they are run.
 
-How plans use them is in docs/numerics.md, "How plans choose"; all factors were fitted to measured runs ("Contact
-patches in numbers"). What the stated errors of a solution rest on is in `inequalities` and `resistance_error`.
+The formulas are those of docs/planned.md, "Expected errors" and "Expected seconds"; all factors were fitted to
+measured runs. What the stated errors of a solution rest on is in `inequalities` and `resistance_error`.
 """
 
 from __future__ import annotations

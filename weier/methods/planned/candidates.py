@@ -1,4 +1,7 @@
-"""The candidates of a plan: full contact, and parts that methods offer for the whole series or a truncated one."""
+"""The candidates of a plan: full contact, and parts that methods offer for the whole series or a truncated one.
+
+They are those of docs/planned.md, "What is offered".
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Forecasts before anything is solved: first contact, full contact, number of contacts, compliance.
 
-How contacts are counted is in docs/numerics.md, "How plans choose".
+The formulas are those of docs/planned.md: "Expected errors" for first contact, and "Expected seconds" for how
+contacts are counted.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Plans as one of the methods."""
+"""Plans as one of the methods (docs/planned.md)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The plan of one profile: the cheapest methods, load by load, that error models and the bounds theorem allow.
 
-docs/numerics.md, "How plans choose", has what is offered for which quantity.
+It chooses as in docs/planned.md, "The choice"; "What is offered" has what is offered for which quantity.
 
 `weier.methods.planned.solver` runs it, `weier.pipeline.plan` makes one for each case of a scene.
 """

@@ -1,4 +1,7 @@
-"""The method "planned", which runs the plan of a profile: each part by its method, an error for every number."""
+"""The method "planned", which runs the plan of a profile: each part by its method, an error for every number.
+
+What is run again and what is stated is in docs/planned.md, "The choice".
+"""
 
 from __future__ import annotations
 

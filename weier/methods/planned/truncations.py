@@ -1,4 +1,8 @@
-"""The truncated series that may stand for the whole one, and the errors by the terms that they leave out."""
+"""The truncated series that may stand for the whole one, and the errors by the terms that they leave out.
+
+The formulas are those of docs/planned.md, "What is offered"; docs/closed_forms.md, "Bounds on the terms left out",
+proves them.
+"""
 
 from __future__ import annotations
 
