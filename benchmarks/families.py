@@ -247,7 +247,7 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
     return exact, np.abs(exact - twin) + uncertainty
 
 
-def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.Curve:
+def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.PatchCurve:
     *tight, loosest = tolerances
     for tolerance in tight:
         with suppress(ConvergenceError):

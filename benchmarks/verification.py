@@ -13,7 +13,7 @@ from weier import plan
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model, patches
 from weier.methods.plan_part import QUANTITIES
-from weier.methods.planned.solver import Curve
+from weier.methods.planned.solver import PlannedCurve
 from weier.methods.registry import PLANNED, find_method
 from weier.theory.bounds import complete_bounds
 from weier.theory.profile import Profile, RandomPhases, random_phases
@@ -142,7 +142,7 @@ def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Ver
     return Verified(profile, "compliance", tolerance, check, None, *_methods(found), found.planned_seconds, seconds)
 
 
-def _planned(profile: Profile, loads: Array, *wanted: Any) -> tuple[Curve, float]:
+def _planned(profile: Profile, loads: Array, *wanted: Any) -> tuple[PlannedCurve, float]:
     """The planned curve, and the seconds of the processor that it took."""
     plan(profile, loads, *wanted)  # contacts are counted once
     start = process_time()
@@ -163,6 +163,6 @@ def _longest(profile: Profile) -> Profile:
     return profile.truncated(terms)
 
 
-def _methods(found: Curve) -> tuple[tuple[str, ...], float]:
+def _methods(found: PlannedCurve) -> tuple[tuple[str, ...], float]:
     """The methods and the finest grid."""
     return tuple(dict.fromkeys(found.planned_method.tolist())), float(np.fmax.reduce(found.planned_points))

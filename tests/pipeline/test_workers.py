@@ -13,7 +13,7 @@ import xarray as xr
 
 import weier
 from weier.data.variables import Status
-from weier.pipeline.workers import LOST, Curve, solve_curves
+from weier.pipeline.workers import LOST, CurveTask, solve_curves
 from weier.theory import arguments
 
 LOADS = np.array([0.01, 0.1, 1.0])
@@ -43,7 +43,7 @@ def test_curves_of_another_process_have_the_same_bits():
 
 def test_progress_counts_the_loads_of_all_processes():
     said = []
-    outcomes = solve_curves([Curve(each, "demelio", {}) for each in SERIES], LOADS, 2, 0.0, said.append)
+    outcomes = solve_curves([CurveTask(each, "demelio", {}) for each in SERIES], LOADS, 2, 0.0, said.append)
     assert len(list(outcomes)) == len(SERIES)
     done = [int(re.match(r"(\d+) of 9 loads, about \d+ s left", line)[1]) for line in said]
     assert done == sorted(done)

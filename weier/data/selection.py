@@ -30,7 +30,7 @@ Ratio = int | float | str | Fraction
 
 
 @xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]  # of xarray
-class Curves:
+class CurvesAccessor:
     """What weier adds to an `xarray.Dataset` of curves, as `data.weier`."""
 
     def __init__(self, data: xr.Dataset) -> None:

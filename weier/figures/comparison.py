@@ -41,7 +41,7 @@ VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 SURFACES = (*PARAMETERS, "trace")  # what distinguishes the surfaces of curves beside phases
 
 
-class Curve(NamedTuple):
+class PlottedCurve(NamedTuple):
     """The values of one case by one method, the loads where they are drawn, and the parameters by name.
 
     points : whether it is drawn as points beside a more accurate curve
@@ -107,7 +107,7 @@ def compare(
 
 def _curves(
     cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Interface | None
-) -> list[Curve]:
+) -> list[PlottedCurve]:
     """All curves there are, in the units of their bodies and in the order in which they are drawn."""
     numerical, found = numerical_names(), []
     traces = names_of_traces(cases)
@@ -123,7 +123,7 @@ def _curves(
             drawn = (lines.points if points else lines.line)(case, quantity, method)
             if drawn:
                 loads, values = (own * unit for own, unit in zip(drawn, units, strict=True))
-                found.append(Curve(shown, method, loads, values, points, parameters | {"method": method}))
+                found.append(PlottedCurve(shown, method, loads, values, points, parameters | {"method": method}))
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
     estimates = [name for name in names() if name not in numerical]
     order = {name: rank for rank, name in enumerate([*estimates, "", *numerical])}
@@ -141,13 +141,13 @@ def _parameters(case: xr.Dataset, position: int, trace: str) -> dict[str, Hashab
     return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
 
 
-def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
+def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:
     """The values of a parameter, numbers in their order and others in that of their appearance."""
     values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
     return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]  # all are floats
 
 
-def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
+def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     """A value of a parameter as a legend writes it."""
     first = next(curve for curve in drawn if curve.parameters[name] == value)
     if name == "method":
@@ -161,7 +161,7 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
 
 
-def _title(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
+def _title(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     """A value of a parameter as it stands over panels: of plans, with what they were asked for."""
     settings = [
         str(curve.case["settings"].sel(solution_method=PLANNED).item())
@@ -183,12 +183,12 @@ def _join(labels: Iterable[str]) -> str:
     return ",  ".join(filter(None, labels))
 
 
-def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
+def _by_dash(drawn: Sequence[PlottedCurve], grouping: Grouping) -> bool:
     """Whether dashes distinguish the methods, since colours and panels do not."""
     return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 
-def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:
+def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping) -> dict[str, Any]:
     """How a curve is drawn: by its method, or in the colour of a parameter, with the dashes of several methods."""
     look = style.points(curve.method) if curve.points else style.line(curve.method)
     if grouping.colour in ("", "method"):
@@ -200,9 +200,9 @@ def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str,
     return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
 
 
-def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping) -> None:
+def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCurve], grouping: Grouping) -> None:
     """The median of the curves that look alike, within a band that holds all of them, or the one curve there is."""
-    alike: dict[tuple[Hashable, Hashable], list[Curve]] = {}
+    alike: dict[tuple[Hashable, Hashable], list[PlottedCurve]] = {}
     for curve in members:
         alike.setdefault((curve.parameters[grouping.colour], curve.method), []).append(curve)
     for same in alike.values():
@@ -217,7 +217,7 @@ def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping
             axes.fill_between(loads, values.min(axis=0), values.max(axis=0), color=look["color"], **BAND)
 
 
-def _differing(same: Sequence[Curve]) -> list[str]:
+def _differing(same: Sequence[PlottedCurve]) -> list[str]:
     """The parameters in which some curves differ; phases where they have several waves, as many each."""
     differing = [name for name in SURFACES if len(_values(same, name)) > 1]
     several = [curve for curve in same if curve.parameters["m"] != 1]
@@ -225,7 +225,7 @@ def _differing(same: Sequence[Curve]) -> list[str]:
     return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
 
 
-def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> Patch | None:
+def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
     """The errors that a method states, as a band with what the legend says of it, if anywhere one can see it."""
     stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
     values = curves.curve(curve.case, quantity, curve.method)
@@ -242,7 +242,7 @@ def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> Patch | None:
     return Patch(color=line["color"], label=f"error stated by {line['label']}", **STATED)
 
 
-def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
+def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
     """What each colour, each dash and the band say."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     values = _values(drawn, colour)

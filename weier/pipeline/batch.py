@@ -20,7 +20,7 @@ from weier.methods.method import Method, unsolved
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
-from weier.pipeline.workers import Curve, Outcome, solve_curves
+from weier.pipeline.workers import CurveTask, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.theory.bounds import first_contact, infinite_series_bounds
@@ -71,7 +71,7 @@ def solve_batch(
     methods, terms, edges, optional = layout_of(cases, contact_edges)
     data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"})
     rows = arrays(data)
-    curves = [Curve(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
+    curves = [CurveTask(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
     outcomes = iter(solve_curves(curves, loads, workers, pause, done))
     for number, case in enumerate(cases):
         describe_case(rows, number, case)

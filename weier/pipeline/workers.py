@@ -32,7 +32,7 @@ LOST = (
 )
 
 
-class Curve(NamedTuple):
+class CurveTask(NamedTuple):
     """One curve to be solved: of a surface, by the method of this name, with settings that were checked."""
 
     profile: Waves
@@ -54,7 +54,7 @@ class Solver:
         """Under `loads`; `add` takes numbers of loads that are done."""
         self.loads, self.count, self.known = loads, Loads(loads.size, add), dict[object, tuple[Any, float]]()
 
-    def __call__(self, curve: Curve) -> Outcome:
+    def __call__(self, curve: CurveTask) -> Outcome:
         """What a method says of a curve, or why it says nothing."""
         outcome: Outcome
         try:
@@ -77,13 +77,13 @@ class Solver:
 
 
 def solve_curves(
-    curves: Sequence[Curve], loads: Array, workers: int, pause: float, say: Callable[[str], None]
+    curves: Sequence[CurveTask], loads: Array, workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
     """What is to be had of each curve, in their order.
 
     Parameters
     ----------
-    curves : sequence of Curve
+    curves : sequence of CurveTask
         Those of one profile beside each other.
     loads : ndarray, shape (loads,)
         Increasing, in p_0*.
@@ -105,7 +105,7 @@ def solve_curves(
     return map(Solver(loads, progress.add), curves)
 
 
-def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
+def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
     """The same by this process, from the last curve on, and by others, which take the first ones meanwhile.
 
     Others start in about a second, in which this one has solved some curves. Python spawns them, since a copy of this
@@ -156,5 +156,5 @@ def _end_with_parent() -> None:
 _solver: Solver  # of a process that `_begin` has prepared
 
 
-def _solve(curve: Curve) -> Outcome:
+def _solve(curve: CurveTask) -> Outcome:
     return _solver(curve)

@@ -2,6 +2,6 @@
 
 from weier.methods.bem.fields import Field, field
 from weier.methods.bem.method import METHOD
-from weier.methods.bem.solver import Curve, checked_points, curve
+from weier.methods.bem.solver import BemCurve, checked_points, curve
 
-__all__ = ["METHOD", "Curve", "Field", "checked_points", "curve", "field"]
+__all__ = ["METHOD", "BemCurve", "Field", "checked_points", "curve", "field"]

@@ -1,6 +1,6 @@
 """The non-linear layer model (4.3): one wave at a time, on a half-plane through a layer of all finer waves."""
 
 from weier.methods.layer.method import METHOD
-from weier.methods.layer.solver import Curve, compliance, curve, resistance, tail_closure
+from weier.methods.layer.solver import LayerCurve, compliance, curve, resistance, tail_closure
 
-__all__ = ["METHOD", "Curve", "compliance", "curve", "resistance", "tail_closure"]
+__all__ = ["METHOD", "LayerCurve", "compliance", "curve", "resistance", "tail_closure"]
