@@ -154,8 +154,12 @@ def arguments(name):
     """The sound arguments of a function."""
     parameters = inspect.signature(FUNCTIONS[name]).parameters.values()
     known = SOUND | OWN.get(name, {})
-    named = [each for each in parameters if each.kind is not each.VAR_KEYWORD]
-    return {each.name: known[each.name] for each in named if each.name in known or each.default is each.empty}
+    named = [parameter for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD]
+    return {
+        parameter.name: known[parameter.name]
+        for parameter in named
+        if parameter.name in known or parameter.default is parameter.empty
+    }
 
 
 ARGUMENTS = [(name, argument) for name in FUNCTIONS for argument in arguments(name)]
@@ -280,7 +284,7 @@ def holds_a_number(value):
     if isinstance(value, bool | np.bool_) or np.ma.is_masked(value):
         return False
     if isinstance(value, list | tuple | range):
-        return all(holds_a_number(each) for each in value)
+        return all(holds_a_number(element) for element in value)
     if isinstance(value, np.ndarray | xr.DataArray):
         return value.dtype.kind in "iuf"
     return isinstance(value, int | float | Fraction | Decimal | np.integer | np.floating)
@@ -291,13 +295,13 @@ def check(name, argument, value):
     if result is None or argument in NOT_NUMBERS or (value is None and argument in NONE_TOO.get(name, ())):
         return
     texts = argument in TEXT_TOO and all(
-        isinstance(each, str) or holds_a_number(each) for each in np.atleast_1d(value).tolist()
+        isinstance(element, str) or holds_a_number(element) for element in np.atleast_1d(value).tolist()
     )
     assert texts or holds_a_number(value), (name, argument, value, result)
 
 
 @examples(25, 500)
-@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
+@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda name: name)
 def test_every_argument_of_every_public_function(name, argument, how_many):
     how_many(given(anything)(lambda value: check(name, argument, value)))()
 
@@ -308,7 +312,7 @@ def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
         weier.solve(PROFILE, value, "demelio")
 
 
-@pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda each: each)
+@pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda name: name)
 def test_every_setting_of_every_method(method, setting):
     profile = weier.Profile(1.25, 5, math.inf) if method == "hybrid" else PROFILE
     default = defaults(find_method(method))[setting]

@@ -198,7 +198,7 @@ def test_yaml_that_means_harm_is_refused_at_once(folder, text, message):
     with pytest.raises(scene.SceneError, match=message):
         scene.load(path)
     assert time.perf_counter() - start < LONGEST
-    assert [each.name for each in folder.iterdir()] == ["bad.yaml"]
+    assert [path.name for path in folder.iterdir()] == ["bad.yaml"]
 
 
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])

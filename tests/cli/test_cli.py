@@ -86,7 +86,7 @@ def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, 
     code, out, err = run(*command, path)
     assert (code, out) == (1, "")
     assert re.fullmatch(rf"weier: .* cannot be written \(.*{why}\): name another file, .*\n", err)
-    assert {each.name for each in tmp_path.iterdir()} == {"folder", "file"}
+    assert {path.name for path in tmp_path.iterdir()} == {"folder", "file"}
 
 
 def test_ctrl_c_ends_a_command_in_a_line_with_the_exit_code_of_shells(monkeypatch, capsys):

@@ -134,7 +134,7 @@ def test_light_loads_that_were_asked_for_are_seen(sweep: xr.Dataset) -> None:
     """A linear axis of more than two decades would hide them."""
     one = sweep.isel(case=[0])
     wide = one.assign_coords(mean_pressure=np.geomspace(1e-4, 4, LOADS.size))
-    scales = [sketch(each).axes[0].get_xscale() for each in (one.isel(mean_pressure=slice(4, None)), wide)]
+    scales = [sketch(data).axes[0].get_xscale() for data in (one.isel(mean_pressure=slice(4, None)), wide)]
     assert scales == ["linear", "log"]
     assert sketch(wide).axes[0].get_xlim()[0] == pytest.approx(1e-4)
 

@@ -336,7 +336,7 @@ def test_a_scene_without_a_tolerance_has_no_plans():
 
 def with_script(page, name):
     """A page with one of the scripts of this folder at its end, which find elements."""
-    script = "".join((HERE / each).read_text(encoding="utf-8") for each in ("find.js", name))
+    script = "".join((HERE / script_file).read_text(encoding="utf-8") for script_file in ("find.js", name))
     return f"{page.rpartition('</body>')[0]}<script>{script}</script></body></html>"
 
 

@@ -207,7 +207,7 @@ def test_a_method_is_announced_once(capsys):
         jit.announce(module)
     assert capsys.readouterr().err.splitlines() == [
         "compiling bem, once for all later runs",
-        "compiling what methods share, once for all later runs",
+        "compiling common kernels, once for all later runs",
     ]
 
 

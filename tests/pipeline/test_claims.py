@@ -297,7 +297,7 @@ def test_written_dataset_is_whole_and_plain(solved_with, tmp_path):
     solutions = solved_with(**names)
     claims.write(solutions, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     studies = {name: read_study(solutions, name) for name in ("waves", "two")}
-    outcomes = [claims.evaluate(name, [studies[each] for each in of]).outcome for name, of in names.items()]
+    outcomes = [claims.evaluate(name, [studies[study] for study in of]).outcome for name, of in names.items()]
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert list(data["claim"][:]) == list(names)
         assert data["claim_holds"][:].tolist() == outcomes

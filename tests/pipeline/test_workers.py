@@ -43,7 +43,7 @@ def test_curves_of_another_process_have_the_same_bits():
 
 def test_progress_counts_the_loads_of_all_processes():
     said = []
-    outcomes = solve_curves([CurveTask(each, "demelio", {}) for each in SERIES], LOADS, 2, 0.0, said.append)
+    outcomes = solve_curves([CurveTask(profile, "demelio", {}) for profile in SERIES], LOADS, 2, 0.0, said.append)
     assert len(list(outcomes)) == len(SERIES)
     done = [int(re.match(r"(\d+) of 9 loads, about \d+ s left", line)[1]) for line in said]
     assert done == sorted(done)
@@ -52,7 +52,7 @@ def test_progress_counts_the_loads_of_all_processes():
 
 def test_more_workers_than_curves_are_none_too_many():
     solved = [weier.solve(SERIES[:2], LOADS, "demelio", workers=count) for count in (1, 50)]
-    assert np.array_equal(*(each.compliance for each in solved))
+    assert np.array_equal(*(curve.compliance for curve in solved))
 
 
 @pytest.mark.parametrize(

@@ -259,7 +259,7 @@ def test_a_mistake_is_told_with_its_line(folder, changes, message):
 def test_a_tolerance_plans_for_the_series_of_a_scene_alone(folder):
     loaded = load(folder, tolerance=1e-2)
     assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio", "planned")]
-    assert [each.profile.D for each in plan(loaded).plans] == [1.5]
+    assert [profile_plan.profile.D for profile_plan in plan(loaded).plans] == [1.5]
 
 
 def test_a_plan_for_a_trace_names_the_fit(folder):

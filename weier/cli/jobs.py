@@ -95,7 +95,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         study = cache(partial(read_study, Solutions(loaded, batches)))
         for name in names or loaded.figures:
             wanted = loaded.figure(name)
-            draw(wanted, [study(each) for each in wanted.studies], folder / f"{name}.png")
+            draw(wanted, [study(name) for name in wanted.studies], folder / f"{name}.png")
 
 
 @click.command(hidden=True)

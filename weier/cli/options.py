@@ -177,7 +177,7 @@ class SolvingCommand(click.Command):
         try:
             return super().parse_args(context, args)
         except click.NoSuchOption as error:
-            options = [option.lstrip("-") for each in self.params for option in each.opts]
+            options = [option.lstrip("-") for parameter in self.params for option in parameter.opts]
             setting = nearest(error.option_name.lstrip("-").replace("-", "_"), [*options, *all_names()])
             found = [] if setting in options else [name.strip('"') for name in methods_with(setting)]
             if not found:

@@ -1,4 +1,4 @@
-"""Curves under the same loads, solved one after another, or side by side in several processes.
+"""Solution of curves under the same loads, one after another or in several processes.
 
 Python computes between the kernels of a solver, and all threads of a process share one Python, so that threads would
 wait for each other. What a curve needs goes to another process, and its arrays come back.
@@ -33,29 +33,29 @@ LOST = (
 
 
 class CurveTask(NamedTuple):
-    """One curve to be solved: of a surface, by the method of this name, with settings that were checked."""
+    """A curve to be solved: the surface, the name of the method, and its settings, which are checked."""
 
     profile: Waves
     method: str
     settings: Mapping[str, Any]
 
 
-# What a method says of a curve and the seconds that it took, or why there is none.
+# The solution of a method and the seconds that it took, or the error.
 Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
 
 
 class Solver:
     """Solves curves one after another under increasing loads of shape (loads,), and counts the loads.
 
-    Curves that do not depend on the phases are known once one profile of an ensemble is solved.
+    Curves that do not depend on the phases are solved once for all profiles of an ensemble.
     """
 
     def __init__(self, loads: Array, add: Callable[[int], object]) -> None:
-        """Under `loads`; `add` takes numbers of loads that are done."""
+        """For these loads; `add` is called with the number of loads that are done."""
         self.loads, self.count, self.known = loads, Loads(loads.size, add), dict[object, tuple[Any, float]]()
 
     def __call__(self, curve: CurveTask) -> Outcome:
-        """What a method says of a curve, or why it says nothing."""
+        """The solution of a curve, or the error."""
         outcome: Outcome
         try:
             with reporting_to(self.count):
@@ -79,25 +79,25 @@ class Solver:
 def solve_curves(
     curves: Sequence[CurveTask], loads: Array, workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
-    """What is to be had of each curve, in their order.
+    """The outcome of each curve, in their order.
 
     Parameters
     ----------
     curves : sequence of CurveTask
-        Those of one profile beside each other.
+        Curves of the same profile are adjacent.
     loads : ndarray, shape (loads,)
         Increasing, in p_0*.
     workers : int
-        Processes, this one among them. The bits do not depend on how many there are.
+        Number of processes, including this one. The results do not depend on it, to the last bit.
     pause : float
-        Seconds between two words of how far all curves are.
+        Seconds between two messages of progress.
     say : callable
-        Takes them.
+        Called with these messages.
 
     Raises
     ------
     ChildProcessError
-        If a process ends that should not.
+        If a process ends unexpectedly.
     """
     progress = Progress(len(curves) * loads.size, pause, say)
     if (workers := min(workers, len(curves))) > 1:
@@ -106,10 +106,10 @@ def solve_curves(
 
 
 def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
-    """The same by this process, from the last curve on, and by others, which take the first ones meanwhile.
+    """The outcomes by this process, which starts from the last curve, and by others, which start from the first one.
 
-    Others start in about a second, in which this one has solved some curves. Python spawns them, since a copy of this
-    process would wait for ever for locks that its threads hold.
+    Other processes take about a second to start, and this one solves curves meanwhile. They are spawned, since a
+    forked process could wait for ever for locks that threads of this one hold.
     """
     pool = ProcessPoolExecutor(workers - 1, get_context("spawn"), _begin, (loads,))
     ended, seen, solve, own = list[bool](), 0, Solver(loads, progress.add), dict[int, Outcome]()
@@ -139,7 +139,7 @@ def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progr
 
 
 def _begin(loads: Array) -> None:
-    """Prepare a process that solves curves: it ends with the one that started it, and silently by Ctrl-C."""
+    """Prepare a process that solves curves: it ends with its parent, and silently by Ctrl-C."""
     global _solver
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     Thread(target=_end_with_parent, daemon=True).start()
@@ -147,7 +147,7 @@ def _begin(loads: Array) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process, in the midst of a kernel, when the one that started it has ended or was killed."""
+    """End this process, even within a kernel, when its parent has ended or was killed."""
     if parent := parent_process():
         parent.join()
         os._exit(1)

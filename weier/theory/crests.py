@@ -1,10 +1,10 @@
 """The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-All of them are looked for among samples, and found by Newton's method on Taylor's polynomials. Of more than a
-computer holds, the highest is found wave by wave, in bounded memory: the waves are taken from the largest to the
-smallest, and a place is kept while the waves that have been looked at, with all others at their crests, could lift it
-as high as the best place that is known. This holds for heights, whose waves shrink as they become finer, and for
-pressures of full contact, whose waves grow.
+All crests are located among samples and refined by Newton's method on Taylor polynomials. If they are too many to be
+sampled, the highest one is found by branch and bound in bounded memory. The waves are added from the largest to the
+smallest. A place is kept while the sum of the waves so far and the amplitudes of all others reaches the highest known
+value. This works for heights, whose waves shrink as they become finer, and for pressures of full contact, whose waves
+grow.
 """
 
 from __future__ import annotations
@@ -28,25 +28,32 @@ from weier.theory.expansions import (
     values,
 )
 
-SAMPLES_PER_WAVE = 16  # resolves every crest: between neighbours of the finest wave lie 16 samples
-SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)  # of these from a node, in steps
-MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
-MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
-PARTS = 31  # of the two samples about a top, where crests may stand side by side; odd, for these to be symmetric
-MIN_PART = 1e-5  # of the finest wave: crests closer together than this are one to rounding
-MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
-MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
-MAX_TERMS = 64  # the search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits
-CELLS = 32  # of a wave, whose middles are looked at in the search for the highest crest of very many
-BEAM, MAX_PLACES = 256, 2**17  # places kept by a first search, for a height to beat, and at most: 50 MB for 12 terms
-HEIGHT_ROUNDING = 1e-13  # of the sum of amplitudes
-PLACE_STEPS = (
-    16  # of Newton's from a 64th of the finest wave away: 6 reach rounding but for crests that are nearly flat
-)
+SAMPLES_PER_WAVE = 16  # So many samples of the finest wave resolve every crest.
+# The offsets of the samples from the nearest node, in steps between nodes.
+SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)
+MAX_SAMPLES = 2**17  # All crests of a period are located before a solution if it has at most so many samples.
+# Newton's method starts at most 1/16 of the finest wave away. It reaches rounding in 6 steps, and in 25 where the
+# curvature vanishes as well.
+MAX_NEWTON_STEPS = 40
+# The interval of two samples about a sampled maximum is divided into so many parts if it may hold several crests. The
+# number is odd, so that the parts are symmetric about the maximum.
+PARTS = 31
+MIN_PART = 1e-5  # Crests closer together than this part of the finest wave cannot be separated in double precision.
+MAX_SAMPLED_WAVES = 10**6  # The samples of so many of the finest waves take 128 MB.
+MAX_DIRECT_TERMS = 32  # A Fourier transform takes less time than a direct sum of more terms.
+MAX_TERMS = 64  # The search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits.
+CELLS = 32  # The search for the highest of very many crests divides a wave into so many cells.
+# A first search keeps the best BEAM places and gives a lower bound on the height. The second one keeps at most
+# MAX_PLACES, which take 50 MB for 12 terms.
+BEAM, MAX_PLACES = 256, 2**17
+HEIGHT_ROUNDING = 1e-13  # Rounding of a height, over the sum of the amplitudes.
+# Newton's method starts at most 1/64 of the finest wave away. It reaches rounding in 6 steps unless a crest is nearly
+# flat.
+PLACE_STEPS = 16
 
 
 def countable(waves: int) -> bool:
-    """Whether every crest of a series with so many of the finest waves in a period can be looked at beforehand."""
+    """Whether all crests of a series with so many of the finest waves in a period are located before a solution."""
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
@@ -104,7 +111,7 @@ def _sampled_tops(z: Array) -> Indices:
 def _crests_nearby(
     expansion: Expansions, t: Array, width: float, slope_scale: float, finest: float
 ) -> tuple[Indices, Array]:
-    """The crests by sampled tops, one or several within this width on either side: of which row each is, and where.
+    """The crests within this width of each sampled maximum: the row of the maximum, and the position of each crest.
 
     t, width : in steps, shape (tops,)
     slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
@@ -124,10 +131,10 @@ def _crests_nearby(
 
 
 def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
-    """Rows and positions next to each crest, of sampled tops with one or several within this width on either side.
+    """Starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
 
-    Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
-    Each is where the slope falls through 0 between points that are so close that the series is concave.
+    Where the series is not concave at a maximum and on both sides of it, crests may be closer together than samples.
+    The interval is then refined until each change of sign of the slope lies in an interval of negative curvature.
     """
     row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
     while t.size > 0:
@@ -149,8 +156,8 @@ def highest_crest(
 ) -> tuple[float, float]:
     """Position and height of the highest point of a series; ValueError if too many places may hold it.
 
-    Of more crests than can be looked at beforehand, it is found wave by wave, where a first search that keeps few
-    places finds a height to beat.
+    Of more crests than can be sampled, it is found wave by wave. A first search that keeps few places gives a lower
+    bound on the height.
     """
     terms = len(waves_per_period)
     if terms > MAX_TERMS or countable(waves_per_period[-1]):
@@ -172,9 +179,9 @@ def highest_crest(
 def _highest_sampled(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """The highest crest among samples, of those tops that may be it.
+    """The highest crest, from those sampled maxima that may be it.
 
-    Between samples, a crest is higher than they are by an eighth of the largest curvature at most.
+    A crest exceeds the nearest sample by at most an eighth of the largest curvature.
     """
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
@@ -190,15 +197,15 @@ def _highest_sampled(
 def crest_heights(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, position: Array
 ) -> list[Any]:
-    """Heights of crests in 40 digits, of those floats that the series is given as, near these positions.
+    """Heights of the crests near these positions in 40 digits, for the parameters of the series as floats.
 
-    Twin crests may differ by so little that the heights of both, as floats, do not show it.
+    The heights of twin crests may differ by less than the rounding of a float.
     """
     import mpmath as mp  # which takes a tenth of a second, and few profiles need
 
     with mp.workdps(40):
         k = [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period]
-        phi, a = [mp.mpf(float(p)) for p in phase], [mp.mpf(float(each)) for each in amplitude]
+        phi, a = [mp.mpf(float(p)) for p in phase], [mp.mpf(float(a_n)) for a_n in amplitude]
         heights = []
         for x in position:
             theta = [k_n * mp.mpf(float(x)) + phi_n for k_n, phi_n in zip(k, phi, strict=True)]
@@ -209,7 +216,7 @@ def crest_heights(
 
 
 class _Places(NamedTuple):
-    """Places on the period, in the middle of cells of equal width, as far as the waves looked at distinguish them.
+    """Centres of cells of equal width on the period, as far as the waves added so far distinguish them.
 
     position : in periods, shape (places,)
     cycles : of each wave there, from its crest, shape (places, terms)
@@ -238,7 +245,7 @@ class _Search:
         self.tail = np.append(np.cumsum(self.amplitude[::-1])[::-1], 0.0)
 
     def places(self, least: float, most: int) -> tuple[_Places, bool]:
-        """At most so many places that may be as high as `least` or any place met; and whether none was left out."""
+        """At most `most` places that may reach `least` and all heights found; and whether no place was dropped."""
         parts, complete = CELLS, True  # cells in a wave of the largest
         found = self._moved(_Places(np.zeros(1), self.start[None]), range(1, 2 * parts, 2), 2 * parts)
         for i in range(len(self.waves)):
@@ -258,7 +265,7 @@ class _Search:
         return found, complete
 
     def _is_fine_enough(self, last: int, parts: int) -> bool:
-        """Whether the waves as far as the last vary less within a cell than that one and the smaller ones may add."""
+        """Whether the waves up to `last` vary less within a cell than the amplitudes from `last` on."""
         cycles = [k / (parts * self.waves[0]) for k in self.waves[: last + 1]]
         return max(cycles) * CELLS <= 1 and np.pi * float(self.amplitude[: last + 1] @ cycles) <= self.tail[last]
 
@@ -281,7 +288,7 @@ class _Search:
 
     def polish(self, places: _Places) -> tuple[float, float]:
         """Position, in periods, and height of the highest of all crests near these places, by Newton's method."""
-        k = np.array([each / max(self.waves) for each in self.waves])
+        k = np.array([waves / max(self.waves) for waves in self.waves])
         theta, moved = 2 * np.pi * places.cycles, np.zeros(places.position.size)
         for _ in range(PLACE_STEPS):
             slope, curvature = -np.sin(theta) @ (self.amplitude * k), -np.cos(theta) @ (self.amplitude * k**2)

@@ -1,8 +1,8 @@
 """Taylor's polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
 About N equally spaced nodes x_l = l L/N, the coefficients of one order at all nodes are one Fourier transform of
-a_n exp(i phi_n) (i kappa_n)^j/j!, with kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does
-not depend on the number of its waves. Distances t are in steps L/N.
+a_n exp(i phi_n) (i kappa_n)^j/j!, with kappa_n = 2 pi k_n/N: the time to evaluate the series at a point does not
+depend on the number of its waves. Distances t are in steps L/N.
 
 With 4 nodes or more for each of the finest waves, kappa_n <= pi/2. A polynomial is used as far as one step from its
 node: half a step to a point or a crest, and half a step from there. The remainder of the second derivative, the
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 
-NODES_PER_WAVE = 4  # of the finest, at least
-ORDER = 22
+NODES_PER_WAVE = 4  # So many nodes for each of the finest waves make kappa_n <= pi/2.
+ORDER = 22  # This order leaves a remainder of 3e-16, as shown above.
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
 

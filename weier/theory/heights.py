@@ -1,6 +1,6 @@
-"""Measured heights before they become waves: what is missing, what is no roughness, and their tilt and form.
+"""Checks of measured heights: missing values, jumps that are not roughness, tilt and form.
 
-Each height is judged by the rest of the line, by medians and quartiles, so that what is spoilt does not judge itself.
+The checks compare each height with medians and quartiles of the line, which outliers do not affect.
 """
 
 from __future__ import annotations
@@ -16,33 +16,35 @@ from numpy.lib.stride_tricks import sliding_window_view
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_count, checked_number, checked_numbers, checked_word
 
+# Fewer heights say too little about a spectrum. The upper limit bounds time and memory.
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
-DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # of the polynomial that is removed
-MAX_GAP = 5  # heights beside each other that are filled by default
-# Standard deviations of a normal distribution at the median of its magnitudes.
-MEDIAN = 0.6745
-# A value that stands for a missing height recurs exactly, is ten standard deviations from the median of all values,
-# and has nothing within 0.6 of this distance: the flanks of a groove have.
+DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # The degree of the polynomial that each of these removes.
+MAX_GAP = 5  # By default, at most so many adjacent missing heights are interpolated.
+MEDIAN = 0.6745  # The median of the magnitudes of a normal distribution, in standard deviations.
+# A value that stands for a missing height recurs exactly and is ten standard deviations from the median of all
+# values. No other value lies within 0.6 of this distance from it, unlike in a groove with its flanks.
 FAR, VOID = 10.0, 0.6
-# Or it recurs three times and more among heights of which nine in ten do not, and is three standard deviations of
-# their changes from those beside it. A few values that recur most often are looked at.
+# Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
+# by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
 RECURRING, FINE, OFF, CANDIDATES = 3, 0.9, 3.0, 8
-# From one height to the next, normal roughness changes by at most five standard deviations. Larger changes that are
-# no jumps have a neighbour that goes the same way and is alike within a factor of three: those of the flank of a
-# groove. A jump is more than a tenth of all heights, too, and twice as large as all changes that are none.
-ABRUPT, ALIKE, JUMP_SHARE, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
-RETURN = 10  # heights within which a spike comes back
-# Within one to three steps, a jump is also what is five times as large as the three differences on either side, and
-# has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
+# From one height to the next, normal roughness changes by at most five standard deviations. A larger change on the
+# flank of a groove has a neighbour of the same sign that is alike within a factor of three. Any other is a jump if it
+# exceeds a tenth of the range of heights and twice every other change.
+ABRUPT, ALIKE, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
+RETURN = 10  # A jump is a spike if the heights return within so many steps.
+# Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
+# side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
+# for D near 2 or with flat crests.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
-REPEATED = 1e-6  # of the range of heights: what the repeated end of a period differs from its beginning
-DOMINANT = 5.0  # times the root mean square of the roughness: a form that is mentioned
+# A period that repeats its first height at its end does so to this part of the range of heights.
+REPEATED = 1e-6
+DOMINANT = 5.0  # A form gives a warning if it is so many times as high as the roughness, root mean square.
 
 
 class Filled(NamedTuple):
-    """What became of missing heights: how many were interpolated, at most how many beside each other, and cut off."""
+    """Missing heights: the number interpolated, the longest run of them, and the number cut off at the ends."""
 
     heights: int = 0
     longest: int = 0
@@ -74,15 +76,15 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
 
 
 def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tuple[Array, Filled]:
-    """The heights with short runs of missing ones interpolated on straight lines, and what was filled.
+    """The heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
 
-    Missing heights at the ends have nothing beyond them: there, the trace is cut off.
+    The trace is cut off where heights at its ends are missing.
 
     Raises
     ------
     ValueError
-        If some are missing and `missing` is "refuse", or if more than `max_gap` are missing beside each other inside
-        the trace: the message has their number, the longest run, and what to do.
+        If some are missing and `missing` is "refuse", or if more than `max_gap` adjacent heights are missing inside
+        the trace. The message has their number, the longest run, and the remedy.
     """
     checked_word("missing", missing, MISSING)
     checked_count("max_gap", max_gap, 1)
@@ -96,25 +98,25 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
     inside = int(lengths.sum())
     longest = int(lengths.max(initial=0))
     cut = int(gaps.sum()) - inside
-    told = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
-    told += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
+    summary = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
+    summary += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
     if missing == REFUSE:
         need = f", max_gap={longest}" if longest > MAX_GAP else ""
         remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
-        raise ValueError(f'{told}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
+        raise ValueError(f'{summary}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
     if longest > max_gap:
         at = int(known[0] + starts[lengths.argmax()]) + 1
         raise ValueError(
-            f"{told}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
+            f"{summary}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
         )
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:
-        raise ValueError(f"{told}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
+        raise ValueError(f"{summary}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
     return np.interp(within, known, z[known]), Filled(inside, longest, cut)
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly where it does not belong: it stands for heights that are missing."""
+    """Refuse a value that recurs exactly as an outlier, since it stands for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
     for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:CANDIDATES].tolist():
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
@@ -126,7 +128,7 @@ def check_sentinels(z: Array) -> None:
 
 
 def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
-    """Whether a value is far from all others, with nothing between, as they are or without the tilt of the line."""
+    """Whether a value is separated by a gap from all others, with or without the tilt of the line."""
     for heights in (values, values - tilt * first):
         low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
         distance = abs(heights[at] - middle)
@@ -137,7 +139,7 @@ def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
 
 
 def _is_out_of_line(z: Array, value: float, count: int) -> bool:
-    """Whether a value that is neither the lowest nor the highest one recurs away from the heights beside it."""
+    """Whether a value that is neither the lowest nor the highest recurs as an outlier among its neighbours."""
     if count < RECURRING or not z.min() < value < z.max():
         return False
     here = z == value
@@ -150,7 +152,7 @@ def _is_out_of_line(z: Array, value: float, count: int) -> bool:
 
 
 def check_jumps(z: Array, step: float) -> None:
-    """Refuse heights with steps and spikes, where waves overshoot and contact would begin at what is no roughness.
+    """Refuse heights with steps and spikes: waves overshoot there, and contact would begin at an artefact.
 
     `z` is in m, and so is the step along x.
     """
@@ -159,7 +161,7 @@ def check_jumps(z: Array, step: float) -> None:
 
 
 def _check_abrupt_changes(z: Array, step: float) -> None:
-    """Refuse changes from one height to the next that no other change of the line comes near, wherever they stand."""
+    """Refuse changes between neighbours that are outliers among all changes of the line."""
     change = np.diff(z)
     change = change - np.median(change)
     size = np.abs(change)
@@ -176,7 +178,7 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
     if not suspect.any() or rest.sum() < MIN_HEIGHTS:
         return
     spread = np.ptp(_without_polynomial(z[rest], np.flatnonzero(rest), DEGREES[FORM]))
-    limit = max(JUMP_SHARE * float(spread), JUMP_OUTLIER * float(size[~near].max()))
+    limit = max(JUMP_FRACTION * float(spread), JUMP_OUTLIER * float(size[~near].max()))
     abrupt = np.flatnonzero(suspect & (size > limit))
     if abrupt.size:
         at = int(abrupt[0])
@@ -193,7 +195,7 @@ def _check_isolated_jumps(z: Array, step: float) -> None:
     for width in JUMP_STEPS:
         size = np.ptp(sliding_window_view(z, width + 1), axis=1)
         around = np.maximum(largest[: size.size], largest[width + n :])
-        for at in np.flatnonzero((size > JUMP_SHARE * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
+        for at in np.flatnonzero((size > JUMP_FRACTION * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
             others[at : at + width] = 0
             jumps.append((at, width, size[at]))
     for at, width, size in jumps:  # the narrowest first
@@ -212,10 +214,10 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
 
 
 def check_end_of_period(z: Array) -> None:
-    """Refuse a period whose last height is the first one again.
+    """Refuse a period whose last height repeats the first one.
 
-    A crest between two heights, or a flat one, repeats the height, too. There the third differences across the ends
-    are smaller with both heights than without one of them.
+    Two equal heights may also lie on both sides of a crest, or on a flat one. The third differences across the ends
+    are then smaller with both heights than without one of them.
     """
     if abs(z[-1] - z[0]) > REPEATED * np.ptp(z):
         return

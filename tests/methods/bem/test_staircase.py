@@ -43,7 +43,7 @@ def test_the_accuracy_is_what_was_measured(per_wave, h, R):
 
 
 def test_without_its_staircase_a_grid_is_ten_times_as_accurate():
-    removed, kept = (errors_of_references(64, staircase=each) for each in ("removed", "kept"))
+    removed, kept = (errors_of_references(64, staircase=setting) for setting in ("removed", "kept"))
     assert np.median(removed[0]) < np.median(kept[0]) / 10
     assert np.median(removed[1]) < np.median(kept[1]) / 5
     assert removed[0].max() < kept[0].max()
@@ -162,7 +162,7 @@ def test_contact_is_full_or_has_a_resistance():
 
 def test_both_solvers_have_the_same_staircase():
     profile, loads = Profile(1.5, 3, 3, random_phases(4)), np.geomspace(1e-3, 3, 12)
-    found, other = (curve(profile, loads, points=288, solver=each) for each in ("direct", "fft"))
+    found, other = (curve(profile, loads, points=288, solver=solver) for solver in ("direct", "fft"))
     np.testing.assert_allclose(found.compliance, other.compliance, atol=1e-9)
     np.testing.assert_allclose(found.resistance, other.resistance, rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)

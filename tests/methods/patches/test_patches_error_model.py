@@ -10,7 +10,7 @@ from weier.methods.patches.error_model import error, loosest_tolerance, seconds
 def test_no_wanted_error_is_missed_by_rounding(quantity):
     """Else a plan says that it is out of reach: one in fifteen was, of a resistance."""
     wanted = 10.0 ** np.random.default_rng(0).uniform(-11, 0, 1000)
-    expected = np.array([error(loosest_tolerance(each, quantity), quantity) for each in wanted])
+    expected = np.array([error(loosest_tolerance(wanted_error, quantity), quantity) for wanted_error in wanted])
     assert np.all(expected <= wanted)
     np.testing.assert_allclose(expected, wanted, rtol=1e-14)
 

@@ -24,9 +24,10 @@ LOADS = np.geomspace(1e-3, 10, 12)
 def test_planned_curves_are_within_the_errors_they_expect():
     """All of 200 others did, by `python -m benchmarks.planned`: of 15, none may miss, nor of 2 infinite ones."""
     found = [*verify(15, seed=1), *verify_infinite(2, seed=1)]
-    assert {method for each in found for method in each.methods} >= {"full contact", "westergaard", "bem", "patches"}
-    assert {each.quantity for each in found} == {"compliance", "resistance"}
-    assert [each for each in found if not each.inside or not each.kept] == []
+    methods = {method for curve in found for method in curve.methods}
+    assert methods >= {"full contact", "westergaard", "bem", "patches"}
+    assert {curve.quantity for curve in found} == {"compliance", "resistance"}
+    assert [curve for curve in found if not curve.inside or not curve.kept] == []
 
 
 LIGHT_RESISTANCES = [

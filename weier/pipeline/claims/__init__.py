@@ -41,7 +41,8 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
 
     # Only the studies that claims look at are ever in memory, each read once.
     study = cache(partial(read_study, solutions))
-    judged = {name: evaluate(name, [study(each) for each in names]) for name, names in solutions.scene.claims.items()}
+    wanted = solutions.scene.claims.items()
+    judged = {claim: evaluate(claim, [study(name) for name in names]) for claim, names in wanted}
     gather(solutions, path, "checked against the paper" if judged else "gathered", report.to_dataset(judged))
     write_text(table, report.to_markdown(solutions.scene.title, judged))
 

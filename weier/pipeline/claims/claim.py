@@ -165,9 +165,9 @@ class Judgement(NamedTuple):
     @property
     def decisive(self) -> Finding:
         """The finding that the outcome rests on: of the first condition with it, where the value is worst."""
-        same = [each for each in self.findings if each.outcome == self.outcome]
-        first = [each for each in same if each.statement == same[0].statement]
-        return max(first, key=lambda each: each.sign * each.value)
+        same = [finding for finding in self.findings if finding.outcome == self.outcome]
+        first = [finding for finding in same if finding.statement == same[0].statement]
+        return max(first, key=lambda finding: finding.sign * finding.value)
 
 
 def written(value: float, unit: str) -> str:
@@ -181,11 +181,13 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
     """A claim by its conditions, each of which has to hold on each of the ensembles that it is about."""
     try:
         ensembles = claim.ensembles(cases)
-        findings = tuple(_examine(each, on) for each in claim.conditions for on in ensembles[each.ensembles])
+        findings = tuple(
+            _examine(condition, on) for condition in claim.conditions for on in ensembles[condition.ensembles]
+        )
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
     outcomes = {finding.outcome for finding in findings}
-    outcome = next(each for each in (Check.no, Check.not_decided, Check.yes) if each in outcomes)
+    outcome = next(check for check in (Check.no, Check.not_decided, Check.yes) if check in outcomes)
     return Judgement(claim.statement, outcome, findings)
 
 

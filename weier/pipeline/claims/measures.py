@@ -212,7 +212,7 @@ def distance_from_one_wave(case: Case, wave: Case) -> float:
     h, tail = _wave_and_tail(case, wave)
     lower, upper = compliance_bounds(h - 1, tail)
     estimates = (curve(case, method) - _total(case) for method in ESTIMATES)
-    return max(_largest(2 * each - lower - upper) for each in estimates) / (2 * tail)
+    return max(_largest(2 * estimate - lower - upper) for estimate in estimates) / (2 * tail)
 
 
 def resistance_beyond_bounds(case: Case, wave: Case) -> float:
