@@ -18,14 +18,15 @@ from weier.methods.registry import PLANNED, find_method
 from weier.theory.bounds import complete_bounds
 from weier.theory.profile import Profile, RandomPhases, random_phases
 
+# The random series: their ratios, sizes, phases and loads.
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
 MAX_TERMS = 5
-MAX_WAVES = 81  # in a period: patches then take seconds a profile
-MAX_POINTS = 2**16  # that stand for an infinite series
+MAX_WAVES = 81  # Contact patches take seconds a profile with so many waves in a period.
+MAX_POINTS = 2**16  # Points of the longest truncated series in place of the infinite one.
 PHASES = ("zero", "pi", "half a node", "random")
 MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
-REFERENCE_TOLERANCE = 1e-11
-MAX_TOLERANCE = 0.1
+REFERENCE_TOLERANCE = 1e-11  # g_0: of contact patches, far below all tolerances of plans.
+MAX_TOLERANCE = 0.1  # Tolerances are drawn up to this one.
 
 
 class Check(NamedTuple):

@@ -126,7 +126,7 @@ MISNAMED = [
 
 
 @pytest.mark.parametrize(("call", "message"), MISNAMED)
-def test_a_wrong_name_of_an_argument_is_told_the_right_one(call, message):
+def test_the_right_name_is_suggested_for_a_wrong_argument_name(call, message):
     with pytest.raises(TypeError, match=message):
         call()
 
@@ -388,7 +388,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.events(PROFILE, 1.0, 0.5), "high must exceed low, got 1.0 and 0.5"),
     ],
 )
-def test_what_is_refused_is_told_in_a_sentence(call, message):
+def test_a_refusal_is_one_sentence(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 

@@ -76,9 +76,9 @@ def load_or_refuse(path):
         assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
         assert all(case.curve_keys for case in itertools.islice(loaded.distinct, 100))
         loaded.title.encode()
-    told = refusal.splitlines()
-    assert len(told) < 33
-    assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(told))
+    lines = refusal.splitlines()
+    assert len(lines) < 33
+    assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(lines))
     assert time.perf_counter() - start < LONGEST
     return not refusal
 

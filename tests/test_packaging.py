@@ -67,8 +67,8 @@ def test_conda_gets_the_versions_that_are_locked():
         if requirement.marker is None or requirement.marker.evaluate(markers)
     }
     project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
-    asked = [*project["dependencies"], *project["optional-dependencies"]["pipeline"]]
-    needed = {name: locked[name] for name in (Requirement(requirement).name.lower() for requirement in asked)}
+    required = [*project["dependencies"], *project["optional-dependencies"]["pipeline"]]
+    needed = {name: locked[name] for name in (Requirement(requirement).name.lower() for requirement in required)}
     assert {
         requirement.name.lower(): str(requirement.specifier) for requirement in map(Requirement, pip["pip"])
     } == needed

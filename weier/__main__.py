@@ -13,7 +13,8 @@ def run() -> None:
     """Run the command line; Ctrl-C ends the process at once, without waiting for other threads."""
     # Nearly all objects of a command live until its end, so that garbage collection finds little. The threshold makes
     # collections rarer, and gc.freeze exempts all objects from the full one at the end of the interpreter. Together
-    # they save 0.1 s of 0.7 s in `weier solve` by a closed form, and 0.4 s of 2 s in `weier plot` or by contact patches.
+    # they save 0.1 s of 0.7 s for `weier solve` by a closed form, and 0.4 s of 2 s for `weier plot` or contact
+    # patches.
     gc.set_threshold(10_000)
     atexit.register(gc.freeze)
     try:

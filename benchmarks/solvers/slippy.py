@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.problem import Problem, Step, linear_elements
 from weier.kernels.arrays import Array
 
-ITERATIONS = 20_000
+ITERATIONS = 20_000  # More than any load needs, so that only the tolerance ends the iteration.
 HINT = "slippy is left out: set SLIPPY_PYTHON to its interpreter, see benchmarks/slippy-requirements.txt"
 
 

@@ -79,7 +79,7 @@ def test_the_first_help_shows_the_commands_for_one_profile():
     ],
 )
 @pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "summary.md"]])
-def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
+def test_an_impossible_file_is_reported_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()

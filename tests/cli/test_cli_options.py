@@ -77,7 +77,7 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert message in last
 
 
-def test_a_setting_given_as_an_option_is_told_by_its_method(run):
+def test_a_setting_given_as_an_option_is_reported_with_its_method(run):
     for option in ("--quantity", "--quantitiy"):
         code, _, err = run("solve", "-D", "1.25", "--gamma", "5", "-m", "3", option, "1e-4")
         assert code == 2

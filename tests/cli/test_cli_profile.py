@@ -211,15 +211,15 @@ def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
     filled = ["--missing-value", "-9999", "--missing", "interpolate", "--max-gap", "2", "--detrend", "form"]
     code, out, errors = run(*of_column, "--height-unit", "um", *filled)
     assert code == 0, errors
-    told = json.loads(out)
-    assert told["trace_length"] == pytest.approx(1e-3)
-    assert told["trace_filled"] == 2
-    assert told["trace_detrend"] == "form"
-    assert "2 of them interpolated" in told["title"]
+    printed = json.loads(out)
+    assert printed["trace_length"] == pytest.approx(1e-3)
+    assert printed["trace_filled"] == 2
+    assert printed["trace_detrend"] == "form"
+    assert "2 of them interpolated" in printed["title"]
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_form_is_told_of_in_one_line(run, tmp_path):
+def test_a_form_is_reported_in_one_line(run, tmp_path):
     x = np.linspace(-1, 1, 200)
     np.savetxt(tmp_path / "round.txt", 100 * x**2 + np.cos(30 * x) + 0.2 * np.cos(80 * x))
     of_form = ["--length", "1e-3", "--height-unit", "um", "--loads", "0.1"]

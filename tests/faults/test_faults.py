@@ -58,8 +58,8 @@ def environment(checkout, **more):
 
 def run(checkout, *arguments):
     """Exit code and all that was said."""
-    told = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
-    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **told)
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
+    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **options)
     return done.returncode, done.stdout
 
 

@@ -237,7 +237,7 @@ def test_a_large_stated_error_of_the_resistance_is_explained(folder):
 
 
 def test_errors_of_different_settings_stand_in_different_rows():
-    """The errors of a dozen elements were told as those of the method."""
+    """The errors of a dozen elements do not stand for those of the method."""
     data = dataset.blank(3, METHODS, LOADS, 3)
     data["status"].values[:, 1] = Status.solved
     data["compliance_error"].values[:, 1] = np.array([1e-6, 3e-2, 2e-6])[:, None]

@@ -119,10 +119,10 @@ def terms(*changes):
 TAIL = 5**-0.75 / (1 - 5**-0.75)  # G_1 for D = 1.25, gamma = 5
 
 
-def near_wave(share, resistance=1.0):
-    """Estimates that lie a share of the tail below the one-wave solution, both counted from the mean plane."""
+def near_wave(fraction, resistance=1.0):
+    """Estimates that lie a fraction of the tail below the one-wave solution, both counted from the mean plane."""
     curve = {
-        "compliance": westergaard.compliance(LOADS) - 1 + TOTAL - share * TAIL,
+        "compliance": westergaard.compliance(LOADS) - 1 + TOTAL - fraction * TAIL,
         "resistance": westergaard.resistance(LOADS) * resistance,
     }
     wave = case(m=1, westergaard=westergaard.compliance(LOADS))

@@ -25,7 +25,7 @@ def case(method, m, settings=None):
 
 @pytest.fixture
 def seconds(monkeypatch):
-    """The cost model of contact patches, as a function that says what it is told to."""
+    """The cost model of contact patches, replaced by a function that returns a given value."""
 
     def expect(value):
         changed = replace(find_method("patches"), seconds=lambda profile, loads: value)

@@ -26,7 +26,7 @@ def test_curves_of_another_process_have_the_same_bits():
     methods, strict = ["demelio", "layer", "bem", "patches"], {"tolerance": 1e-13}
     found = []
     for count in (1, 2):
-        with pytest.warns(UserWarning, match="patches: |trace") as told:
+        with pytest.warns(UserWarning, match="patches: |trace") as warned:
             solved = weier.solve(
                 [*SERIES, weier.Profile(1.25, 5, 4, 1.0), trace],
                 LOADS,
@@ -35,7 +35,7 @@ def test_curves_of_another_process_have_the_same_bits():
                 workers=count,
                 patches=strict,
             )
-        found.append((solved.drop_vars("seconds"), [str(warning.message) for warning in told]))
+        found.append((solved.drop_vars("seconds"), [str(warning.message) for warning in warned]))
     assert set(np.unique(found[0][0].status)) == {Status.solved, Status.not_applicable, Status.not_converged}
     xr.testing.assert_identical(found[0][0], found[1][0])
     assert found[0][1] == found[1][1]
@@ -80,7 +80,7 @@ profiles = [weier.Profile(1.25, 5, 5, weier.random_phases(seed)) for seed in ran
 """
 
 
-def test_a_script_without_a_guard_is_told_so_in_a_sentence(tmp_path):
+def test_a_script_without_a_guard_gives_a_message(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(count=2, guard=""))
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
@@ -97,9 +97,9 @@ def test_all_processes_end_with_the_first(tmp_path, kill, sent):
     process = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True)
     time.sleep(4)  # in which the others have started, but are far from done
     kill(process.pid, sent)
-    _, told = process.communicate(timeout=10)  # which waits for all that hold the pipe
+    _, output = process.communicate(timeout=10)  # which waits for all that hold the pipe
     assert process.returncode == -sent
-    assert ("KeyboardInterrupt" in told) == (sent == signal.SIGINT)
+    assert ("KeyboardInterrupt" in output) == (sent == signal.SIGINT)
 
 
 def test_edges_of_waves_that_are_too_many_are_left_out():

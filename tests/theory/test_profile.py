@@ -183,9 +183,9 @@ def test_an_irrational_ratio_is_kept_to_the_last_digit():
 
 def test_a_wave_too_short_for_a_float_has_no_heights():
     profile = Profile(1.5, 10**6, 100)
-    for ask in (profile.height, profile.slope, profile.curvature):
+    for evaluate in (profile.height, profile.slope, profile.curvature):
         with pytest.raises(ValueError, match=r"the finest wave of D = 1.5, .* is too short for a float: take fewer"):
-            ask(0.1)
+            evaluate(0.1)
 
 
 @pytest.mark.parametrize("name", ["amplitude", "period", "crest"])

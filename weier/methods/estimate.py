@@ -1,4 +1,4 @@
-"""What the estimates of a whole series have in common: how they are run, and how they are offered to a plan."""
+"""Common functions of estimates of a whole series: their solution, and their candidates for plans."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from weier.methods.method import Estimate, Reference
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
-Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
+Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # The arguments are loads, D, gamma and m.
 
 
 def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Array], Estimate]:

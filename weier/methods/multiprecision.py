@@ -1,6 +1,6 @@
 """The closed forms in 50 digits: their sums term by term, from the same doubles that a method is given.
 
-They have nothing in common with the code of the methods. An infinite series is summed until the rest is a geometric
+They are independent of the code of the methods. An infinite series is summed until the rest is a geometric
 series or below the last digit. Each function returns compliance, in g_0, and resistance, in g_0/p_0*.
 """
 
@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Reference
 from weier.theory.profile import Profile
 
-DIGITS = 50
+DIGITS = 50  # Cancellation in the sums leaves far more than the 16 digits of a double.
 Pair = tuple[Any, Any]
 
 

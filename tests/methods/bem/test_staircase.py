@@ -112,14 +112,14 @@ def test_a_gap_of_a_node_that_the_continuum_has_not_is_closed():
     assert edge_deviation(profile, found.contact_edge[0], exact.contact_edge[0]) < 1e-2
 
 
-@pytest.mark.parametrize("share", [0.1, 0.4, 0.7])
+@pytest.mark.parametrize("fraction", [0.1, 0.4, 0.7])
 @pytest.mark.parametrize("shift", [0.0, 0.25])
-def test_a_contact_of_one_node_is_hertzs(share, shift):
-    """Width and middle, from a load that is this share of the one at which the next node touches."""
+def test_a_contact_of_one_node_is_hertzs(fraction, shift):
+    """Width and middle, from a load that is this fraction of the load at which the next node touches."""
     points = 64
     profile = Profile(1.25, 5, 1, (-2 * np.pi * shift / points,))
     grid = NestedSolver(profile, points, 1e-12)
-    load = share * np.pi**2 / (2 * np.log(2) * points**2) / 2
+    load = fraction * np.pi**2 / (2 * np.log(2) * points**2) / 2
     point = staircase.remove_staircase(grid.solve_discrete(load, True))
     assert point.first.tolist() == point.last.tolist() == [0]
     left, right = point.edge

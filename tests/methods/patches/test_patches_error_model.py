@@ -23,7 +23,7 @@ def test_looser_tolerances_are_expected_to_take_less_time_as_far_as_they_do():
     assert np.all(np.diff([loosest, middle, default, tightest], axis=0) > 0)
     np.testing.assert_array_equal(beyond, loosest)
     np.testing.assert_array_equal(seconds(125, contacts), default)
-    share = loosest / default
-    assert np.all(np.diff(share) < 0)
-    assert share[0] > 0.9  # as measured: a few contacts take hardly less, and hundreds three quarters
-    assert 0.7 < share[2] < 0.85
+    ratio = loosest / default
+    assert np.all(np.diff(ratio) < 0)
+    assert ratio[0] > 0.9  # as measured: a few contacts take hardly less, and hundreds three quarters
+    assert 0.7 < ratio[2] < 0.85

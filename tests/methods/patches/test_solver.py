@@ -237,10 +237,10 @@ def test_hard_places_against_boundary_elements(profile, loads, contacts):
 
 
 @hard_series("light_contacts")
-def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, share):
+def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, fraction):
     """Guesses have too many contacts or too few, so that residuals are small when the lightest is not yet known."""
     found = patches.curve(profile, [load])
-    assert abs(found.resistance[0] - R) < found.resistance_error[0] < share * R
+    assert abs(found.resistance[0] - R) < found.resistance_error[0] < fraction * R
 
 
 @pytest.mark.parametrize(("load", "dual"), [(0.01, False), (0.4, False), (2.4, True), (3.0, True)])

@@ -1,4 +1,4 @@
-"""The claims of a scene in its dataset, and as a text to read: a line a claim, and all else below."""
+"""The claims of a scene in its dataset and as a text, with a table of all claims and a section for each."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from weier.pipeline.claims.paper import MEANINGS, RULE
 if TYPE_CHECKING:
     import xarray as xr
 
-CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
-DETAILS = ("condition", "profiles", "measured", "between", "limit", "what they say", "holds")
+CONTENT = "qualityInformation"  # The content of claims in the terms of ISO 19115.
+DETAILS = ("condition", "profiles", "measured", "between", "limit", "results", "holds")
 
 
 def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
@@ -64,7 +64,7 @@ def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
 
 
 def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
-    """The number that decides, its limit, and what the profiles say."""
+    """The decisive number, its limit, and the results of the profiles."""
     if judged.missing:
         return f"Not measured: {judged.missing}.", "", ""
     finding = judged.decisive
@@ -73,7 +73,7 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
 
 
 def decisive_line(judged: Judgement) -> str:
-    """The number that decides, its limit and the votes in one line."""
+    """The decisive number, its limit and the results of the profiles in one line."""
     number, limit, votes = decisive_cells(judged)
     return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
 
@@ -93,7 +93,7 @@ def details(finding: Finding) -> list[str]:
 
 
 def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
-    """A table with a line a claim, the rule, and a section for each claim."""
+    """A table with a line for each claim, the rule, and a section for each claim."""
     if not judged:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
