@@ -40,8 +40,9 @@ STAIRCASE = {ELEMENTS: "removed", KEPT: "kept"}
 OTHERS = ("tamaas", "contact_mechanics", "slippy")
 LABELS = {ELEMENTS: "weier, boundary elements", PATCHES: "weier, contact patches"}
 LABELS |= {name: PROGRAMS[name].label for name in OTHERS}
-TARGETS = (1e-4, 1e-5, 1e-6, 1e-8)  # g_0
-SIZES = sorted([2**k for k in range(9, 19)] + [3 * 2**k for k in range(8, 17)])  # nodes
+TARGETS = (1e-4, 1e-5, 1e-6, 1e-8)  # g_0: the errors to be reached.
+# Numbers of nodes, of which the smallest sufficient one is found.
+SIZES = sorted([2**k for k in range(9, 19)] + [3 * 2**k for k in range(8, 17)])
 ORDER = 3  # No error falls with a higher power of the nodes, so that grids that are too small for it are not tried.
 RESIDUAL_FRACTION = 0.1  # The residual allowed to all programs, over the wanted error.
 TIGHTER = 1 / 8  # With this tolerance, over the residual, all programs reach the residual or little more.

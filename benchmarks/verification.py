@@ -24,7 +24,7 @@ MAX_TERMS = 5
 MAX_WAVES = 81  # Contact patches take seconds a profile with so many waves in a period.
 MAX_POINTS = 2**16  # Points of the longest truncated series in place of the infinite one.
 PHASES = ("zero", "pi", "half a node", "random")
-MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
+MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # p_0*: each series has 12 loads from one contact to full contact.
 REFERENCE_TOLERANCE = 1e-11  # g_0: of contact patches, far below all tolerances of plans.
 MAX_TOLERANCE = 0.1  # Tolerances are drawn up to this one.
 

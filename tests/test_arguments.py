@@ -34,7 +34,7 @@ TRACE = weier.Trace(HEIGHTS, 1e-3, unit="m")
 
 
 def contact():
-    """A file's worth of curves: one case, two methods."""
+    """Curves of a file: one case, two methods."""
     data = dataset.blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
     for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phases", [0, 1.0])):
         data[name].values[0] = value
@@ -42,7 +42,7 @@ def contact():
 
 
 class Map:
-    """What Trace.of asks of a topography."""
+    """The interface of a topography for Trace.of."""
 
     physical_sizes, unit = (1e-3, 1e-3), "m"
 

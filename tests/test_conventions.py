@@ -140,7 +140,7 @@ def test_quantities_name_what_says_how_good_they_are(files):
 
 
 def test_the_checker_would_complain(folder, tmp_path):
-    """The two tests above are worth something."""
+    """So the two tests above can fail."""
     shutil.copy(folder / "contact.nc", tmp_path / "bad.nc")
     with netCDF4.Dataset(tmp_path / "bad.nc", "a") as file:
         file["compliance"].units = "nonsense"

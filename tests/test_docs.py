@@ -233,7 +233,7 @@ def test_pictures_have_words_and_numbers_stay_whole(site):
 
 
 def test_formulae_need_no_network(site):
-    """The script that draws them is a part of the site, and no page asks another server for anything."""
+    """The script that draws them is a part of the site, and no page requests files of another server."""
     fetched = [
         name
         for path in site.rglob("*.html")

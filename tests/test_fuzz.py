@@ -64,7 +64,7 @@ def scenes(draw):
 
 
 def load_or_refuse(path):
-    """Whether a scene loads, with all that the Snakefile asks of it; else it is refused, in a sentence a mistake."""
+    """Whether a scene loads and gives all files of the Snakefile; else it is refused, with a sentence a mistake."""
     start = time.perf_counter()
     refusal = ""
     try:

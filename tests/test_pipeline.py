@@ -155,7 +155,7 @@ def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path, mo
 
 
 def test_a_page_and_all_products_need_the_same_jobs(checkout):
-    """A case is solved once, whichever of them asks for it."""
+    """A case of several figures is solved once."""
     for targets in (["pages"], ["all", "pages"], ["results/test/figures/two.png", "all"]):
         jobs = planned(checkout, *targets)
         assert (jobs["solve"], jobs["figure"], jobs["claims"]) == (2, 2, 1)

@@ -200,7 +200,7 @@ def column(tmp_path):
 
 
 def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
-    """And values that stand for missing heights are filled and counted, if both are asked for."""
+    """Values that stand for missing heights are filled and counted with both options."""
     of_column = ["solve", "--trace", column, "--length", "1.0", "--x-unit", "mm", "--loads", "0.1"]
     code, _, errors = run(*of_column)
     assert code == 1

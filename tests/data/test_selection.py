@@ -1,4 +1,4 @@
-"""Opened files: labelled selection, read where asked for, and joined without being held in memory."""
+"""Opened files: labelled selection, read on access, and joined without being held in memory."""
 
 import math
 import os

@@ -109,7 +109,7 @@ def parent(process):
 
 
 def gone(process):
-    """Ended, be it that nobody asked how."""
+    """Whether a process has ended, also as a zombie."""
     status = Path(f"/proc/{process}/status")
     return not status.exists() or "State:\tZ" in status.read_text()
 

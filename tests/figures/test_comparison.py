@@ -1,4 +1,4 @@
-"""Figures of compliance and resistance: colours, panels, medians and bands say what the scene asks for."""
+"""Figures of compliance and resistance: colours, panels, medians and bands are those that the scene chooses."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
 
 
 def test_plans_stand_over_a_figure_with_what_they_were_asked_for(sweep: xr.Dataset) -> None:
-    """Only "planned" stood there, which says nothing of what is shown."""
+    """The title has the quantity and the tolerance, not only "planned"."""
     planned = sweep.sel(solution_method=["bem"]).assign_coords(solution_method=["planned"]).copy(deep=True)
     planned["settings"][:] = '{"quantity": "compliance", "tolerance": 0.001}'
     by_seed = {"colour": "gamma", "median_over": ("seed",)}

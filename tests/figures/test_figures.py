@@ -241,5 +241,5 @@ figures:
 def test_captions_say_what_planned_numbers_are_within(tmp_path: Path) -> None:
     loaded = scene_in(tmp_path, PLANNED)
     assert caption(loaded, "h").text.endswith("The planned compliance is within 0.01 g_0.")
-    assert "keeps a tolerance of the compliance and none of the resistance" in caption(loaded, "R").text
+    assert "meets a tolerance of the compliance and none of the resistance" in caption(loaded, "R").text
     assert "resistance_error" in caption(loaded, "R").text

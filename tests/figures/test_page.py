@@ -372,7 +372,7 @@ def test_choosing_a_case_changes_the_curve(folder):
     start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case"]
-    assert not start["keyed"]  # the other labels tell all cases apart
+    assert not start["keyed"]  # the other labels distinguish all cases
     assert rough["compliance"] == pytest.approx(2 + LOADS)
     assert finer["compliance"] == pytest.approx(3 + LOADS)
     assert finer["resistance"] == pytest.approx(6 + LOADS)

@@ -1,4 +1,4 @@
-"""What is asked for beside a load changes neither its value nor its error: any method, on random subsets of loads."""
+"""The value and error of a load do not depend on the other loads: all methods, on random subsets of loads."""
 
 import math
 

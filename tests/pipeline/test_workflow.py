@@ -1,4 +1,4 @@
-"""What rules ask of scenes, without Snakemake: files, digests, and one sentence for whatever ends a run."""
+"""Functions of scenes for rules, without Snakemake: files, digests, and messages that end a run."""
 
 import os
 import signal

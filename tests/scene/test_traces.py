@@ -118,7 +118,7 @@ def test_results_report_missing_heights_and_a_form(folder):
 
 
 class Map:
-    """What Trace asks of a topography: three lines along x."""
+    """The interface of a topography for Trace: three lines along x."""
 
     physical_sizes, unit = (64e-6, 3e-6), "m"
 

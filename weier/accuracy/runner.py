@@ -26,6 +26,7 @@ from weier.theory.profile import Profile
 # others.
 REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
+# The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
 UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # A message with such values does not help the user.
 

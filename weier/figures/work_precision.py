@@ -28,8 +28,8 @@ CAPTION = (
 COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
 
-WIDTH = 7.09  # inches: 180 mm, a page of a journal
-PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4  # inches
+WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
+PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4  # inches: two panels and the legend leave space for text on a page.
 MAX_COLUMNS, LEGEND_COLUMNS = 6, 7  # More columns do not fit into the width.
 FLOOR, CEILING = 1e-15, 10.0  # The range of errors on the axis; smaller ones are drawn at its lower end.
 LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}

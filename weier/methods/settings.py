@@ -36,7 +36,7 @@ def _word(name: str, value: Any) -> str:
 
 # By the annotation of a solver's keyword; one that may be None ends in `| None`.
 KINDS: dict[str, Check] = {"int": _count, "float": _fraction, "bool": checked_flag, "str": _word}
-NONE = " | None"
+NONE = " | None"  # The end of the annotation of a setting that may be None.
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:

@@ -19,7 +19,7 @@ from weier.theory.line import Line
 from weier.theory.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
-AXES = ("x", "y")
+AXES = ("x", "y")  # The axes of a map, in the order of its array.
 
 
 def read_lines(path: Path, line: int | None, across: str | None, channel: int | str | None) -> list[Line]:

@@ -39,10 +39,12 @@ SPELLINGS = {
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
+# Patterns of units in headings: in brackets, after a sign, or as the last word.
 _NAME = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
 _IN_BRACKETS = rf"[\[(]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])]"
 _BEHIND_A_SIGN = rf"[_/:=]\s*({_NAME})(?=\s|$)"
-_LAST_WORD = rf"(?:^|(?<![\d.])\s)({_NAME})$"  # but of a quantity with its value
+# The last word is a unit, unless it follows the value of a quantity.
+_LAST_WORD = rf"(?:^|(?<![\d.])\s)({_NAME})$"
 UNIT = re.compile(f"{_IN_BRACKETS}|{_BEHIND_A_SIGN}|{_LAST_WORD}", re.IGNORECASE)
 
 

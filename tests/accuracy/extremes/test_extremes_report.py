@@ -1,4 +1,4 @@
-"""The extremes as measured, and the report that tells what is wrong."""
+"""The extremes as measured, and the report with their faults."""
 
 from importlib import import_module
 

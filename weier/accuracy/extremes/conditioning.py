@@ -10,7 +10,7 @@ from weier.data import variables
 from weier.data.variables import AUXILIARY, LABEL, Variable
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 
-NODES = np.array([3, *(2**k for k in range(2, 21))])
+NODES = np.array([3, *(2**k for k in range(2, 21))])  # From the coarsest grid to 2^20 nodes, in powers of two.
 MAX_DENSE = 1024  # The singular values of a matrix of more nodes take more than seconds.
 OWN = {
     "nodes": Variable(("nodes",), "nodes in one period", content=LABEL),

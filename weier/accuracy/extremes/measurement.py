@@ -21,6 +21,7 @@ from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
 from weier.theory.profile import Profile
 
+# The checks of each curve, by the names of their variables.
 CHECKS = {
     "monotone": "whether the compliance never falls",
     "concave": "whether the resistance falls and lies between the chords to either side",

@@ -37,6 +37,7 @@ from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_d
 from weier.scene import Scene
 from weier.theory.tables import largest, significant
 
+# Headings of the columns of errors.
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 PICTURES = (
     "In the pictures, a dot is a profile, and values in the grey part of the line are too close to the limit to "
@@ -52,6 +53,7 @@ CHORDS = (
 )
 MAX_COLUMN = 1500  # pixels: wider figures span the page. A figure of one column has some 1050.
 EXPLORER_ID = ID("curves-explorer")
+# Attributes of the dataset in the section on provenance.
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
 PROVENANCE = ("source", "git_commit", *VERSIONS, "date_created", "comment", "history", "references", "license")
 

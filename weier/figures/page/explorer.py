@@ -24,15 +24,17 @@ MAX_CASES = 2000  # A thousand cases of 40 loads by four methods take 1.7 MB of 
 # Labels that select a case. The last one distinguishes cases by studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
 NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
+# Titles of lists that differ from their names.
 TITLES = {
     "gamma": "\N{GREEK SMALL LETTER GAMMA}",
     "phase": "phases, rad (one: of all n \N{GREATER-THAN OR EQUAL TO} 1)",
 }
-MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # rem, of the drop-down lists
+# Widths of the drop-down lists, in rem, for labels of usual length.
+MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}
 AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
 QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]
 MAX_POINTS = 30  # More points of a curve would hide the line below them.
-LINE_WIDTH = 2  # pixels
+LINE_WIDTH = 2  # The width of lines, in pixels.
 STRETCHED: dict[str, Any] = {"sizing_mode": "stretch_width"}
 WRAPPED: dict[str, Any] = {"styles": {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}, **STRETCHED}
 # The legend is small enough for a narrow window.

@@ -8,6 +8,7 @@ from markupsafe import Markup, escape
 
 # The names of Greek letters and their HTML; a subscript and a star may follow.
 LETTERS = {name: f"&{name};" for name in ("gamma", "lambda", "phi", "rho", "epsilon", "zeta", "xi")}
+# Symbols with subscripts, symbols alone before a relation, powers of ten, and words.
 SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|\b[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
 ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(?:=|&lt;|&gt;)| from \d)"
 POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"

@@ -145,6 +145,7 @@ class Finding(NamedTuple):
         return ", ".join([f"{first} of {total} {words}", *(f"{count} {words}" for count, words in others)])
 
 
+# The results of members in words.
 VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close to call"}
 
 

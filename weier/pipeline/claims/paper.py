@@ -95,7 +95,7 @@ def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
     return [Ensemble(f"gamma = {float(group[0]['gamma']):g}", (group,), True) for group in (groups[0], groups[-1])]
 
 
-COARSE, FINE = slice(0, 1), slice(1, 2)
+COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
 
 
 def _beside_one_wave(cases: Cases) -> list[Ensemble]:
