@@ -186,7 +186,7 @@ LAUGHS = "a: &a [x]\n" + "".join(
         ("&a [*a]", "contain themselves"),
         ("[" * 5000, "nested too deep|cannot be read"),
         ("a: " + "1" * 5000, "cannot be read"),
-        ("title: a\ntitle: b", "the key 'title' stands twice"),
+        ("title: a\ntitle: b", "the key 'title' occurs twice"),
         ("#" * 1_000_001, "at most 1000000 characters"),
         ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
     ],

@@ -117,7 +117,7 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1"]
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
     assert (code, out) == (1, "")
-    assert err.splitlines()[-1] == "weier: bem does not apply, as said above; all other numbers are there"
+    assert err.splitlines()[-1] == "weier: bem does not apply, for the reasons above; all other numbers were written"
     with weier.open_dataset(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
 
@@ -130,7 +130,10 @@ def test_a_plan_that_failed_at_some_loads_is_delivered_and_says_so(run, unsolvab
     assert [value is None for value in compliance] == [True, False]
     why, last = err.splitlines()[-2:]
     assert "planned: the compliance is not within 0.001 at 1 of 2 loads: bem with 2 terms was expected to do" in why
-    assert last == "weier: planned missed its tolerance at some loads, as said above; all other numbers are there"
+    assert (
+        last
+        == "weier: planned missed its tolerance at some loads, for the reasons above; all other numbers were written"
+    )
 
 
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])

@@ -207,10 +207,10 @@ OF_TRACE = (
     click.Option(
         ["--length"],
         type=float,
-        help="Length of the trace if the file does not say it, in m, or in the unit of --x-unit or --unit.",
+        help="Length of the trace if it is not in the file, in m, or in the unit of --x-unit or --unit.",
     ),
     click.Option(
-        ["--ends"], type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
+        ["--ends"], type=click.Choice(ENDS), help=f"Continuation of the trace beyond its ends  [default: {ENDS[0]}]."
     ),
     click.Option(["--unit"], type=UNIT, help="Unit of positions or length and heights, if the file names none."),
     click.Option(["--x-unit"], type=UNIT, help="Unit of the positions or the length alone."),
@@ -222,7 +222,9 @@ OF_TRACE = (
         ["--missing"], type=click.Choice(MISSING), help=f"What to do with missing heights  [default: {MISSING[0]}]."
     ),
     click.Option(
-        ["--max-gap"], type=int, help=f"Most heights beside each other that are interpolated  [default: {MAX_GAP}]."
+        ["--max-gap"],
+        type=int,
+        help=f"Largest number of adjacent missing heights that are interpolated  [default: {MAX_GAP}].",
     ),
     click.Option(["--missing-value"], type=float, help="A number that stands for missing heights."),
     click.Option(["--line"], type=int, help="Which line of a map, from 0."),
@@ -245,7 +247,7 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
         raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
     if trace_file is not None:
         if "across" in given and "line" not in given:
-            raise click.UsageError("--across names the axis of a line: say which one by --line")
+            raise click.UsageError("--across names the axis of a line: give its number by --line")
         if foreign := [name for name, value in series.items() if value is not None]:
             raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
         return {"trace": {"file": str(trace_file), **given}}

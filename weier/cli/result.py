@@ -83,7 +83,7 @@ def check_solved(data: xr.Dataset) -> None:
     numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
     missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
     if missing:
-        raise ValueError(f"{', '.join(missing)}, as said above; all other numbers are there")
+        raise ValueError(f"{', '.join(missing)}, for the reasons above; all other numbers were written")
 
 
 TEXTS = {".json": as_json, ".csv": as_csv}  # The text formats by the suffix of a file.

@@ -247,7 +247,7 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
         fits = np.array([[text in str(label).split(", ") for text in texts] for label in labels])
     else:
         numbers = np.array([_number(name, value) for value in wanted])
-        # The relative tolerance is not defined for inf, which is compared by equality.
+        # Equality is tested as well, for inf.
         fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
     if not fits.any(axis=0).all():
         absent = wanted[int(np.argmin(fits.any(axis=0)))]

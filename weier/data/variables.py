@@ -21,7 +21,7 @@ EDGES = ("case", "mean_pressure", "edge")
 ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as negative as this.
 # Texts that several comments have in common.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
-ERROR = "{} Other methods state an estimate: the documentation says how many numbers are within it."
+ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
     "By contact patches it is a proved bound, from the contact conditions that their solution violates; by boundary "
     "elements a bound that is proved at first touch and was exceeded at no load that was tried."

@@ -103,7 +103,7 @@ def _checked_children(node: yaml.Node | None) -> list[yaml.Node]:
             if key.tag not in KEY_TAGS or not isinstance(key, yaml.ScalarNode):
                 raise ValueError(f"a key must be a word, got another kind of value in line {line}")
             if key.value in seen:
-                raise ValueError(f"line {line}: the key {key.value!r} stands twice in one place")
+                raise ValueError(f"line {line}: the key {key.value!r} occurs twice")
             seen.add(key.value)
         return [child for pair in node.value for child in pair]
     return node.value if isinstance(node, yaml.SequenceNode) else []

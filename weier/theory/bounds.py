@@ -95,8 +95,10 @@ def resistance_bounds(
         0 and inf where no load above or below gives a bound. NaN where an input is NaN; the bounds at the loads
         around it remain valid.
 
-    Notes ----- Each p' gives a valid bound, and so does the best of the tabulated p'. A finer table of loads gives
-    tighter bounds. Nothing is assumed of the curve beyond the last load. Work and memory grow with loads^2.
+    Notes
+    -----
+    Each p' gives a valid bound, and so does the best of the tabulated p'. A finer table of loads gives tighter
+    bounds. Nothing is assumed of the curve beyond the last load. Work and memory grow with loads^2.
 
     Examples
     --------

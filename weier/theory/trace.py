@@ -59,9 +59,9 @@ class Trace(Waves):
         The shortest wavelength that is kept, in m, which metrology calls lambda_s; by default two steps, so that all
         are.
     ends : "mirrored", "periodic" or "tapered"
-        How the surface goes on behind the ends: as a mirror image, so that the period is twice the length; from the
-        start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean over
-        the last tenth of the length at either end.
+        Continuation of the surface beyond the ends: as a mirror image, so that the period is twice the length; from
+        the start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean
+        over the last tenth of the length at either end.
     source : str
         Name of the origin of the heights, for the results.
     unit, x_unit, height_unit : str, optional
@@ -74,7 +74,7 @@ class Trace(Waves):
         What to do with missing heights: by default they are refused, with their number and the longest run. Else
         they are interpolated, and where they are at the ends, the trace is cut off.
     max_gap : int
-        The most heights beside each other that are interpolated, on a straight line.
+        The largest number of adjacent missing heights that are interpolated, on a straight line.
     missing_value : float, optional
         A number that stands for missing heights, such as -9999, in the unit of the heights.
 
@@ -232,7 +232,7 @@ class Trace(Waves):
             SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
             and some thirty more formats.
         length : float, optional
-            Of the trace, if the file does not say it: in m, or in `x_unit` or `unit` where one is given.
+            Length of the trace, if it is not in the file: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
             As of a trace.
         x_unit, height_unit : str, optional

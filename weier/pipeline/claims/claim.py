@@ -195,8 +195,10 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
 def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     """The result of a condition on the members of an ensemble.
 
-    Notes ----- The uncertainty of a value is its change if every second load is left out, so that values that depend
-    on the choice of loads decide nothing.
+    Notes
+    -----
+    The uncertainty of a value is its change if every second load is left out, so that values that depend on the
+    choice of loads decide nothing.
     """
     limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]

@@ -18,9 +18,11 @@ from weier.pipeline.claims.claim import (
     Claim,
     Condition,
     Ensemble,
+    at_least,
+    at_most,
+    negative,
+    positive,
 )
-
-from weier.pipeline.claims.claim import at_least, at_most, negative, positive  # isort: skip
 from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
 from weier.theory.profile import PARAMETERS
 
