@@ -65,7 +65,7 @@ def compare(
     -------
     figure : Figure
     panels : sequence of Axes
-        They share their axes, whose limits and scales the caller sets.
+        They have common axes, whose limits and scales the caller sets.
     cases : sequence of Dataset
         The cases that are drawn.
 

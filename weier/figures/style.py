@@ -155,7 +155,7 @@ def column_of_series(
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with its panels in rows; they share their axes. Without `columns`, a row has two or three of them."""
+    """A figure with panels in rows and common axes. Without `columns`, a row has two or three panels."""
     columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
     width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)

@@ -1,7 +1,7 @@
 """Solution of curves under the same loads, one after another or in several processes.
 
-Python computes between the kernels of a solver, and all threads of a process share one Python, so that threads would
-wait for each other. What a curve needs goes to another process, and its arrays come back.
+A solver runs Python code between its kernels, so that threads would wait for the interpreter lock. Other processes
+receive tasks and return arrays instead.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from weier.pipeline.progress import Loads, Progress
 from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
 
+# The message where the pool of processes breaks.
 LOST = (
     "a process that was to solve curves has ended too early: a script must be a file that calls weier.solve below "
     '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
