@@ -1,4 +1,4 @@
-"""config -> solve -> claims and figures. What a rule does stands in weier; when it runs, stands here."""
+"""config -> solve -> claims and figures. The rules call commands of weier and define their dependencies."""
 
 import os
 from pathlib import Path
@@ -47,9 +47,9 @@ onsuccess:
     scenes.finish()
 
 
-# Ctrl-C reaches all programs of a job, and `tee -i` stays to write what the others say of it.
-# The name of a batch is a digest of all that its numbers depend on, so that it never changes; to compile again is no
-# reason to solve it again.
+# Ctrl-C reaches all programs of a job; `tee -i` ignores it and writes the last messages of the others.
+# The name of a batch is a digest of all its dependencies, so that it never changes, and compiling again does not make it
+# out of date.
 rule solve:
     input:
         batch=ancient("results/{scene}/batches/{batch}.json"),

@@ -15,7 +15,7 @@ from benchmarks.programs import PROGRAMS, seconds
 from weier import Profile
 from weier.data import dataset
 
-PHASES = (0.0, 1.0, 2.0)
+PHASES = (0.0, 1.0, 2.0)  # radians: an unsymmetric profile, as in the README.
 
 
 def parse_numbers(context: click.Context, parameter: click.Parameter, text: str) -> list[int]:

@@ -21,12 +21,13 @@ from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import patches
 
-MAX_WAVES = 1000  # of the finest term in a period: patches then take a third of a second a load at most
-LOADS = 8  # of each series
-# Tolerances of the patches, and of those on the reflected profile: the first that a load can be solved to.
+MAX_WAVES = 1000  # Contact patches take at most a third of a second a load with so many waves in a period.
+LOADS = 8  # So many loads of each series are compared.
+# Tolerances of the patches, and of those on the reflected profile: the first one that can be met counts.
 REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
-MIN_RESISTANCE = 1e-3  # g_0/p_0*: from here on, errors of R are relative to R
-ARRAYS = ("loads", "exact", "uncertainty")  # of a draw
+MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of larger resistances are relative to R.
+ARRAYS = ("loads", "exact", "uncertainty")  # These fields of a draw are arrays.
+# Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
 
@@ -162,6 +163,7 @@ def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
     return usual_settings(random, profile) | {"max_residual": 10 ** random.uniform(-12, -6)}
 
 
+# The features of families, and those of the default one.
 SERIES = usual, rational, coarse, long, extreme_dimension
 PHASES = any_phases, near_symmetry, aligned, twin_crests
 PRESSURES = any_loads, near_events, near_full_contact
@@ -247,7 +249,7 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
     return exact, np.abs(exact - twin) + uncertainty
 
 
-def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.Curve:
+def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.PatchCurve:
     *tight, loosest = tolerances
     for tolerance in tight:
         with suppress(ConvergenceError):

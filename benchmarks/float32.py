@@ -13,11 +13,13 @@ from weier import Profile
 from weier.methods.bem.active_set import NestedSolver
 from weier.theory.halfplane import eigenvalues
 
+# The profile of the other benchmarks, and the sizes and loads of the two measurements.
 PROFILE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 POINTS = [2**power for power in range(9, 18)]
 POINTS_PER_WAVE = (64, 512, 4096)
 LOADS = (1e-3, 0.1, 1.0)
-MIN_TIMED_NODES = 2**22  # over all repetitions of a run, so that its time is well above the resolution of the clock
+# The repetitions of a run have so many nodes together, so that its time is well above the resolution of the clock.
+MIN_TIMED_NODES = 2**22
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Take the times in turn, examine the answers, and keep everything in one self-describing dataset."""
+"""Time the programs in turn, examine their solutions, and keep all in one self-describing dataset."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from weier.kernels.arrays import Array
 Say = Callable[[str], None]
 Plan = Mapping[int, Sequence[str]]  # the programs to run, by their nodes
 
-WRONG = 10.0  # times the residual wanted: an answer said to have converged, yet wrong
+WRONG = 10.0  # A solution that is reported as converged is wrong if its residual exceeds the tolerance by this.
 
+# Dimensions of variables.
 RUN = ("program", "points")
 CURVE = (*RUN, "mean_pressure")
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
@@ -35,7 +36,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 
 def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
-    """Every variable, with nothing in it yet."""
+    """An empty dataset of all variables."""
     programs = list(dict.fromkeys(name for names in plan.values() for name in names))
     sizes = {"program": len(programs), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
     data = xr.Dataset(
@@ -58,7 +59,7 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
 def describe(
     data: xr.Dataset, profile: Profile, tolerance: float, reference: Reference, reference_seconds: Sequence[float]
 ) -> xr.Dataset:
-    """The reference as a variable, and what else one must know to read the numbers, as attributes."""
+    """Add the reference as a variable, and the conditions of the measurement as attributes."""
     programs = [PROGRAMS[str(name)] for name in data["program"].values]
     attributes = {"long_name": f"compliance by method {reference.method}, in g_0", "units": "1"}
     return data.assign(reference_compliance=("mean_pressure", reference.compliance, attributes)).assign_attrs(
@@ -97,7 +98,7 @@ def compare(
     repeats : int
         Timed runs of each program.
     reference : Reference
-        What the compliance should be.
+        The reference compliance.
     say : function
         Called with a line about each step, for people.
 
@@ -147,13 +148,13 @@ def _examine_program(name: str, problem: Problem, reference: Reference, data: xr
 
 
 def wrong(data: xr.Dataset) -> xr.DataArray:
-    """How many loads each program calls converged though the residual, or the load, is far off."""
+    """The number of loads that each program reports as converged with a wrong residual or load."""
     tolerance = WRONG * data.attrs["tolerance"]
     far = (data["residual"] > tolerance) | (data["load_error"] > tolerance)
-    said: xr.DataArray = far & (data["converged"] == 1)
-    return said.sum("mean_pressure")
+    reported: xr.DataArray = far & (data["converged"] == 1)
+    return reported.sum("mean_pressure")
 
 
 def failed(data: xr.Dataset) -> xr.DataArray:
-    """How many loads each program itself says it could not solve."""
+    """The number of loads that each program reports as not converged."""
     return (data["converged"] == 0).sum("mean_pressure")

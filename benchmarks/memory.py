@@ -17,7 +17,8 @@ from weier import Profile, random_phases
 from weier.methods import bem, hybrid, patches
 from weier.methods.hybrid.solver import POINTS_PER_WAVE
 
-UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, in bytes
+UNIT = 1 if sys.platform == "darwin" else 1024  # The unit of ru_maxrss, in bytes.
+# The sizes at which memory is measured, and the loads.
 NODES = (2**14, 2**17, 2**20)
 RESOLVED = (8, 9, 10)
 TERMS = (6, 7, 8)

@@ -1,4 +1,4 @@
-"""What the parts cost: `python -m benchmarks.parts` prints one table.
+"""The cost of parts of weier: `python -m benchmarks.parts` prints one table.
 
 Estimates against np.log of as many numbers, the layer's curve, a batch against the sum of its solves, the import,
 and the compilation of all kernels. Each time is the least of several, taken in turn with what it is compared to.
@@ -24,10 +24,11 @@ from weier.scene import Case
 
 Row = tuple[str, str]
 
+# Sizes of the measurements.
 LOADS = 40
 CASES, LONG, SOLVES = 1000, 10**6, 200
 TERMS = (3, 10, math.inf)
-REPEATS = 15
+REPEATS = 15  # The least time of so many runs counts.
 
 
 def main() -> None:

@@ -17,14 +17,13 @@ from benchmarks.verification import Verified, verify, verify_infinite
 def main(count: int) -> None:
     """Print which of COUNT series, by default 200, miss what they expect, and how much too wide the others are."""
     for what, found in (("finite", list(verify(count))), ("infinite", list(verify_infinite(count // 5)))):
-        for each in found:
-            if not each.inside or not each.kept:
-                print("missed:", each)
-        print(
-            f"{what}: {sum(each.inside for each in found)} of {len(found)} curves are within the errors they expect,"
-        )
-        print(f"{sum(each.kept for each in found)} within the tolerance they were planned for")
-        for methods in sorted({each.methods for each in found}):
+        for curve in found:
+            if not curve.inside or not curve.kept:
+                print("missed:", curve)
+        inside = sum(curve.inside for curve in found)
+        print(f"{what}: {inside} of {len(found)} curves are within the errors they expect,")
+        print(f"{sum(curve.kept for curve in found)} within the tolerance they were planned for")
+        for methods in sorted({curve.methods for curve in found}):
             for quantity in ("compliance", "resistance"):
                 report(methods, quantity, [e for e in found if e.methods == methods and e.quantity == quantity])
             report_seconds(", ".join(methods), [e for e in found if e.methods == methods])
@@ -33,7 +32,7 @@ def main(count: int) -> None:
 
 def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> None:
     """Print by which factors the expected errors of curves by the same methods exceed the true ones."""
-    checks = [getattr(each, quantity) for each in found]
+    checks = [getattr(curve, quantity) for curve in found]
     width = [check.expected / check.true for check in checks if check.true > 1e-14 and check.expected > 0]
     if width:
         low, middle, high = np.quantile(width, [0, 0.5, 0.9])
@@ -43,7 +42,7 @@ def report(methods: tuple[str, ...], quantity: str, found: list[Verified]) -> No
 
 def report_seconds(names: str, found: list[Verified]) -> None:
     """Print by which factors curves by some methods took longer than planned."""
-    ratio = np.array([each.seconds / each.planned_seconds for each in found])
+    ratio = np.array([curve.seconds / curve.planned_seconds for curve in found])
     within = (np.mean((ratio > 1 / factor) & (ratio < factor)) for factor in (3, 10))
     print(f"seconds of {ratio.size} curves by {names}: {{:.0%}} within a factor of 3, {{:.0%}} of 10".format(*within))
     low, middle, high = np.quantile(ratio, [0.05, 0.5, 0.95])

@@ -10,7 +10,7 @@ from weier import Profile, solve
 from weier.kernels.arrays import Array
 from weier.theory.halfplane import eigenvalues
 
-REFERENCE_TOLERANCE = 1e-11  # g_0: of the contact patches that all programs are compared with
+REFERENCE_TOLERANCE = 1e-11  # g_0: all programs are compared with contact patches at this tolerance.
 
 
 class Problem(NamedTuple):

@@ -21,8 +21,9 @@ from benchmarks.problem import Problem, Step, examine, fourier, linear_elements
 from benchmarks.solvers import contact_mechanics, dense, slippy, tamaas, weier_fft
 from weier.kernels.arrays import Array
 
-MIN_TOLERANCE = 2.0**-10  # of the residual wanted; a solver that misses it even with this tolerance never reaches it
-MAX_DENSE_POINTS = 512  # four times the nodes take some fifty times as long
+# The smallest tolerance tried, over the wanted residual: a solver that misses the residual then never reaches it.
+MIN_TOLERANCE = 2.0**-10
+MAX_DENSE_POINTS = 512  # Four times as many nodes take some fifty times as long.
 
 
 class Solver(Protocol):

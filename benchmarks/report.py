@@ -17,8 +17,9 @@ from weier.data import markdown
 from weier.data.files import write_text
 from weier.figures import save, style
 
-OURS = "weier"
-HEIGHT = 2.0  # inches a panel
+OURS = "weier"  # The program with which the others are compared.
+HEIGHT = 2.0  # inches: the height of a panel.
+# Lines of programs, and labels of axes.
 LOOKS: dict[str, dict[str, Any]] = {
     "weier": {"color": style.BLACK, "linestyle": style.DASHES[0], "marker": "o"},
     "weier_default": {"color": style.GREEN, "linestyle": style.DASHES[3], "marker": "s"},

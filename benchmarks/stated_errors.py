@@ -1,7 +1,8 @@
-"""Do methods keep what they state? On families of hard series, against contact patches at a tight tolerance.
+"""Whether stated errors hold, on families of hard series, against contact patches at a tight tolerance.
 
 `python -m benchmarks.stated_errors` draws fresh series, prints how many numbers of a family are beyond what a method
-states of their errors, with the largest share of it, and lists the worst. With a file, exact curves are solved once.
+states of their errors, with the largest ratio of error to statement, and lists the worst. With a file, exact curves
+are solved once.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 
-FINER = 10  # A number is judged where the reference is finer by this than what is stated, or than the difference.
+FINER = 10  # A number is judged if the error of the reference is smaller by this factor than its own.
 
 
 class Judged(NamedTuple):
@@ -28,12 +29,12 @@ class Judged(NamedTuple):
 
     error : in g_0 and g_0/p_0*; NaN where the method finds no solution
     stated : compliance_error and resistance_error
-    share : error over stated, after the uncertainty of the reference is taken off; NaN where that is too coarse
+    ratio : error over stated, after the uncertainty of the reference is taken off; NaN where that is too coarse
     """
 
     error: Array
     stated: Array
-    share: Array
+    ratio: Array
 
 
 def by_elements(draw: Draw, loads: Array) -> Any:
@@ -69,8 +70,8 @@ def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
     error, stated = np.abs(found[:2] - draw.exact), found[2:]
     is_known = FINER * draw.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(is_known, np.maximum(error - draw.uncertainty, 0) / stated, np.nan)
-    return Judged(error, stated, share)
+        ratio = np.where(is_known, np.maximum(error - draw.uncertainty, 0) / stated, np.nan)
+    return Judged(error, stated, ratio)
 
 
 def _numbers(curve: Any) -> Array:
@@ -99,24 +100,24 @@ def row(family: str, found: Found) -> list[str]:
     cells, refused = [family, str(sum(draw.loads.size for draw, _ in found))], 0
     for name in METHODS:
         for quantity in range(2):
-            share = np.concatenate([judged[name].share[quantity] for _, judged in found])
-            share = share[~np.isnan(share)]
-            cells.append(f"{np.count_nonzero(share > 1)} of {share.size}, {share.max(initial=0):.2g}")
+            ratio = np.concatenate([judged[name].ratio[quantity] for _, judged in found])
+            ratio = ratio[~np.isnan(ratio)]
+            cells.append(f"{np.count_nonzero(ratio > 1)} of {ratio.size}, {ratio.max(initial=0):.2g}")
         refused += sum(int(np.isnan(judged[name].stated[0]).sum()) for _, judged in found)
     return [*cells, str(refused)]
 
 
 def exceeded(found: Found) -> Iterator[tuple[float, str]]:
-    """Errors larger than stated: their share of it, and where they are."""
+    """Errors larger than stated: their ratio to the statement, and their places."""
     for draw, by_method in found:
         D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase.tolist()
         for name, judged in by_method.items():
-            for quantity, load in np.argwhere(judged.share > 1):
+            for quantity, load in np.argwhere(judged.ratio > 1):
                 error, stated, uncertainty = (
                     f"{values[quantity, load]:.2e}" for values in (judged.error, judged.stated, draw.uncertainty)
                 )
                 yield (
-                    float(judged.share[quantity, load]),
+                    float(judged.ratio[quantity, load]),
                     f"{'hR'[quantity]} by {name} is off by {error}, stated {stated}, known to {uncertainty} "
                     f'({draw.family}): Profile({D}, "{gamma}", {m}, {phases}) at {draw.loads[load]}, {draw.settings}',
                 )
@@ -149,8 +150,8 @@ def report(found: Found, worst: int) -> None:
     click.echo(markdown.table(HEADER, rows))
     for line in accuracy(found):
         click.echo(line)
-    for share, where in sorted(exceeded(found), reverse=True)[:worst]:
-        click.echo(f"{share:.3g} times: {where}")
+    for ratio, where in sorted(exceeded(found), reverse=True)[:worst]:
+        click.echo(f"{ratio:.3g} times: {where}")
 
 
 @click.command(context_settings={"show_default": True})

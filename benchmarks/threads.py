@@ -4,6 +4,6 @@ import os
 
 
 def use_one_thread() -> None:
-    """Tell the libraries that are loaded from now on, which read it once: NumPy's BLAS, OpenMP and numba."""
+    """Set one thread for the BLAS of NumPy, OpenMP and numba, which read the setting when they are loaded."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ[threads] = "1"

@@ -32,6 +32,7 @@ from weier.methods import patches
 from weier.methods.bem import curve as solve_curve
 from weier.theory.tables import significant
 
+# The problem, which is that of `python -m benchmarks`, and the programs.
 PROFILE = Profile(D=1.25, gamma=5, m=3, phases=PHASES)
 LOADS = np.geomspace(1e-3, 2, 40)
 ELEMENTS, PATCHES, KEPT = "weier_default", "patches", "weier"
@@ -39,19 +40,20 @@ STAIRCASE = {ELEMENTS: "removed", KEPT: "kept"}
 OTHERS = ("tamaas", "contact_mechanics", "slippy")
 LABELS = {ELEMENTS: "weier, boundary elements", PATCHES: "weier, contact patches"}
 LABELS |= {name: PROGRAMS[name].label for name in OTHERS}
-TARGETS = (1e-4, 1e-5, 1e-6, 1e-8)  # g_0
-SIZES = sorted([2**k for k in range(9, 19)] + [3 * 2**k for k in range(8, 17)])  # nodes
-ORDER = 3  # No error falls with a higher power of the nodes, so that smaller grids than this leaves are not tried.
-RESIDUAL_SHARE = 0.1  # of the error wanted, which all programs alike are allowed
-TIGHTER = 1 / 8  # A tolerance of their own that leaves the residual or little more, in the residual.
+TARGETS = (1e-4, 1e-5, 1e-6, 1e-8)  # g_0: the errors to be reached.
+# Numbers of nodes, of which the smallest sufficient one is found.
+SIZES = sorted([2**k for k in range(9, 19)] + [3 * 2**k for k in range(8, 17)])
+ORDER = 3  # No error falls with a higher power of the nodes, so that grids that are too small for it are not tried.
+RESIDUAL_FRACTION = 0.1  # The residual allowed to all programs, over the wanted error.
+TIGHTER = 1 / 8  # With this tolerance, over the residual, all programs reach the residual or little more.
 # The least of REPEATS runs counts; of more, if they take less than MIN_SECONDS together, or of fewer, if these have
 # taken MAX_REPEATED_SECONDS.
 REPEATS, MIN_SECONDS, MAX_REPEATED_SECONDS = 3, 0.3, 3.0
 # A grid is not tried where this is expected to take longer. From one grid to the next, the processor seconds of all
 # programs grow about with the power 1.3 of the nodes.
 MAX_SECONDS, GROWTH = 60.0, 1.3
-MAX_DRAWN = {ELEMENTS: 2**15, KEPT: 2**15, "tamaas": 2**13}  # the programs of the figure, and their largest grids
-DRAWN_RESIDUALS = {ELEMENTS: 1e-11, KEPT: 1e-11, "tamaas": 1e-9}  # g_0, well below the errors that are drawn
+MAX_DRAWN = {ELEMENTS: 2**15, KEPT: 2**15, "tamaas": 2**13}  # The programs in the figure, and their largest grids.
+DRAWN_RESIDUALS = {ELEMENTS: 1e-11, KEPT: 1e-11, "tamaas": 1e-9}  # g_0: well below the errors in the figure.
 
 
 class Reference(NamedTuple):
@@ -134,7 +136,7 @@ def find_smallest(name: str, target: float, reference: Reference, fewest: int = 
     clock, expected = PROGRAMS[name].clock, 0.0
     while sizes and expected <= MAX_SECONDS:
         points, begin = sizes[0], clock()
-        tried = attempt(name, points, RESIDUAL_SHARE * target, reference)
+        tried = attempt(name, points, RESIDUAL_FRACTION * target, reference)
         taken = clock() - begin
         click.echo(f"{target:.0e} g_0 by {name}: {points} nodes leave {tried.error:.1e}, {taken:.3g} s", err=True)
         if tried.error <= target:

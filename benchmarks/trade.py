@@ -1,4 +1,4 @@
-"""What each method takes and how far it is off, on random series: `python -m benchmarks.trade [SERIES]`.
+"""Time and errors of each method on random series: `python -m benchmarks.trade [SERIES]`.
 
 The series are those of `benchmarks.families` that are not made to be hard. The reference is contact patches at
 `REFERENCE_TOLERANCE`.
@@ -23,11 +23,11 @@ from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.registry import find_method
 
-SEED = 11
-LOADS = 20  # of each series
-MIN_LOAD, MAX_LOAD = 1e-3, 0.98  # in p_0*, and of the load of full contact
-MAX_WAVES = 64  # in a period: a load by contact patches then takes milliseconds
-REPEATS = 3  # of which the least time counts
+SEED = 11  # The numbers of the README are for this seed.
+LOADS = 20  # So many loads of each series are compared.
+MIN_LOAD, MAX_LOAD = 1e-3, 0.98  # The range of loads: in p_0*, and over the load of full contact.
+MAX_WAVES = 64  # A load by contact patches takes milliseconds with so many waves in a period.
+REPEATS = 3  # The least time of so many runs counts.
 METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "Archard": ("archard", {}),
     "Demelio": ("demelio", {}),
@@ -40,10 +40,10 @@ HEADER = (
     "ms a load",
     "error of h: median / 90 % / largest",
     "its bound: median",
-    "largest share",
+    "largest ratio",
     "error of R: median / 90 % / largest",
     "its bound: median",
-    "largest share",
+    "largest ratio",
 )
 
 
@@ -65,14 +65,14 @@ class Measured(NamedTuple):
 
     seconds : processor time of the curve
     error : of h in g_0 and of R relative to itself, shape (2, loads); R below 1e-3 g_0/p_0* is compared with 1
-    bound : what the method states of these errors, shape (2, loads); NaN where it states nothing
-    share : error over bound, shape (2, loads), after the uncertainty of the reference is taken off the error
+    bound : the stated errors, shape (2, loads); NaN where there are none
+    ratio : error over bound, shape (2, loads), after the uncertainty of the reference is taken off the error
     """
 
     seconds: float
     error: Array
     bound: Array
-    share: Array
+    ratio: Array
 
 
 def random_case(random: np.random.Generator) -> Case:
@@ -96,9 +96,9 @@ def measure(case: Case, method: str, settings: dict[str, Any], repeats: int = RE
     unknown = np.full(case.loads.size, math.nan)
     bound = [getattr(curve, f"{quantity}_error", unknown) for quantity in ("compliance", "resistance")]
     error = np.abs(np.array([curve.compliance, curve.resistance]) - case.exact)
-    share = np.maximum(error - case.uncertainty, 0) / np.array(bound)
+    ratio = np.maximum(error - case.uncertainty, 0) / np.array(bound)
     scale = np.array([np.ones(case.loads.size), relative_scale(case.exact[1])])
-    return Measured(least, error / scale, np.array(bound) / scale, share)
+    return Measured(least, error / scale, np.array(bound) / scale, ratio)
 
 
 def row(label: str, measured: list[Measured]) -> list[str]:
@@ -106,16 +106,16 @@ def row(label: str, measured: list[Measured]) -> list[str]:
     seconds, *arrays = zip(*measured, strict=True)
     of_both = [np.concatenate(of_case, axis=1) for of_case in arrays]
     cells = [label, f"{1e3 * sum(seconds) / of_both[0].shape[1]:.2g}"]
-    for error, bound, share in zip(*of_both, strict=True):
+    for error, bound, ratio in zip(*of_both, strict=True):
         cells.append(" / ".join(f"{value:.0e}" for value in np.quantile(error, (0.5, 0.9, 1))))
-        cells += ["", ""] if np.isnan(bound).all() else [f"{np.median(bound):.0e}", f"{share.max():.2g}"]
+        cells += ["", ""] if np.isnan(bound).all() else [f"{np.median(bound):.0e}", f"{ratio.max():.2g}"]
     return cells
 
 
 @click.command()
 @click.argument("series", type=click.IntRange(1), default=30)
 def main(series: int) -> None:
-    """Print what each method takes and how far it is off on SERIES random series, by default 30."""
+    """Print time and errors of each method on SERIES random series, by default 30."""
     random = np.random.default_rng(SEED)
     with one_thread:
         cases = [random_case(random) for _ in range(series)]

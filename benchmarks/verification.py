@@ -13,19 +13,20 @@ from weier import plan
 from weier.kernels.arrays import Array
 from weier.methods import bem, error_model, patches
 from weier.methods.plan_part import QUANTITIES
-from weier.methods.planned.solver import Curve
+from weier.methods.planned.solver import PlannedCurve
 from weier.methods.registry import PLANNED, find_method
 from weier.theory.bounds import complete_bounds
 from weier.theory.profile import Profile, RandomPhases, random_phases
 
+# The random series: their ratios, sizes, phases and loads.
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")
 MAX_TERMS = 5
-MAX_WAVES = 81  # in a period: patches then take seconds a profile
-MAX_POINTS = 2**16  # that stand for an infinite series
+MAX_WAVES = 81  # Contact patches take seconds a profile with so many waves in a period.
+MAX_POINTS = 2**16  # Points of the longest truncated series in place of the infinite one.
 PHASES = ("zero", "pi", "half a node", "random")
-MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # loads, in p_0*
-REFERENCE_TOLERANCE = 1e-11
-MAX_TOLERANCE = 0.1
+MIN_LOAD, MAX_LOAD, COUNT = 1e-12, 10.0, 12  # p_0*: each series has 12 loads from one contact to full contact.
+REFERENCE_TOLERANCE = 1e-11  # g_0: of contact patches, far below all tolerances of plans.
+MAX_TOLERANCE = 0.1  # Tolerances are drawn up to this one.
 
 
 class Check(NamedTuple):
@@ -142,7 +143,7 @@ def _against_more_terms(profile: Profile, loads: Array, tolerance: float) -> Ver
     return Verified(profile, "compliance", tolerance, check, None, *_methods(found), found.planned_seconds, seconds)
 
 
-def _planned(profile: Profile, loads: Array, *wanted: Any) -> tuple[Curve, float]:
+def _planned(profile: Profile, loads: Array, *wanted: Any) -> tuple[PlannedCurve, float]:
     """The planned curve, and the seconds of the processor that it took."""
     plan(profile, loads, *wanted)  # contacts are counted once
     start = process_time()
@@ -163,6 +164,6 @@ def _longest(profile: Profile) -> Profile:
     return profile.truncated(terms)
 
 
-def _methods(found: Curve) -> tuple[tuple[str, ...], float]:
+def _methods(found: PlannedCurve) -> tuple[tuple[str, ...], float]:
     """The methods and the finest grid."""
     return tuple(dict.fromkeys(found.planned_method.tolist())), float(np.fmax.reduce(found.planned_points))

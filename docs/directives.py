@@ -1,4 +1,4 @@
-"""What the documentation takes from the program: tables of variables, of keys and figures of scenes, docstrings."""
+"""Parts of the documentation from the program: tables of variables, of keys and figures of scenes, docstrings."""
 
 import os
 import re
@@ -183,7 +183,7 @@ def configure(app, config):
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """What Sphinx asks of an extension."""
+    """Register the extension with Sphinx."""
     app.connect("config-inited", configure)
     app.add_config_value("scene_figures", str(ROOT / "results/paper/figures"), "env", str)
     app.add_directive("scene-figures", SceneFigures)

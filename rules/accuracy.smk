@@ -1,4 +1,4 @@
-# What is measured of the methods, with a figure of each: snakemake --cores 2 tradeoff, convergence or extremes
+# Measurements of the methods, each with a figure: snakemake --cores 2 tradeoff, convergence or extremes
 rule tradeoff:
     input:
         multiext("results/tradeoff/work_precision", ".pdf", ".svg", ".png"),
@@ -14,7 +14,7 @@ rule extremes:
         multiext("results/extremes/extremes", ".pdf", ".svg", ".png"),
 
 
-# On its own, since other jobs beside it would disturb the seconds.
+# It takes all cores, since other jobs would disturb the measured times.
 rule measure_tradeoff:
     input:
         kernels=ancient(kernels_of(METHODS)),
@@ -89,7 +89,7 @@ rule draw:
         "python -m weier draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
 
 
-# What the scenes that would run plan to do: snakemake --cores 1 plan --config scenes=planned
+# The plans of the scenes of the configuration: snakemake --cores 1 plan --config scenes=planned
 rule plan:
     input:
         scenes=expand(str(CONFIG / "scenes/{scene}.yaml"), scene=SCENES),

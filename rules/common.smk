@@ -1,4 +1,4 @@
-# What rules ask; functions of the scenes stand in weier/pipeline/workflow.py.
+# Functions for the rules; those of scenes are in weier/pipeline/workflow.py.
 from functools import partial
 
 from snakemake.exceptions import WorkflowError
@@ -20,7 +20,7 @@ SCENES = [name.strip() for name in config["scenes"].split(",")]
 
 
 def cores():
-    """As many as Snakemake may use; those of its commands that run nothing need not be told."""
+    """The number of cores that Snakemake may use; 1 for its commands that run nothing."""
     try:
         return workflow.cores
     except WorkflowError:
@@ -33,17 +33,17 @@ scenes = Scenes(
 
 
 def labels_of_figure(wildcards):
-    """What Snakemake's report says of a figure of a scene."""
+    """The labels of a figure of a scene in the report of Snakemake."""
     scene, name = scenes.scene(wildcards.scene), wildcards.figure
     return {"figure": name, "caption": caption(scene, name).text}
 
 
 def labels_of_measurement(wildcards):
-    """What Snakemake's report says of a figure of the methods."""
+    """The labels of a figure of the methods in the report of Snakemake."""
     return {"figure": wildcards.figure, "caption": kinds()[wildcards.figure].caption}
 
 
 def figures_of_documentation(wildcards):
-    """The figures of the paper, if the packages are there that put them into the documentation."""
+    """The figures of the paper; the run ends if packages for the documentation are missing."""
     check_packages("sphinx", "myst_parser", "furo")
     return scenes.figures_of("paper")

@@ -1,4 +1,4 @@
-# A job for each method, so that they are compiled side by side, before any batch waits for them.
+# A job for each method, so that methods are compiled in parallel, before the batches that need them.
 rule compile:
     output:
         touch(kernels_file("{method}")),

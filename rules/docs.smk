@@ -1,4 +1,4 @@
-# The documentation, with the paper's figures as they are now: snakemake --cores 2 docs
+# The documentation, with the figures of the paper: snakemake --cores 2 docs
 rule docs:
     input:
         figures=figures_of_documentation,

@@ -1,4 +1,4 @@
-# One HTML page a scene, to look through: snakemake --cores 2 pages --config scenes=paper
+# An HTML page for each scene: snakemake --cores 2 pages --config scenes=paper
 rule pages:
     input:
         expand("results/{scene}/page.html", scene=SCENES),

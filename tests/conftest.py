@@ -1,4 +1,4 @@
-"""Fixtures that several test files ask for, and in which order files run, some side by side."""
+"""Fixtures of several test files, and the order in which files run, some in parallel."""
 
 import signal
 
@@ -27,7 +27,7 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture
 def ctrl_c():
-    """What a terminal would have: programs in the background of a script are told to ignore Ctrl-C."""
+    """What a terminal would have: programs in the background of a script ignore Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

@@ -34,7 +34,7 @@ TRACE = weier.Trace(HEIGHTS, 1e-3, unit="m")
 
 
 def contact():
-    """A file's worth of curves: one case, two methods."""
+    """Curves of a file: one case, two methods."""
     data = dataset.blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
     for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phases", [0, 1.0])):
         data[name].values[0] = value
@@ -42,7 +42,7 @@ def contact():
 
 
 class Map:
-    """What Trace.of asks of a topography."""
+    """The interface of a topography for Trace.of."""
 
     physical_sizes, unit = (1e-3, 1e-3), "m"
 
@@ -126,7 +126,7 @@ MISNAMED = [
 
 
 @pytest.mark.parametrize(("call", "message"), MISNAMED)
-def test_a_wrong_name_of_an_argument_is_told_the_right_one(call, message):
+def test_the_right_name_is_suggested_for_a_wrong_argument_name(call, message):
     with pytest.raises(TypeError, match=message):
         call()
 
@@ -154,8 +154,12 @@ def arguments(name):
     """The sound arguments of a function."""
     parameters = inspect.signature(FUNCTIONS[name]).parameters.values()
     known = SOUND | OWN.get(name, {})
-    named = [each for each in parameters if each.kind is not each.VAR_KEYWORD]
-    return {each.name: known[each.name] for each in named if each.name in known or each.default is each.empty}
+    named = [parameter for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD]
+    return {
+        parameter.name: known[parameter.name]
+        for parameter in named
+        if parameter.name in known or parameter.default is parameter.empty
+    }
 
 
 ARGUMENTS = [(name, argument) for name in FUNCTIONS for argument in arguments(name)]
@@ -280,7 +284,7 @@ def holds_a_number(value):
     if isinstance(value, bool | np.bool_) or np.ma.is_masked(value):
         return False
     if isinstance(value, list | tuple | range):
-        return all(holds_a_number(each) for each in value)
+        return all(holds_a_number(element) for element in value)
     if isinstance(value, np.ndarray | xr.DataArray):
         return value.dtype.kind in "iuf"
     return isinstance(value, int | float | Fraction | Decimal | np.integer | np.floating)
@@ -291,13 +295,13 @@ def check(name, argument, value):
     if result is None or argument in NOT_NUMBERS or (value is None and argument in NONE_TOO.get(name, ())):
         return
     texts = argument in TEXT_TOO and all(
-        isinstance(each, str) or holds_a_number(each) for each in np.atleast_1d(value).tolist()
+        isinstance(element, str) or holds_a_number(element) for element in np.atleast_1d(value).tolist()
     )
     assert texts or holds_a_number(value), (name, argument, value, result)
 
 
 @examples(25, 500)
-@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda each: each)
+@pytest.mark.parametrize(("name", "argument"), ARGUMENTS, ids=lambda name: name)
 def test_every_argument_of_every_public_function(name, argument, how_many):
     how_many(given(anything)(lambda value: check(name, argument, value)))()
 
@@ -308,7 +312,7 @@ def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
         weier.solve(PROFILE, value, "demelio")
 
 
-@pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda each: each)
+@pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda name: name)
 def test_every_setting_of_every_method(method, setting):
     profile = weier.Profile(1.25, 5, math.inf) if method == "hybrid" else PROFILE
     default = defaults(find_method(method))[setting]
@@ -384,7 +388,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.events(PROFILE, 1.0, 0.5), "high must exceed low, got 1.0 and 0.5"),
     ],
 )
-def test_what_is_refused_is_told_in_a_sentence(call, message):
+def test_a_refusal_is_one_sentence(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 

@@ -224,7 +224,7 @@ def test_another_environment_answers_through_a_pipe():
     """The worker run by this interpreter, with or without slippy: it ends at what it cannot do."""
     worker = slippy.Worker(sys.executable)
     with worker.process, pytest.raises(RuntimeError, match="has ended"):
-        worker.ask("nothing it knows")
+        worker.request("nothing it knows")
     assert worker.process.returncode == 1
 
 

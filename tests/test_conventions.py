@@ -69,7 +69,7 @@ def folder(tmp_path_factory):
     solutions = solve_scene(loaded, folder / "batches")
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     profiles = [case.profile for case in loaded.studies["waves"]]
-    infinite = measure_convergence([each for each in profiles if math.isinf(each.m)], loaded.loads, 2)
+    infinite = measure_convergence([profile for profile in profiles if math.isinf(profile.m)], loaded.loads, 2)
     dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
     dataset.write(small_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder
@@ -140,7 +140,7 @@ def test_quantities_name_what_says_how_good_they_are(files):
 
 
 def test_the_checker_would_complain(folder, tmp_path):
-    """The two tests above are worth something."""
+    """So the two tests above can fail."""
     shutil.copy(folder / "contact.nc", tmp_path / "bad.nc")
     with netCDF4.Dataset(tmp_path / "bad.nc", "a") as file:
         file["compliance"].units = "nonsense"

@@ -133,7 +133,9 @@ def test_the_figure_of_contributing_is_drawn(two_profiles):
     assert "{methods}" in names["CAPTION"]
     figure = names["draw"]([two_profiles], "")
     assert [axes.get_xscale() for axes in figure.axes] == ["linear"] * two_profiles.sizes["case"]
-    assert {"Demelio", "contact patches"} <= {text.get_text() for each in figure.legends for text in each.get_texts()}
+    assert {"Demelio", "contact patches"} <= {
+        text.get_text() for legend in figure.legends for text in legend.get_texts()
+    }
 
 
 def test_the_claim_of_contributing_is_measured(two_profiles):
@@ -221,7 +223,7 @@ def test_lists_and_examples_are_what_they_are_in_docstrings(site):
 def test_figures_and_captions_of_the_scene_are_there(site):
     text = page(site, "gallery")
     assert text.count("<figcaption>") == len(scene.load("config/scenes/paper.yaml").figures)
-    assert "<strong>Figure 7. </strong>What further terms change" in text
+    assert "<strong>Figure 7. </strong>The effect of additional terms" in text
 
 
 def test_pictures_have_words_and_numbers_stay_whole(site):
@@ -231,7 +233,7 @@ def test_pictures_have_words_and_numbers_stay_whole(site):
 
 
 def test_formulae_need_no_network(site):
-    """The script that draws them is a part of the site, and no page asks another server for anything."""
+    """The script that draws them is a part of the site, and no page requests files of another server."""
     fetched = [
         name
         for path in site.rglob("*.html")

@@ -30,8 +30,8 @@ at_one = st.sampled_from([1 - ULP / 2, 1.0, 1 + ULP])
 
 def light_and_heavy_loads():
     """Up to eight loads, light and heavy, some of them a rounding apart."""
-    each = st.floats(-300, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
-    return st.lists(each, min_size=2, max_size=8, unique=True).map(lambda found: np.array(sorted(found)))
+    load = st.floats(-300, 300).map(lambda exponent: 10.0**exponent) | st.floats(1e-6, 30) | at_one
+    return st.lists(load, min_size=2, max_size=8, unique=True).map(lambda found: np.array(sorted(found)))
 
 
 @st.composite

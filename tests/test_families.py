@@ -57,21 +57,21 @@ def test_an_error_beyond_what_is_stated_is_found(one_draw):
     right = stated_errors.judge_all(one_draw)
     assert list(right) == ["bem", "bem, staircase kept", "patches"]
     for judged in right.values():
-        assert not np.any(judged.share > 1)
+        assert not np.any(judged.ratio > 1)
     assert list(stated_errors.exceeded([(one_draw, right)])) == []
     off = 10 * right["bem"].stated[0, 1]
     wrong = one_draw._replace(exact=one_draw.exact + np.array([[0.0, off], [0.0, 0.0]]))
     judged = stated_errors.judge(wrong, stated_errors.by_elements)
-    (share, where), *others = stated_errors.exceeded([(wrong, {"bem": judged})])
+    (ratio, where), *others = stated_errors.exceeded([(wrong, {"bem": judged})])
     assert others == []
-    assert share == pytest.approx(10, abs=1)
+    assert ratio == pytest.approx(10, abs=1)
     assert f"h by bem is off by {judged.error[0, 1]:.2e}" in where
     assert 'Profile(1.3, "2", 2, [0.0, 1.0]) at 0.3' in where
 
 
 def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw):
     coarse = one_draw._replace(uncertainty=np.full((2, 2), 100.0))
-    assert all(np.isnan(judged.share).all() for judged in stated_errors.judge_all(coarse).values())
+    assert all(np.isnan(judged.ratio).all() for judged in stated_errors.judge_all(coarse).values())
 
 
 def test_refused_and_unsolved_loads_are_counted(one_draw, monkeypatch):

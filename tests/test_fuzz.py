@@ -64,7 +64,7 @@ def scenes(draw):
 
 
 def load_or_refuse(path):
-    """Whether a scene loads, with all that the Snakefile asks of it; else it is refused, in a sentence a mistake."""
+    """Whether a scene loads and gives all files of the Snakefile; else it is refused, with a sentence a mistake."""
     start = time.perf_counter()
     refusal = ""
     try:
@@ -76,9 +76,9 @@ def load_or_refuse(path):
         assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
         assert all(case.curve_keys for case in itertools.islice(loaded.distinct, 100))
         loaded.title.encode()
-    told = refusal.splitlines()
-    assert len(told) < 33
-    assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(told))
+    lines = refusal.splitlines()
+    assert len(lines) < 33
+    assert all(len(line) < 2000 and (number == 0 or line.startswith("  ")) for number, line in enumerate(lines))
     assert time.perf_counter() - start < LONGEST
     return not refusal
 
@@ -186,7 +186,7 @@ LAUGHS = "a: &a [x]\n" + "".join(
         ("&a [*a]", "contain themselves"),
         ("[" * 5000, "nested too deep|cannot be read"),
         ("a: " + "1" * 5000, "cannot be read"),
-        ("title: a\ntitle: b", "the key 'title' stands twice"),
+        ("title: a\ntitle: b", "the key 'title' occurs twice"),
         ("#" * 1_000_001, "at most 1000000 characters"),
         ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
     ],
@@ -198,7 +198,7 @@ def test_yaml_that_means_harm_is_refused_at_once(folder, text, message):
     with pytest.raises(scene.SceneError, match=message):
         scene.load(path)
     assert time.perf_counter() - start < LONGEST
-    assert [each.name for each in folder.iterdir()] == ["bad.yaml"]
+    assert [path.name for path in folder.iterdir()] == ["bad.yaml"]
 
 
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a/b", "..", "a\n", "", "ü", "-x", "a" * 65, "minimal.yaml"])

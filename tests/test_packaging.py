@@ -62,14 +62,16 @@ def test_conda_gets_the_versions_that_are_locked():
     markers = {"python_version": version, "python_full_version": f"{version}.0"}
     lines = re.findall(r"^\w.*==[^\\\n]*", Path("requirements/run.txt").read_text(), re.M)
     locked = {
-        each.name.lower(): str(each.specifier)
-        for each in map(Requirement, lines)
-        if each.marker is None or each.marker.evaluate(markers)
+        requirement.name.lower(): str(requirement.specifier)
+        for requirement in map(Requirement, lines)
+        if requirement.marker is None or requirement.marker.evaluate(markers)
     }
     project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
-    asked = [*project["dependencies"], *project["optional-dependencies"]["pipeline"]]
-    needed = {name: locked[name] for name in (Requirement(each).name.lower() for each in asked)}
-    assert {each.name.lower(): str(each.specifier) for each in map(Requirement, pip["pip"])} == needed
+    required = [*project["dependencies"], *project["optional-dependencies"]["pipeline"]]
+    needed = {name: locked[name] for name in (Requirement(requirement).name.lower() for requirement in required)}
+    assert {
+        requirement.name.lower(): str(requirement.specifier) for requirement in map(Requirement, pip["pip"])
+    } == needed
 
 
 @pytest.mark.slow

@@ -80,20 +80,20 @@ def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
     (copy / "results/test").touch()  # a file where a folder should be stops root, too
     done = call(copy)
     assert done.returncode == 1
-    told = [line for line in done.stderr.splitlines() if line]
-    assert told[-1].startswith("weier: results/test/batches/"), done.stderr
+    lines = [line for line in done.stderr.splitlines() if line]
+    assert lines[-1].startswith("weier: results/test/batches/"), done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_a_faulty_scene_is_told_by_its_mistakes_alone(checkout):
+def test_only_the_mistakes_of_a_faulty_scene_are_reported(checkout):
     """By the jobs of its scene, and by those of one file."""
     (checkout / "config/scenes/faulty.yaml").write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
     for target in ((), ("results/faulty/contact.nc",)):
         done = call(checkout, *target, scene="test" if target else "faulty")
-        told = done.stderr.partition("weier: ")[2].splitlines()
+        lines = done.stderr.partition("weier: ")[2].splitlines()
         assert done.returncode == 1
-        assert told[0].endswith("faulty.yaml has 3 mistakes:")
-        assert len(told) == 4
+        assert lines[0].endswith("faulty.yaml has 3 mistakes:")
+        assert len(lines) == 4
 
 
 def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
@@ -124,7 +124,7 @@ def test_one_figure_needs_only_its_cases(checkout):
     assert jobs == {"solve": 1, "figure": 1}
 
 
-def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_path, monkeypatch):
+def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path, monkeypatch):
     """By this state of the sources, and not where the cache takes no files."""
     cache = tmp_path / "cache"
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache))
@@ -155,7 +155,7 @@ def test_what_is_compiled_is_told_in_the_cache_for_all_folders(checkout, tmp_pat
 
 
 def test_a_page_and_all_products_need_the_same_jobs(checkout):
-    """A case is solved once, whichever of them asks for it."""
+    """A case of several figures is solved once."""
     for targets in (["pages"], ["all", "pages"], ["results/test/figures/two.png", "all"]):
         jobs = planned(checkout, *targets)
         assert (jobs["solve"], jobs["figure"], jobs["claims"]) == (2, 2, 1)

@@ -24,7 +24,7 @@ SCENE = """
 title: A toy
 loads: [0.01, 0.1, 1.0]
 methods: [demelio, toy]
-settings: {toy: {share: 0.25}}
+settings: {toy: {fraction: 0.25}}
 studies:
   one: {product: {D: 1.25, gamma: 5, m: [2, 3]}}
 figures:
@@ -43,9 +43,9 @@ def loaded(tmp_path):
 
 
 def test_it_is_solved_with_its_settings():
-    curve = weier.solve(PROFILE, LOADS, "toy", share=0.25)
+    curve = weier.solve(PROFILE, LOADS, "toy", fraction=0.25)
     assert curve.compliance.values == pytest.approx(0.25 * LOADS)
-    with pytest.raises(ValueError, match=r'"toy" has no setting .points.: it takes share'):
+    with pytest.raises(ValueError, match=r'"toy" has no setting .points.: it takes fraction'):
         weier.solve(PROFILE, LOADS, "toy", points=3)
 
 
@@ -77,4 +77,4 @@ def test_it_is_compiled_with_the_others(monkeypatch):
 
     monkeypatch.setattr("weier.methods.compile.solve_checked", noted)
     compile_kernels()
-    assert ("toy", {"share": 0.1}) in solved
+    assert ("toy", {"fraction": 0.1}) in solved

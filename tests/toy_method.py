@@ -23,8 +23,8 @@ class ToyCurve(NamedTuple):
     resistance: Array
 
 
-def _solve(profile: Profile, loads: Array, share: float = 0.5) -> ToyCurve:
-    return ToyCurve(share * loads, np.full(loads.size, share))
+def _solve(profile: Profile, loads: Array, fraction: float = 0.5) -> ToyCurve:
+    return ToyCurve(fraction * loads, np.full(loads.size, fraction))
 
 
 def _applies(profile: Profile) -> None:
@@ -42,8 +42,8 @@ def _candidates(task: Task) -> Iterator[PlanPart]:
 
 
 def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
-    for share in (0.25, 0.5):
-        yield f"{share:g}", {"share": share}
+    for fraction in (0.25, 0.5):
+        yield f"{fraction:g}", {"fraction": fraction}
 
 
 TOY = Method(
@@ -53,7 +53,7 @@ TOY = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#123456", (7, 2), "p"),
-    algorithms=({}, {"share": 0.1}),
+    algorithms=({}, {"fraction": 0.1}),
     variants=_variants,
     candidates=_candidates,
 )

@@ -1,7 +1,7 @@
 """Elastic contact stiffness and electrical contact resistance of the Weierstrass profile.
 
-The public names are imported when they are first used: xarray, pandas and numba take a second, and a program that
-asks for a version or for the help of a command needs none of them.
+The public names are imported when they are first used: xarray, pandas and numba take a second, and the version or
+the help of a command needs none of them.
 """
 
 from importlib import import_module

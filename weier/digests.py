@@ -1,7 +1,7 @@
-"""Digests of what compiled kernels, numbers and pictures depend on: they are made again where one has changed.
+"""Digests of the dependencies of compiled kernels, numbers and figures, which are remade if a digest changes.
 
-What a step depends on is known by folders of the package, whose texts are digested: no digest misses anything, and
-where a comment in them is edited, the step runs again.
+The dependencies of a step are whole folders of the package, whose text files are digested. So no dependency is
+missed, and a step also runs again after a change of a comment.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parent
-KERNELS = ("kernels", "theory", "methods")  # what is compiled
+KERNELS = ("kernels", "theory", "methods")  # All compiled functions are in these folders.
+# The text files of the package have these suffixes.
 SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 
 

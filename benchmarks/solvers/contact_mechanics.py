@@ -11,11 +11,11 @@ import numpy as np
 from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
 
-ITERATIONS = 20_000
+ITERATIONS = 20_000  # More than any load needs, so that only the tolerance ends the iteration.
 
 
 class Silent:
-    """A logger that says nothing; its own silent one walks the call stack twice a load, some 50 ms."""
+    """A silent logger; the one of ContactMechanics walks the call stack twice a load, which takes some 50 ms."""
 
     def pr(self, *text: Any) -> None:
         """Nothing."""

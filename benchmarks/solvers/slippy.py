@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.problem import Problem, Step, linear_elements
 from weier.kernels.arrays import Array
 
-ITERATIONS = 20_000
+ITERATIONS = 20_000  # More than any load needs, so that only the tolerance ends the iteration.
 HINT = "slippy is left out: set SLIPPY_PYTHON to its interpreter, see benchmarks/slippy-requirements.txt"
 
 
@@ -31,7 +31,7 @@ class Worker:
         # -I isolates the interpreter, which would otherwise import this file as slippy.
         self.process = subprocess.Popen([python, "-I", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
-    def ask(self, name: str, *arguments: object) -> Any:
+    def request(self, name: str, *arguments: object) -> Any:
         """The answer to one request.
 
         Raises
@@ -68,12 +68,12 @@ def worker() -> Worker:
 
 def version(package: str) -> str:
     """Name and version, as the other environment states them."""
-    return f"{package} {worker().ask('version')}"
+    return f"{package} {worker().request('version')}"
 
 
 def processor_seconds() -> float:
     """Processor seconds of slippy's process so far."""
-    return float(worker().ask("processor_seconds"))
+    return float(worker().request("processor_seconds"))
 
 
 class PolonskyKeer:
@@ -81,12 +81,12 @@ class PolonskyKeer:
 
     def __init__(self, problem: Problem) -> None:
         eigenvalue = linear_elements(problem.points, problem.profile.period)
-        worker().ask("begin", _plain(problem.height), _plain(eigenvalue))
+        worker().request("begin", _plain(problem.height), _plain(eigenvalue))
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """From the pressure given; slippy's tolerance is the change of the pressure in a step, relative."""
         begin = None if start is None or not np.isfinite(start).all() else _plain(start)
-        pressure, pairs, converged = worker().ask("solve", float(load), begin, float(tolerance), ITERATIONS)
+        pressure, pairs, converged = worker().request("solve", float(load), begin, float(tolerance), ITERATIONS)
         return Step(np.array(pressure), pairs, converged)
 
 

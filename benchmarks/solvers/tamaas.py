@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
 
-ITERATIONS = 20_000
+ITERATIONS = 20_000  # More than any load needs, so that only the tolerance ends the iteration.
 
 
 class PolonskyKeer:

@@ -29,8 +29,8 @@ def comparisons():
 def test_each_value_stands_at_its_case_variant_and_load(comparisons):
     data = comparison.blank(comparisons, ("compliance", "settings"), OWN)
 
-    def measured(each, variant):
-        return {"mood": each.loads * 2, "remark": f"{each.name} by {variant.name}", "unknown": 1.0}
+    def measured(comparison, variant):
+        return {"mood": comparison.loads * 2, "remark": f"{comparison.name} by {variant.name}", "unknown": 1.0}
 
     comparison.fill(data, comparisons, measured)
     assert data["variant"].values.tolist() == ["bem 12", "bem 24", "demelio"]

@@ -1,4 +1,4 @@
-"""A variant ends in numbers, or in an error that is told whether it is clear."""
+"""A variant ends in numbers, or in an error, which is judged for clarity."""
 
 import warnings
 

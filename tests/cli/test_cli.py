@@ -79,14 +79,14 @@ def test_the_first_help_shows_the_commands_for_one_profile():
     ],
 )
 @pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "summary.md"]])
-def test_a_file_that_cannot_be_is_told_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
+def test_an_impossible_file_is_reported_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     code, out, err = run(*command, path)
     assert (code, out) == (1, "")
     assert re.fullmatch(rf"weier: .* cannot be written \(.*{why}\): name another file, .*\n", err)
-    assert {each.name for each in tmp_path.iterdir()} == {"folder", "file"}
+    assert {path.name for path in tmp_path.iterdir()} == {"folder", "file"}
 
 
 def test_ctrl_c_ends_a_command_in_a_line_with_the_exit_code_of_shells(monkeypatch, capsys):

@@ -78,7 +78,7 @@ def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_pa
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(plt, "get_backend", lambda: "agg")  # a window would wait to be closed
     required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
-    values = [OWN.get((name, each), REQUIRED[each]) for each in required]
+    values = [OWN.get((name, argument), REQUIRED[argument]) for argument in required]
     code, out, err = run(name, *NEEDED.get(name, []), *values)
     if name in REFUSED:
         assert (code, err.splitlines()[-1]) == (1, REFUSED[name])

@@ -27,7 +27,10 @@ WRONG_USAGE = [
     ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
     (["solve", "--length", "1e-3"], "--length is of a trace: name its file by --trace"),
-    (["solve", "--trace", "map.x3p", "--across", "x"], "--across names the axis of a line: say which one by --line"),
+    (
+        ["solve", "--trace", "map.x3p", "--across", "x"],
+        "--across names the axis of a line: give its number by --line",
+    ),
     (["solve", "-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
     (["plan"], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
     (["plan", "--tolerance", "1e-3"], "got neither"),
@@ -77,7 +80,7 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert message in last
 
 
-def test_a_setting_given_as_an_option_is_told_by_its_method(run):
+def test_a_setting_given_as_an_option_is_reported_with_its_method(run):
     for option in ("--quantity", "--quantitiy"):
         code, _, err = run("solve", "-D", "1.25", "--gamma", "5", "-m", "3", option, "1e-4")
         assert code == 2

@@ -31,12 +31,12 @@ def test_a_plan_of_one_profile_has_defaults(run):
     assert out == f"{weier.plan(weier.Profile(D=1.5, gamma=2, m=np.inf), np.geomspace(1e-3, 4, 40), 0.5)}\n"
 
 
-def test_a_plan_of_a_scene_goes_by_the_scene_unless_told(run, tmp_path):
+def test_a_plan_of_a_scene_follows_the_scene_unless_options_are_given(run, tmp_path):
     path = tmp_path / "scene.yaml"
     path.write_text(
         "{title: t, loads: [0.1, 1], tolerance: 0.01, studies: {one: {product: {D: 1.5, gamma: 3, m: [1, 2]}}}}"
     )
     assert run("plan", path)[1] == f"{weier.plan(scene.load(path))}\n"
-    told = weier.plan(scene.load(path), [0.2], 1e-4, "resistance")
+    plan = weier.plan(scene.load(path), [0.2], 1e-4, "resistance")
     arguments = ["--loads", "0.2", "--tolerance", "1e-4", "--quantity", "resistance"]
-    assert run("plan", path, *arguments)[1] == f"{told}\n"
+    assert run("plan", path, *arguments)[1] == f"{plan}\n"

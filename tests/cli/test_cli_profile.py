@@ -117,7 +117,7 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1"]
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
     assert (code, out) == (1, "")
-    assert err.splitlines()[-1] == "weier: bem does not apply, as said above; all other numbers are there"
+    assert err.splitlines()[-1] == "weier: bem does not apply, for the reasons above; all other numbers were written"
     with weier.open_dataset(tmp_path / "x.nc") as data:
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
 
@@ -130,7 +130,10 @@ def test_a_plan_that_failed_at_some_loads_is_delivered_and_says_so(run, unsolvab
     assert [value is None for value in compliance] == [True, False]
     why, last = err.splitlines()[-2:]
     assert "planned: the compliance is not within 0.001 at 1 of 2 loads: bem with 2 terms was expected to do" in why
-    assert last == "weier: planned missed its tolerance at some loads, as said above; all other numbers are there"
+    assert (
+        last
+        == "weier: planned missed its tolerance at some loads, for the reasons above; all other numbers were written"
+    )
 
 
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])
@@ -200,7 +203,7 @@ def column(tmp_path):
 
 
 def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
-    """And values that stand for missing heights are filled and counted, if both are asked for."""
+    """Values that stand for missing heights are filled and counted with both options."""
     of_column = ["solve", "--trace", column, "--length", "1.0", "--x-unit", "mm", "--loads", "0.1"]
     code, _, errors = run(*of_column)
     assert code == 1
@@ -211,15 +214,15 @@ def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
     filled = ["--missing-value", "-9999", "--missing", "interpolate", "--max-gap", "2", "--detrend", "form"]
     code, out, errors = run(*of_column, "--height-unit", "um", *filled)
     assert code == 0, errors
-    told = json.loads(out)
-    assert told["trace_length"] == pytest.approx(1e-3)
-    assert told["trace_filled"] == 2
-    assert told["trace_detrend"] == "form"
-    assert "2 of them interpolated" in told["title"]
+    printed = json.loads(out)
+    assert printed["trace_length"] == pytest.approx(1e-3)
+    assert printed["trace_filled"] == 2
+    assert printed["trace_detrend"] == "form"
+    assert "2 of them interpolated" in printed["title"]
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_form_is_told_of_in_one_line(run, tmp_path):
+def test_a_form_is_reported_in_one_line(run, tmp_path):
     x = np.linspace(-1, 1, 200)
     np.savetxt(tmp_path / "round.txt", 100 * x**2 + np.cos(30 * x) + 0.2 * np.cos(80 * x))
     of_form = ["--length", "1e-3", "--height-unit", "um", "--loads", "0.1"]

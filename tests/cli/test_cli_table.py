@@ -80,11 +80,11 @@ def test_a_trace_in_si_units_has_its_own_scale(run, folder):
         scale = {} if surface is PROFILE else {"lambda_0": surface.lambda_0, "g_0": surface.g_0}
         curve = weier.solve(surface, [0.1, 1.0], "bem")
         expected += weier.Interface(**BODIES | scale).in_si(curve).resistance.values.tolist()
-    for name, bodies, told in (("all", "bodies", expected), ("alone", "bare", expected[2:])):
+    for name, bodies, resistances in (("all", "bodies", expected), ("alone", "bare", expected[2:])):
         code, out, _ = run("table", f"{name}.nc", "--si", f"{bodies}.yaml")
         assert code == 0
         # A load starts from another one in a list.
-        assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(told, rel=1e-4)
+        assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(resistances, rel=1e-4)
     assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
 
 

@@ -1,4 +1,4 @@
-"""Opened files: labelled selection, read where asked for, and joined without being held in memory."""
+"""Opened files: labelled selection, read on access, and joined without being held in memory."""
 
 import math
 import os
@@ -125,7 +125,9 @@ def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
         np.testing.assert_array_equal(data["compliance"].values, before)
     if sys.platform == "linux":
         held = [
-            link for each in Path("/proc/self/fd").iterdir() if (link := os.path.realpath(each)).endswith("mine.nc")
+            link
+            for descriptor in Path("/proc/self/fd").iterdir()
+            if (link := os.path.realpath(descriptor)).endswith("mine.nc")
         ]
         assert held == []
 

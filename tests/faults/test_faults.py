@@ -58,8 +58,8 @@ def environment(checkout, **more):
 
 def run(checkout, *arguments):
     """Exit code and all that was said."""
-    told = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
-    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **told)
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
+    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **options)
     return done.returncode, done.stdout
 
 
@@ -109,7 +109,7 @@ def parent(process):
 
 
 def gone(process):
-    """Ended, be it that nobody asked how."""
+    """Whether a process has ended, also as a zombie."""
     status = Path(f"/proc/{process}/status")
     return not status.exists() or "State:\tZ" in status.read_text()
 

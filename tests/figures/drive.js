@@ -1,4 +1,4 @@
-// Drives a page as a user does: a drop-down list is set and tells the page so.
+// Drives a page as a user does: sets a drop-down list and fires its event.
 const state = () => {
   const model = (name) => Bokeh.documents[0].get_model_by_name(name)
   return {

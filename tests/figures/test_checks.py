@@ -1,4 +1,4 @@
-"""Figures that cannot be drawn, or whose curves could not be told apart, are told before anything is solved."""
+"""Figures that cannot be drawn, or whose curves could not be distinguished, are refused before a solution."""
 
 import re
 
@@ -59,7 +59,7 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("figure", "said"), MISTAKES)
-def test_what_cannot_be_drawn_is_told(figure, said, tmp_path):
+def test_figures_that_cannot_be_drawn_are_reported(figure, said, tmp_path):
     path = write(tmp_path, **figure)
     with pytest.raises(SceneError, match=rf"^{re.escape(str(path))}, line \d+: figures.{said}"):
         checks.load_scene(path)

@@ -1,4 +1,4 @@
-"""Figures of compliance and resistance: colours, panels, medians and bands say what the scene asks for."""
+"""Figures of compliance and resistance: colours, panels, medians and bands are those that the scene chooses."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
 
 
 def test_plans_stand_over_a_figure_with_what_they_were_asked_for(sweep: xr.Dataset) -> None:
-    """Only "planned" stood there, which says nothing of what is shown."""
+    """The title has the quantity and the tolerance, not only "planned"."""
     planned = sweep.sel(solution_method=["bem"]).assign_coords(solution_method=["planned"]).copy(deep=True)
     planned["settings"][:] = '{"quantity": "compliance", "tolerance": 0.001}'
     by_seed = {"colour": "gamma", "median_over": ("seed",)}
@@ -134,7 +134,7 @@ def test_light_loads_that_were_asked_for_are_seen(sweep: xr.Dataset) -> None:
     """A linear axis of more than two decades would hide them."""
     one = sweep.isel(case=[0])
     wide = one.assign_coords(mean_pressure=np.geomspace(1e-4, 4, LOADS.size))
-    scales = [sketch(each).axes[0].get_xscale() for each in (one.isel(mean_pressure=slice(4, None)), wide)]
+    scales = [sketch(data).axes[0].get_xscale() for data in (one.isel(mean_pressure=slice(4, None)), wide)]
     assert scales == ["linear", "log"]
     assert sketch(wide).axes[0].get_xlim()[0] == pytest.approx(1e-4)
 

@@ -135,7 +135,7 @@ def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch)
     line = axes.get_lines()[0]
     assert (line.get_label(), line.get_color()) == ("new estimate", "#123456")
     assert style.line("new")["linestyle"] == (0, (7, 3))
-    assert [each.get_label() for each in axes.get_lines()] == ["new estimate", "Archard", "contact patches"]
+    assert [line.get_label() for line in axes.get_lines()] == ["new estimate", "Archard", "contact patches"]
 
 
 CAPTIONED = """
@@ -241,5 +241,5 @@ figures:
 def test_captions_say_what_planned_numbers_are_within(tmp_path: Path) -> None:
     loaded = scene_in(tmp_path, PLANNED)
     assert caption(loaded, "h").text.endswith("The planned compliance is within 0.01 g_0.")
-    assert "keeps a tolerance of the compliance and none of the resistance" in caption(loaded, "R").text
+    assert "meets a tolerance of the compliance and none of the resistance" in caption(loaded, "R").text
     assert "resistance_error" in caption(loaded, "R").text

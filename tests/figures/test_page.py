@@ -237,7 +237,7 @@ def test_a_large_stated_error_of_the_resistance_is_explained(folder):
 
 
 def test_errors_of_different_settings_stand_in_different_rows():
-    """The errors of a dozen elements were told as those of the method."""
+    """The errors of a dozen elements do not stand for those of the method."""
     data = dataset.blank(3, METHODS, LOADS, 3)
     data["status"].values[:, 1] = Status.solved
     data["compliance_error"].values[:, 1] = np.array([1e-6, 3e-2, 2e-6])[:, None]
@@ -336,7 +336,7 @@ def test_a_scene_without_a_tolerance_has_no_plans():
 
 def with_script(page, name):
     """A page with one of the scripts of this folder at its end, which find elements."""
-    script = "".join((HERE / each).read_text(encoding="utf-8") for each in ("find.js", name))
+    script = "".join((HERE / script_file).read_text(encoding="utf-8") for script_file in ("find.js", name))
     return f"{page.rpartition('</body>')[0]}<script>{script}</script></body></html>"
 
 
@@ -372,7 +372,7 @@ def test_choosing_a_case_changes_the_curve(folder):
     start, rough, finer, longer, hidden = json.loads(result.group(1))
     assert start["compliance"] == pytest.approx(1 + LOADS)
     assert start["chosen"] == ["1.25", "5", "2", "1", "case"]
-    assert not start["keyed"]  # the other labels tell all cases apart
+    assert not start["keyed"]  # the other labels distinguish all cases
     assert rough["compliance"] == pytest.approx(2 + LOADS)
     assert finer["compliance"] == pytest.approx(3 + LOADS)
     assert finer["resistance"] == pytest.approx(6 + LOADS)

@@ -47,7 +47,7 @@ def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
     monkeypatch.setattr(place, name, watched)
     weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, method, **settings)
     assert seen
-    assert all(each == {1} for each in seen)
+    assert all(threads_seen == {1} for threads_seen in seen)
     assert threads() == {2}
 
 

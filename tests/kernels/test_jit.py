@@ -207,7 +207,7 @@ def test_a_method_is_announced_once(capsys):
         jit.announce(module)
     assert capsys.readouterr().err.splitlines() == [
         "compiling bem, once for all later runs",
-        "compiling what methods share, once for all later runs",
+        "compiling common kernels, once for all later runs",
     ]
 
 
@@ -241,7 +241,7 @@ def cut_short(suffix, bytes_left):
 @pytest.mark.parametrize(
     "damage", [closed, cut_short("nbi", 0), cut_short("nbi", 60), cut_short("nbc", 0), cut_short("nbc", 1000)]
 )
-def test_a_closed_or_torn_cache_is_told_of_and_stops_nothing(cache, load, damage):
+def test_a_closed_or_torn_cache_gives_a_warning_and_no_error(cache, load, damage):
     damage(cache, load)
     with pytest.warns(RuntimeWarning, match="compiled for this run alone"):
         assert call(load()) == 4.0

@@ -24,7 +24,7 @@ def noted(kernel, *arguments):
 
 def inside(kernel):
     code, given = kernel.function.__code__, kernel.function.__globals__
-    names = {name for each in (code, *filter(inspect.iscode, code.co_consts)) for name in each.co_names}
+    names = {name for part in (code, *filter(inspect.iscode, code.co_consts)) for name in part.co_names}
     places = [given, *(vars(given[name]) for name in names if inspect.ismodule(given.get(name)))]
     return {place[name] for place in places for name in names & place.keys() if isinstance(place[name], Kernel)}
 
@@ -36,8 +36,9 @@ def names_fields(kind):
     return isinstance(kind, BaseNamedTuple) or isinstance(kind, BaseTuple) and any(map(names_fields, kind))
 
 compile_kernels()
-crashing = {each for each in called for made in each.compiled.nopython_signatures if names_fields(made.return_type)}
-names = [each.name for each in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in each.name]
+signatures = {kernel: kernel.compiled.nopython_signatures for kernel in called}
+crashing = {kernel for kernel, made in signatures.items() if any(names_fields(one.return_type) for one in made)}
+names = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
 modules = list(map(import_module, names))
 known = {value for module in modules for value in vars(module).values() if isinstance(value, Kernel)}
 reached = set()

@@ -56,7 +56,7 @@ def test_loads_and_series_of_any_shape(estimate, shapes):
         together = function(p, D, gamma, m)
         assert together.shape == np.broadcast_shapes(*shapes)
         for place in np.ndindex(together.shape):
-            assert together[place] == function(*(each[place] for each in np.broadcast_arrays(p, D, gamma, m)))
+            assert together[place] == function(*(argument[place] for argument in np.broadcast_arrays(p, D, gamma, m)))
 
 
 @either

@@ -47,8 +47,8 @@ def test_demelio_is_a_sum_of_single_waves(p):
     for m in (1, 5, mp.inf):
         with mp.workdps(60):
             waves = [exact.westergaard(p / mp.mpf(2) ** n) for n in range(min(m, TERMS))]
-            h = mp.fsum(mp.mpf(2) ** -n * each[0] for n, each in enumerate(waves))
-            R = mp.fsum(mp.mpf(4) ** -n * each[1] for n, each in enumerate(waves))
+            h = mp.fsum(mp.mpf(2) ** -n * pair[0] for n, pair in enumerate(waves))
+            R = mp.fsum(mp.mpf(4) ** -n * pair[1] for n, pair in enumerate(waves))
             assert_same(exact.demelio(p, 1.5, 4, m), h, R)
 
 

@@ -39,7 +39,7 @@ def test_a_method_says_whether_phases_change_its_curve(method):
     for m in (1, 2, 3, np.inf):
         profiles = [Profile(1.25, 3, m, seed=seed) for seed in (1, 2)]
         if method.takes(profiles[0]):
-            one, other = (method.solve(each, np.array([0.1, 1.0])).compliance for each in profiles)
+            one, other = (method.solve(profile, np.array([0.1, 1.0])).compliance for profile in profiles)
             if not method.uses_phases:
                 np.testing.assert_array_equal(one, other)
             elif m > 1:

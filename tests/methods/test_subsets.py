@@ -1,4 +1,4 @@
-"""What is asked for beside a load changes neither its value nor its error: any method, on random subsets of loads."""
+"""The value and error of a load do not depend on the other loads: all methods, on random subsets of loads."""
 
 import math
 
@@ -65,8 +65,8 @@ def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile, sett
         for name in {"planned_method", "planned_terms", "planned_points", "patch_count"} & set(together.data_vars):
             np.testing.assert_array_equal(alone[name].values, together[name].values[some])
         if "contact_edge" in together:
-            edges = [each.contact_edge.values for each in (alone, together.isel(mean_pressure=some))]
-            np.testing.assert_array_equal(*(each[np.isfinite(each)] for each in edges))
+            edges = [curve.contact_edge.values for curve in (alone, together.isel(mean_pressure=some))]
+            np.testing.assert_array_equal(*(curve[np.isfinite(curve)] for curve in edges))
 
 
 def test_a_plan_for_one_load_is_that_for_many():

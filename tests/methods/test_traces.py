@@ -140,7 +140,7 @@ def test_waves_that_fall_to_rounding_are_solved():
 
 
 def test_traces_and_series_are_cases_beside_each_other():
-    """What a method says nothing about is told, and two traces of one file name are two cases."""
+    """Methods that do not apply give a warning, and two traces of one file name are two cases."""
     traces = [
         Trace(random_heights(10, 100, seed), 1e-3, ends="periodic", source="shaft.csv", unit="m") for seed in (1, 2)
     ]

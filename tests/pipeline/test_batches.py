@@ -110,7 +110,7 @@ def test_batches_are_no_larger_than_asked(tmp_path):
 
 
 def test_a_study_needs_only_its_own_cases(tmp_path):
-    """What is asked for afterwards shares them."""
+    """Later calls contain them as well."""
     studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT | {"seed": [2, 7]}}}
     solutions = Solutions(load(tmp_path, studies=studies), tmp_path)
     (path,) = solutions.files(["two"])

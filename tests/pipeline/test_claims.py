@@ -119,10 +119,10 @@ def terms(*changes):
 TAIL = 5**-0.75 / (1 - 5**-0.75)  # G_1 for D = 1.25, gamma = 5
 
 
-def near_wave(share, resistance=1.0):
-    """Estimates that lie a share of the tail below the one-wave solution, both counted from the mean plane."""
+def near_wave(fraction, resistance=1.0):
+    """Estimates that lie a fraction of the tail below the one-wave solution, both counted from the mean plane."""
     curve = {
-        "compliance": westergaard.compliance(LOADS) - 1 + TOTAL - share * TAIL,
+        "compliance": westergaard.compliance(LOADS) - 1 + TOTAL - fraction * TAIL,
         "resistance": westergaard.resistance(LOADS) * resistance,
     }
     wave = case(m=1, westergaard=westergaard.compliance(LOADS))
@@ -297,7 +297,7 @@ def test_written_dataset_is_whole_and_plain(solved_with, tmp_path):
     solutions = solved_with(**names)
     claims.write(solutions, tmp_path / "contact.nc", tmp_path / "new" / "claims.md")
     studies = {name: read_study(solutions, name) for name in ("waves", "two")}
-    outcomes = [claims.evaluate(name, [studies[each] for each in of]).outcome for name, of in names.items()]
+    outcomes = [claims.evaluate(name, [studies[study] for study in of]).outcome for name, of in names.items()]
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
         assert list(data["claim"][:]) == list(names)
         assert data["claim_holds"][:].tolist() == outcomes

@@ -25,11 +25,11 @@ def case(method, m, settings=None):
 
 @pytest.fixture
 def seconds(monkeypatch):
-    """The cost model of contact patches, as a function that says what it is told to."""
+    """The cost model of contact patches, replaced by a function that returns a given value."""
 
     def expect(value):
         changed = replace(find_method("patches"), seconds=lambda profile, loads: value)
-        methods = tuple(changed if each.name == "patches" else each for each in registry.METHODS)
+        methods = tuple(changed if method.name == "patches" else method for method in registry.METHODS)
         monkeypatch.setattr(registry, "METHODS", methods)
 
     return expect
@@ -90,7 +90,7 @@ def test_a_scene_with_plans_says_what_they_take_and_whom_they_refuse(tmp_path):
     assert lines == [
         f"scene: 3 cases to solve, in about {expected[0]:.2g} s on 1 core",
         "scene: no plan for 1 of them:",
-        *(f"  {each}" for each in found.cases.values() if isinstance(each, OutOfReachError)),
+        *(f"  {error}" for error in found.cases.values() if isinstance(error, OutOfReachError)),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Cases of one profile are told apart by study, seed and settings: in the file, by `sel`, and on the page."""
+"""Cases of one profile are distinguished by study, seed and settings: in the file, by `sel`, and on the page."""
 
 import numpy as np
 import pytest

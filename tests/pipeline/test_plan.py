@@ -27,7 +27,7 @@ def test_a_scene_with_a_tolerance_runs_its_plan(tmp_path):
     assert len(re.findall(r"^  2 +0.01 +0.1 +bem +2 +points [0-9]+ ", str(found), re.M)) == 2
     assert found._repr_html_().count('<td style="text-align: left">bem</td>') == 2
     assert "2 of 2 cases can be solved" in str(found)
-    assert found.seconds == sum(each.seconds for each in found.plans)
+    assert found.seconds == sum(plan.seconds for plan in found.plans)
     assert "D = 1.5, gamma = 5, m = 2, phase 1: compliance within 0.001" in str(found)
     assert "patches" in [part.method for part in weier.plan(loaded, tolerance=1e-9).plans[0].parts]
     data = batch.solve_batch(loaded.studies["one"], loaded.loads)

@@ -36,7 +36,7 @@ def test_each_load_counts_once(name, settings):
     assert len(counted) == LOADS.size
 
 
-def test_loads_of_another_solve_are_not_told():
+def test_loads_of_another_solution_are_not_counted():
     counted = []
     with reporting_to(lambda: counted.append(1)):
         with reporting_to():
@@ -46,7 +46,7 @@ def test_loads_of_another_solve_are_not_told():
     assert len(counted) == 1
 
 
-def test_progress_is_told_by_loads_with_the_time_left(monkeypatch):
+def test_progress_has_the_loads_and_the_remaining_time(monkeypatch):
     said, clock = [], iter(range(0, 100, 4))
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
     loads = Loads(10, Progress(30, 3.0, said.append).add)

@@ -94,9 +94,9 @@ def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):
 
 def test_what_cannot_be_solved_is_named_and_the_others_are_there():
     irrational = weier.Profile(1.25, math.sqrt(2), 3)
-    with pytest.warns(UserWarning, match='bem: the finest wave .*: take gamma = "140/99"') as told:
+    with pytest.warns(UserWarning, match='bem: the finest wave .*: take gamma = "140/99"') as warned:
         found = weier.solve([SMOOTH, irrational], LOADS, ["demelio", "bem"])
-    assert [warning.filename for warning in told] == [__file__]
+    assert [warning.filename for warning in warned] == [__file__]
     assert found.status.values.tolist() == [[0, 0], [0, 2]]
     assert np.isfinite(found.compliance.values[found.status.values == 0]).all()
     assert np.isnan(found.compliance.values[1, 1]).all()
@@ -105,14 +105,14 @@ def test_what_cannot_be_solved_is_named_and_the_others_are_there():
 def test_loads_that_a_plan_could_not_solve_are_named_and_the_others_are_there(unsolvable):
     unsolvable(0.1)
     why = r"the compliance is not within 0\.001 at 1 of 3 loads: bem with 2 terms was expected to do, and stopped"
-    with pytest.warns(UserWarning, match=why) as told:
+    with pytest.warns(UserWarning, match=why) as warned:
         found = weier.solve(SMOOTH, LOADS, "planned")
-    assert [warning.filename for warning in told] == [__file__]
-    assert found.attrs["unsolved"] == str(told[0].message)
+    assert [warning.filename for warning in warned] == [__file__]
+    assert found.attrs["unsolved"] == str(warned[0].message)
     assert np.isfinite(found.compliance).values.tolist() == [True, False, True]
-    with pytest.warns(UserWarning, match=f"m = 2, planned: {why}") as told:
+    with pytest.warns(UserWarning, match=f"m = 2, planned: {why}") as warned:
         both = weier.solve([SMOOTH], LOADS, ["demelio", "planned"])
-    assert [warning.filename for warning in told] == [__file__]
+    assert [warning.filename for warning in warned] == [__file__]
     assert both.status.values.tolist() == [[Status.solved, Status.partly_solved]]
     assert both.planned_method.values.tolist() == [["bem", "out of reach", "bem"]]
     assert both.compliance.values[0, 1] == pytest.approx(found.compliance.values, nan_ok=True)

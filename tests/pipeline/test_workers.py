@@ -13,7 +13,7 @@ import xarray as xr
 
 import weier
 from weier.data.variables import Status
-from weier.pipeline.workers import LOST, Curve, solve_curves
+from weier.pipeline.workers import LOST, CurveTask, solve_curves
 from weier.theory import arguments
 
 LOADS = np.array([0.01, 0.1, 1.0])
@@ -26,7 +26,7 @@ def test_curves_of_another_process_have_the_same_bits():
     methods, strict = ["demelio", "layer", "bem", "patches"], {"tolerance": 1e-13}
     found = []
     for count in (1, 2):
-        with pytest.warns(UserWarning, match="patches: |trace") as told:
+        with pytest.warns(UserWarning, match="patches: |trace") as warned:
             solved = weier.solve(
                 [*SERIES, weier.Profile(1.25, 5, 4, 1.0), trace],
                 LOADS,
@@ -35,7 +35,7 @@ def test_curves_of_another_process_have_the_same_bits():
                 workers=count,
                 patches=strict,
             )
-        found.append((solved.drop_vars("seconds"), [str(warning.message) for warning in told]))
+        found.append((solved.drop_vars("seconds"), [str(warning.message) for warning in warned]))
     assert set(np.unique(found[0][0].status)) == {Status.solved, Status.not_applicable, Status.not_converged}
     xr.testing.assert_identical(found[0][0], found[1][0])
     assert found[0][1] == found[1][1]
@@ -43,7 +43,7 @@ def test_curves_of_another_process_have_the_same_bits():
 
 def test_progress_counts_the_loads_of_all_processes():
     said = []
-    outcomes = solve_curves([Curve(each, "demelio", {}) for each in SERIES], LOADS, 2, 0.0, said.append)
+    outcomes = solve_curves([CurveTask(profile, "demelio", {}) for profile in SERIES], LOADS, 2, 0.0, said.append)
     assert len(list(outcomes)) == len(SERIES)
     done = [int(re.match(r"(\d+) of 9 loads, about \d+ s left", line)[1]) for line in said]
     assert done == sorted(done)
@@ -52,7 +52,7 @@ def test_progress_counts_the_loads_of_all_processes():
 
 def test_more_workers_than_curves_are_none_too_many():
     solved = [weier.solve(SERIES[:2], LOADS, "demelio", workers=count) for count in (1, 50)]
-    assert np.array_equal(*(each.compliance for each in solved))
+    assert np.array_equal(*(curve.compliance for curve in solved))
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ profiles = [weier.Profile(1.25, 5, 5, weier.random_phases(seed)) for seed in ran
 """
 
 
-def test_a_script_without_a_guard_is_told_so_in_a_sentence(tmp_path):
+def test_a_script_without_a_guard_gives_a_message(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(count=2, guard=""))
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
@@ -97,9 +97,9 @@ def test_all_processes_end_with_the_first(tmp_path, kill, sent):
     process = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True)
     time.sleep(4)  # in which the others have started, but are far from done
     kill(process.pid, sent)
-    _, told = process.communicate(timeout=10)  # which waits for all that hold the pipe
+    _, output = process.communicate(timeout=10)  # which waits for all that hold the pipe
     assert process.returncode == -sent
-    assert ("KeyboardInterrupt" in told) == (sent == signal.SIGINT)
+    assert ("KeyboardInterrupt" in output) == (sent == signal.SIGINT)
 
 
 def test_edges_of_waves_that_are_too_many_are_left_out():

@@ -1,4 +1,4 @@
-"""What rules ask of scenes, without Snakemake: files, digests, and one sentence for whatever ends a run."""
+"""Functions of scenes for rules, without Snakemake: files, digests, and messages that end a run."""
 
 import os
 import signal
@@ -70,9 +70,10 @@ def test_data_that_are_cut_short_are_found(folder):
 
 @pytest.mark.parametrize(("order", "count"), [(["all", "one", "two"], 1), (["one", "two", "all"], 2)])
 def test_each_case_is_in_one_batch_whoever_asks_first(folder, order, count):
-    asked = scenes(cores=1)
+    in_order = scenes(cores=1)
     found = {
-        name: asked.batches(of()) if name == "all" else asked.batches_of_figure(of(figure=name)) for name in order
+        name: in_order.batches(of()) if name == "all" else in_order.batches_of_figure(of(figure=name))
+        for name in order
     }
     assert sorted({*found["one"], *found["two"]}) == sorted(found["all"])
     assert len(found["all"]) == count  # the two cases of the first figure, and one more of the second
@@ -107,9 +108,9 @@ def test_digests_change_with_what_they_are_of(folder):
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
-    for ask in (scenes().products, scenes().batches, partial(scenes().figure_digest)):
+    for function in (scenes().products, scenes().batches, partial(scenes().figure_digest)):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
-            ask(of(figure="one"))
+            function(of(figure="one"))
     with pytest.raises(SystemExit, match=r"^weier: there is no scene 'tset'.*did you mean 'test'"):
         scenes().batches(of(scene="tset"))
 
@@ -119,7 +120,7 @@ def test_an_unknown_figure_ends_in_one_sentence(folder):
         scenes().batches_of_figure(of(figure="three"))
 
 
-def test_what_a_scene_with_a_limit_takes_is_told_once_and_too_much_is_refused(folder, capsys):
+def test_the_cost_of_a_scene_with_a_limit_is_reported_once_and_excess_is_refused(folder, capsys):
     change(folder, "title", "max_seconds: 1.0e-6\ntitle")
     slow = scenes()
     for _ in range(2):

@@ -109,7 +109,7 @@ def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_p
     assert [case.profile.phases for case in loaded.cases.values()] == expected
 
 
-def test_a_name_that_is_not_in_the_scene_is_told_with_those_that_are(tmp_path):
+def test_an_unknown_name_is_reported_with_the_known_ones(tmp_path):
     loaded = scene.load(write(tmp_path))
     with pytest.raises(scene.SceneError, match="scene scene has no study 'two', only one"):
         loaded.study("two")
@@ -151,14 +151,14 @@ figures:
 """
 
 
-def test_all_mistakes_are_told_at_once_each_with_its_line(tmp_path):
+def test_all_mistakes_are_reported_together_with_their_lines(tmp_path):
     path = tmp_path / "scene.yaml"
     path.write_text(FAULTY)
     with pytest.raises(scene.SceneError) as caught:
         scene.load(path)
-    head, *told = str(caught.value).splitlines()
-    places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in told]
-    assert head == f"{path} has {len(told)} mistakes:"
+    head, *listed = str(caught.value).splitlines()
+    places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in listed]
+    assert head == f"{path} has {len(listed)} mistakes:"
     assert places == [
         ("2", "method"),
         ("3", "loads.n"),

@@ -85,4 +85,4 @@ def test_definitions_are_plain(overlapping):
 def test_the_product_of_a_case_is_the_first_that_has_it(overlapping):
     keys = [{product.case(position).key for position in range(product.count)} for product in overlapping.products]
     for case, number in zip(overlapping.distinct, overlapping.product_of_cases, strict=True):
-        assert number == [case.key in each for each in keys].index(True)
+        assert number == [case.key in own for own in keys].index(True)

@@ -104,7 +104,7 @@ def test_one_column_has_its_length_in_the_unit_that_is_given(folder):
     assert case.profile.g_0 == pytest.approx(Trace(HEIGHTS, 64e-6, unit="m").g_0, rel=1e-6)
 
 
-def test_missing_heights_and_a_form_are_told_of_in_the_results(folder):
+def test_results_report_missing_heights_and_a_form(folder):
     heights = HEIGHTS + 1e-4 * (X / X[-1] - 0.5) ** 2
     heights[[20, 21]] = -9999
     write_heights(folder / "shaft.csv", heights)
@@ -118,7 +118,7 @@ def test_missing_heights_and_a_form_are_told_of_in_the_results(folder):
 
 
 class Map:
-    """What Trace asks of a topography: three lines along x."""
+    """The interface of a topography for Trace: three lines along x."""
 
     physical_sizes, unit = (64e-6, 3e-6), "m"
 
@@ -250,7 +250,7 @@ def drawn(kind, **options):
         (mine() | {"max_cases": 1} | mine(file=["a", "b"]), r"max_cases: .*at most 1 cases, got 2"),
     ],
 )
-def test_a_mistake_is_told_with_its_line(folder, changes, message):
+def test_a_mistake_is_reported_with_its_line(folder, changes, message):
     path = re.escape(str(folder / "scene.yaml"))
     with pytest.raises(scene.SceneError, match=rf"^{path}, line \d+: {message}"):
         load(folder, **changes)
@@ -259,7 +259,7 @@ def test_a_mistake_is_told_with_its_line(folder, changes, message):
 def test_a_tolerance_plans_for_the_series_of_a_scene_alone(folder):
     loaded = load(folder, tolerance=1e-2)
     assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio", "planned")]
-    assert [each.profile.D for each in plan(loaded).plans] == [1.5]
+    assert [profile_plan.profile.D for profile_plan in plan(loaded).plans] == [1.5]
 
 
 def test_a_plan_for_a_trace_names_the_fit(folder):
@@ -301,8 +301,8 @@ def test_a_page_lists_the_traces_and_their_units(folder):
     page.write(loaded, folder / "contact.nc", [], read_cost(solutions), folder / "page.html")
     text = (folder / "page.html").read_text()
     trace = loaded.studies["mine"][0].profile
-    for told in ("Measured heights", "shaft.csv", trace.digest, "periodic"):
-        assert f">{told}<" in text
+    for text_shown in ("Measured heights", "shaft.csv", trace.digest, "periodic"):
+        assert f">{text_shown}<" in text
     with dataset.reading(folder / "contact.nc") as data:
         labels = {name: explorer._labels(data, name) for name in explorer.LABELS}
     assert {name: sorted(texts) for name, texts in labels.items() if name != "case"} == {

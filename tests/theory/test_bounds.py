@@ -15,7 +15,7 @@ D, GAMMA = 1.25, 5
 
 def reference_curve(m):
     """Loads, compliance and resistance of m terms with phases 0, 1, 2, 3."""
-    (found,) = (each for each in REFERENCES if each.profile == Profile(D, GAMMA, m, range(m)))
+    (found,) = (reference for reference in REFERENCES if reference.profile == Profile(D, GAMMA, m, range(m)))
     return found.mean_pressure, found.compliance, found.resistance
 
 

@@ -20,13 +20,13 @@ def heights_and_tensions(profile):
 @pytest.mark.parametrize("D", [1.0001, 1.1, 1.5, 1.9, 1.9999])
 @pytest.mark.parametrize(("gamma", "m"), [(2, 10), (3, 7), (5, 5), ("5/2", 7), ("7/5", 5), (90, 3)])
 def test_the_search_wave_by_wave_finds_the_crest_that_looking_at_all_finds(D, gamma, m, monkeypatch):
-    for each in heights_and_tensions(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
+    for series in heights_and_tensions(Profile(D, gamma, m, np.random.default_rng(m).uniform(0, 2 * np.pi, m))):
         monkeypatch.setattr(crests, "countable", lambda _: True)
-        x, z = highest_crest(*each)
+        x, z = highest_crest(*series)
         monkeypatch.setattr(crests, "countable", lambda _: False)
-        found_x, found_z = highest_crest(*each)
-        assert found_z == pytest.approx(z, abs=1e-14 * np.abs(each[0]).sum())
-        assert found_x == pytest.approx(x % each[3], abs=1e-8)
+        found_x, found_z = highest_crest(*series)
+        assert found_z == pytest.approx(z, abs=1e-14 * np.abs(series[0]).sum())
+        assert found_x == pytest.approx(x % series[3], abs=1e-8)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.5, 20, 6), (1.5, 1000, 6), (1.5, 2, 40), (1.9, "5/2", 20)])

@@ -119,11 +119,11 @@ def test_dust_is_refused_whatever_stands_beside_it(dust, places):
     assert int(re.search(r"heights (\d+)", str(it.value)).group(1)) in range(places[0], places[-1] + 2)
 
 
-@pytest.mark.parametrize("share", [0.01, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("fraction", [0.01, 0.05, 0.1, 0.2])
 @pytest.mark.parametrize("seed", range(20))
-def test_random_dropouts_are_refused(share, seed):
+def test_random_dropouts_are_refused(fraction, seed):
     random = np.random.default_rng(seed)
-    at = random.random(200) < share
+    at = random.random(200) < fraction
     at[50] = True
     for spoilt in (np.where(at, BASE + 12, BASE), np.where(at, BASE + random.choice([-1, 1], 200) * 15, BASE)):
         with pytest.raises(ValueError, match="heights must"):

@@ -12,7 +12,7 @@ MAP = np.cos(2 * np.pi * X / 20)[:, None] + 0.1 * np.cos(2 * np.pi * Y / 10 + 1)
 
 
 class Topography:
-    """What Trace asks of a topography."""
+    """The interface of a topography for Trace."""
 
     is_uniform, is_periodic = True, False
 

@@ -99,7 +99,7 @@ NUMPY_INTEGERS = [np.dtype(code).type for code in np.typecodes["AllInteger"]]
 NUMPY_FLOATS = [np.dtype(code).type for code in np.typecodes["Float"]]
 
 
-@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda kind: kind.__name__)
 def test_numbers_of_numpy_become_pythons_own(of):
     """Those of NumPy overflow in the powers of a series, or round them to three digits."""
     number = of if of in NUMPY_FLOATS else float
@@ -115,7 +115,7 @@ def test_numbers_of_numpy_become_pythons_own(of):
         assert function(of(3), 1.25, of(5)) == function(3, 1.25, 5)
 
 
-@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize("of", NUMPY_INTEGERS + NUMPY_FLOATS, ids=lambda kind: kind.__name__)
 def test_numbers_of_numpy_are_ratios_infinite_parts_of_fractions_and_seeds(of):
     if of in NUMPY_FLOATS:
         assert Profile(1.25, of(2.5), of(np.inf)) == Profile(1.25, "5/2", math.inf)
@@ -183,9 +183,9 @@ def test_an_irrational_ratio_is_kept_to_the_last_digit():
 
 def test_a_wave_too_short_for_a_float_has_no_heights():
     profile = Profile(1.5, 10**6, 100)
-    for ask in (profile.height, profile.slope, profile.curvature):
+    for evaluate in (profile.height, profile.slope, profile.curvature):
         with pytest.raises(ValueError, match=r"the finest wave of D = 1.5, .* is too short for a float: take fewer"):
-            ask(0.1)
+            evaluate(0.1)
 
 
 @pytest.mark.parametrize("name", ["amplitude", "period", "crest"])

@@ -44,9 +44,9 @@ def test_the_ratio_that_is_asked_for_changes_no_dimension():
     profile = Profile(1.4, "3/2", 12, seed=1)
     trace = trace_of(profile, 20, 0.1)
     found = [fit(trace, **band(profile), gamma=gamma) for gamma in ("3/2", "9/4", "27/8")]
-    assert [each.m for each in found] == [12, 6, 4]
-    assert np.ptp([each.D for each in found]) < 1e-12
-    variances = [(each.g_0 * each.profile().amplitude) ** 2 @ np.ones(each.m) for each in found]
+    assert [result.m for result in found] == [12, 6, 4]
+    assert np.ptp([result.D for result in found]) < 1e-12
+    variances = [(result.g_0 * result.profile().amplitude) ** 2 @ np.ones(result.m) for result in found]
     np.testing.assert_allclose(variances, variances[0], rtol=1e-12)
 
 
@@ -62,8 +62,8 @@ def test_random_surfaces_show_no_bias_and_scatter_as_stated(D):
         wave = root * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
         z = np.fft.irfft(np.concatenate([[0], wave]), 2 * k.size)[: k.size // 4]
         found.append(fit(Trace(z, length, 1 / finest, unit="m"), longest=1.0))
-    off = np.array([each.D for each in found]) - D
-    stated = np.array([each.D_error for each in found])
+    off = np.array([result.D for result in found]) - D
+    stated = np.array([result.D_error for result in found])
     assert abs(off.mean()) < 0.006 + 2 * off.std() / math.sqrt(pieces)  # 0.006 was the largest bias of 200 pieces
     assert off.std() == pytest.approx(stated.mean(), rel=3 / math.sqrt(2 * pieces))
     assert np.mean(np.abs(off) < 2 * stated) > 0.95 - 3 * math.sqrt(0.05 / pieces)

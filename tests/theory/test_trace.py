@@ -78,7 +78,7 @@ def test_the_digest_tells_heights_and_waves():
     other[7] += 1e-12
     changed = [(other, 1e-3), (z, 2e-3), (z, 1e-3, 1e-4), (z, 1e-3, None, "tapered")]
     traces = [Trace(z, 1e-3, unit="m"), *(Trace(*arguments, unit="m") for arguments in changed)]
-    assert len({each.digest for each in traces}) == len(traces)
+    assert len({trace.digest for trace in traces}) == len(traces)
     assert Trace(z, 1e-3, source="elsewhere", unit="m").digest == traces[0].digest
 
 
@@ -192,7 +192,7 @@ def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned()
     with pytest.warns(UserWarning, match='form of the trace, .* times as high as its roughness, .*detrend="form"'):
         curved = Trace(z + form, LENGTH, unit="m")
     assert curved.g_0 > 20 * np.std(z)
-    plane, flat = (Trace(each, LENGTH, unit="m", detrend="form") for each in (z, z + form))
+    plane, flat = (Trace(heights, LENGTH, unit="m", detrend="form") for heights in (z, z + form))
     np.testing.assert_allclose(flat.amplitude * flat.g_0, plane.amplitude * plane.g_0, atol=1e-12 * form.max())
     with pytest.warns(UserWarning, match="tilt"):
         Trace(z + 100 * np.std(z) * x, LENGTH, unit="m", detrend="mean")

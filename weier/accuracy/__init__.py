@@ -1,6 +1,6 @@
-"""Speed and accuracy measured: the trade between them, stability at the extremes, convergence of the infinite series.
+"""Measurements of speed against accuracy, of stability at the extremes, and of convergence of the infinite series.
 
-The trade and the extremes both run variants of methods on cases and compare what they give with a reference: `runner`
-runs one of them, `reference` says what is right, `metrics` how far a curve is off, `comparison` fills a dataset, and
-`report` writes tables. May use the pipeline and all below it.
+The first two run variants of methods on cases and compare the results with a reference: `runner` runs a variant,
+`reference` finds the reference, `metrics` computes errors, `comparison` fills a dataset, and `report` writes tables.
+Imports the pipeline and all folders below it.
 """

@@ -1,4 +1,4 @@
-"""How estimate and bounds of the infinite series converge with the number of its terms that are resolved."""
+"""Convergence of the estimate and the bounds of the infinite series with the number of resolved terms."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     mean_pressure : array_like, shape (loads,)
         Increasing, in p_0*.
     max_terms : int
-        Waves to resolve in the last of them.
+        The largest number of resolved terms.
 
     Returns
     -------
     Dataset
-        As that of a scene, over resolved_terms instead of methods. Where only the bounds are within reach there is no
-        estimate, and where neither is, the status says so.
+        As that of a scene, over resolved_terms instead of methods. If the grid is too large for the estimate, there
+        are only the bounds; if it is too large for these, too, the status shows it.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
 
 
 def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
-    """The estimate with its bounds, or the bounds alone where there are too many points for it."""
+    """The estimate with its bounds, or the bounds alone if the estimate takes too many points."""
     points = POINTS_PER_WAVE * profile.truncated(terms).waves_per_period[-1]
     try:
         if points <= MAX_POINTS:

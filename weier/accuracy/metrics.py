@@ -1,4 +1,4 @@
-"""How far a curve is off: deviation and correct digits, and in a measured trade the worst of them and who wins."""
+"""Errors of curves: deviations and correct digits; in a tradeoff, the largest errors and the Pareto front."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import xarray as xr
 from weier.kernels.arrays import Array
 from weier.methods.multiprecision import DIGITS
 
-MAX_DIGITS = 16.0  # what an error of 0 counts as
-TINY = float(np.finfo(float).tiny)  # what is less may be 0
-MEASURED, STATED = "deviation", "error"  # kinds of errors, as the variables of a trade end
+MAX_DIGITS = 16.0  # An error of 0 counts as so many digits, those of a double.
+TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.
+MEASURED, STATED = "deviation", "error"  # These are the endings of the variables of measured and stated errors.
 
 
 def deviation(values: Array, right: Sequence[Any]) -> Array:
-    """Distance of each value from what is right, numbers of mpmath or floats; NaN where either is unknown."""
+    """Distance of each value from its reference, numbers of mpmath or floats; NaN where either is unknown."""
     return np.array([float(abs(mp.mpf(float(value)) - true)) for value, true in zip(values, right, strict=True)])
 
 
@@ -39,11 +39,11 @@ def _digits(value: float, right: Any) -> float:
 
 
 def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
-    """Errors of a trade, measured or stated, shape (case, variant, mean_pressure); NaN where there are none.
+    """Measured or stated errors of a tradeoff, shape (case, variant, mean_pressure); NaN where there are none.
 
     Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from some
-    g_0/p_0* at light loads to 0 at full contact, so an error relative to itself has no meaning at one end, and one in
-    g_0/p_0* little at the other.
+    g_0/p_0* at light loads to 0 at full contact, so an error relative to itself is meaningless at full contact, and
+    one in g_0/p_0* says little at light loads.
     """
     error = data[f"{quantity}_{kind}"].values
     if quantity == "resistance":
@@ -52,7 +52,7 @@ def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
 
 
 def worst_over_loads(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
-    """The largest of them over the loads, shape (case, variant)."""
+    """The largest errors over the loads, shape (case, variant)."""
     return np.fmax.reduce(by_load(data, quantity, kind), axis=-1)
 
 
@@ -62,7 +62,7 @@ def seconds_per_load(data: xr.Dataset) -> Array:
 
 
 def pareto(cost: Array, error: Array) -> list[int]:
-    """Which are worth their cost: no other is both cheaper and more accurate; by rising cost. NaN never is."""
+    """Indices of the Pareto front by rising cost, without NaN: no other entry is both cheaper and more accurate."""
     front: list[int] = []
     for number in np.lexsort((error, cost)):
         if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):

@@ -1,8 +1,8 @@
-"""What a curve should be, from other sources than the method that gave it.
+"""Reference curves from other sources than the method under test.
 
-An estimate is held against the sum that defines it (`Method.reference`), a solution of the series against the exact
+An estimate is compared with the sum that defines it (`Method.reference`), and a solution of the series with the exact
 contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
-them. The patches solve the same profile shifted along x, so that no number is the same by construction.
+them. The patches solve the profile shifted along x, so that no number is the same by construction.
 """
 
 from __future__ import annotations
@@ -24,19 +24,20 @@ from weier.theory.expansions import expand
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
-MIN_TOUCH = 1e-20  # p_0*: below it the relative error of a contact as a Hertzian one, p times a few, is no digit
-TOUCH_HEIGHT = 1e-12  # g_0: no other crest as close to the highest one is touched there
-AT_FULL_CONTACT = 1 + 1e-12  # times the load of full contact, which is known to rounding
-TOLERANCES = (1e-12, 1e-11, 1e-10)  # the first that a load can be solved to: many contacts state more than the first
-SHIFT = 0.3  # lambda_0, by which the profile is moved for the contact patches
-MAX_REFERENCE_SECONDS = 60.0  # that a reference by contact patches may take
+MIN_TOUCH = 1e-20  # p_0*: below it Hertz's formula is exact in double precision, as its relative error is a few p.
+TOUCH_HEIGHT = 1e-12  # g_0: at such loads, only crests closer than this to the highest one touch.
+AT_FULL_CONTACT = 1 + 1e-12  # Full contact is certain at this factor of its load, which is known to rounding.
+# The reference takes the smallest of these tolerances that can be met: the bound of many contacts exceeds the first.
+TOLERANCES = (1e-12, 1e-11, 1e-10)
+SHIFT = 0.3  # lambda_0: the contact patches solve the profile shifted by this distance.
+MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
 
 
 def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
-    """What a method should have found at these loads; NaN where it found nothing, or no reference is in reach.
+    """The reference of a method at these loads; NaN where the method has no result, or there is no reference in time.
 
-    For one wave all methods are exact. Otherwise an estimate has its own reference; the exact contact is for
-    numerical methods, and for those that state the error of each number.
+    For one wave all methods are exact. Otherwise an estimate has its own reference. The exact contact is the
+    reference of numerical methods, and of those that state the error of each number.
     """
     (h, R), error = [np.full(loads.size, mp.nan, object) for _ in range(2)], np.zeros(loads.size)
     solved = result.outcome == Outcome.finite
@@ -58,7 +59,7 @@ def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Ref
 
 
 def is_in_reach(profile: Profile, loads: Array) -> bool:
-    """Whether the exact contact of a profile is found in time."""
+    """Whether the exact contact of a profile takes less than `MAX_REFERENCE_SECONDS`."""
     if math.isinf(profile.m) or not resolvable(profile):
         return False
     return patches.METHOD.seconds(profile, loads) <= MAX_REFERENCE_SECONDS
@@ -66,7 +67,7 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 
 @cache  # for all methods on one profile
 def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
-    """The curve of a finite series that can be resolved; NaN where the contact patches find none."""
+    """The exact curve of a finite series that can be resolved; NaN where the contact patches fail."""
     if profile.m == 1:
         return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
     pairs, error = _by_patches(_shift(profile), np.array(loads))
@@ -80,9 +81,9 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
 
 
 def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pair], Array]:
-    """Compliance and resistance by contact patches, each load as tightly as it can be solved; NaN where it cannot.
+    """Compliance and resistance by contact patches, and the stated error of the resistance.
 
-    And the stated error of the resistance.
+    Each load is solved to the smallest of `TOLERANCES` that can be met; the values are NaN where none can.
     """
     h, R, error = np.full((3, loads.size), np.nan)
     for tolerance in TOLERANCES:
@@ -90,13 +91,14 @@ def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pai
             variant = Variant(patches.METHOD.name, patches.METHOD.name, {"tolerance": tolerance})
             found = attempt(variant, profile, loads[left])
             h[left], R[left], error[left] = found.compliance, found.resistance, found.resistance_error
-    return [(mp.mpf(float(height)), mp.mpf(float(rate))) for height, rate in zip(h, R, strict=True)], error
+    return [(mp.mpf(float(height)), mp.mpf(float(slope))) for height, slope in zip(h, R, strict=True)], error
 
 
 def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Array, Array]:
-    """How far the exact contact itself may be off: in compliance and resistance, each of shape (loads,).
+    """Errors of the reference itself, in compliance and resistance, each of shape (loads,).
 
-    Beside a birth, the shifted profile may be on its other side by the rounding of its phases, which it states.
+    Close to a birth, rounding of the phases may put the shifted profile on its other side. Its stated error covers
+    this.
     """
     total = np.full(result.compliance.size, profile.total_amplitude)
     h, R = (patches.error_model.error(TOLERANCES[0], quantity) for quantity in ("compliance", "resistance"))

@@ -1,4 +1,4 @@
-"""Pages of Markdown from what was measured: a table is a list of columns, a heading beside what fills its cells."""
+"""Markdown pages of measurements: a table is a list of columns, each with a heading and a function for its cells."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Row = TypeVar("Row")
 
 
 class Column(NamedTuple, Generic[Row]):
-    """A heading, and the Markdown of a cell from whatever stands for a row."""
+    """A heading, and a function from a row to the Markdown of its cell."""
 
     heading: str
     cell: Callable[[Row], str]
@@ -28,11 +28,11 @@ def rows_as_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> str:
 
 
 def number(value: float, form: str = ".0e") -> str:
-    """A number in this format, or nothing for NaN."""
+    """A number in this format; empty for NaN."""
     return "" if np.isnan(value) else format(float(value), form)
 
 
 def write_page(path: str | Path, template: str, **parts: object) -> None:
-    """Write a page: a template of this folder, in which names in braces stand for parts."""
+    """Write a page from a template of this folder, whose names in braces are replaced by the parts."""
     text = files("weier.accuracy").joinpath(template).read_text(encoding="utf-8")
     write_text(path, text.format(**parts))

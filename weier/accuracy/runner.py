@@ -22,14 +22,17 @@ from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.theory.profile import Profile
 
-REPEAT = 5  # and keep the median: other programs lengthen a run, and the clock of a virtual machine may lose a part,
-MAX_REPEATED = 0.5  # but a run of so many seconds is long enough to be its own mean
+# The median of so many runs counts. Other programs lengthen some runs, and the clock of a virtual machine may shorten
+# others.
+REPEAT = 5
+MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
+# The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
-UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # a sentence about numbers that do not exist is of no use
+UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # A message with such values does not help the user.
 
 
 class Outcome(IntEnum):
-    """How the solution of a load ended."""
+    """The outcome of the solution at a load."""
 
     not_run = 0
     finite = 1
@@ -39,16 +42,16 @@ class Outcome(IntEnum):
 
 
 class Run(NamedTuple):
-    """What a variant returned for some loads.
+    """The results of a variant for some loads.
 
     compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
-    compliance_error, resistance_error : what the method itself states for each number, NaN where it states nothing
+    compliance_error, resistance_error : errors stated by the method for each number, NaN where it states none
     solution_error : largest error of the compliance that the method knows of its solution, in g_0
-    outcome : how the solution of each load ended, shape (loads,)
+    outcome : of the solution at each load, shape (loads,)
     seconds : processor time
-    others : whatever else the method returned, by name
-    message : kind and words of the first error, empty if there was none
-    warned : each text that was warned of, once
+    others : further results of the method, by name
+    message : kind and text of the first error, empty if there was none
+    warned : the distinct texts of warnings
     """
 
     compliance: Array
@@ -80,11 +83,11 @@ def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:
     runs = [run(variant, profile, loads)]
     while len(runs) < REPEAT and runs[-1].seconds <= MAX_REPEATED:
         runs.append(run(variant, profile, loads))
-    return sorted(runs, key=lambda each: each.seconds)[len(runs) // 2]
+    return sorted(runs, key=lambda result: result.seconds)[len(runs) // 2]
 
 
 def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
-    """All loads as one curve and, if that ends in an error, each load by itself. Raises nothing."""
+    """Solve all loads as one curve and, after an error, each load separately. Errors are results, and not raised."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         outcome = _attempt(variant, profile, loads)
@@ -97,7 +100,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     try:
         return run(variant, profile, loads)
-    except Exception as error:  # whatever error it is, the report has it
+    except Exception as error:  # of any kind, for the report
         none = np.full(loads.size, np.nan)
         outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
         outcomes = np.full(loads.size, outcome, np.int8)
@@ -112,7 +115,7 @@ def _join(parts: list[Run]) -> Run:
 
 
 def is_clear(error: Exception, method: Method) -> bool:
-    """Whether a `raise` of weier, or of the file that holds the method, says what is wrong, in numbers that exist."""
+    """Whether an error was raised on purpose by weier or the file of the method, with a text without NaN."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
     of_method = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
     own = PACKAGE in Path(last.filename).parents or last.filename == of_method

@@ -1,6 +1,6 @@
 """The command line: its commands read arguments and call the same functions as the Python interface.
 
-May use all other folders of weier, and none of them uses it.
+Imports all other folders of weier, and is imported by none.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
 
-EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # of scenes and their pages: `pip install weier` has none
+EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # Only `pip install weier[pipeline]` installs these.
 EXIT = (
-    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, said in one sentence; 2 wrong usage; "
+    "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."
 )
-
-
 HELP = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -72,7 +70,7 @@ def main() -> None:
     warnings.showwarning = lambda message, *_: _say(str(message))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
-    except click.Abort:  # which click makes of Ctrl-C, and standing alone ends with exit code 1
+    except click.Abort:  # by Ctrl-C, which click would end with exit code 1
         raise KeyboardInterrupt from None
     except click.ClickException as error:
         error.show()
@@ -84,13 +82,13 @@ def main() -> None:
             f"this command needs {error.name}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
         )
     except MemoryError:
-        _stop("not enough memory: ask for fewer points, loads or cases")
+        _stop("not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:
-        _stop(_told(error))
+        _stop(_described(error))
 
 
-def _told(error: Exception) -> str:
-    """An error in one line, but for that of a scene, which has a line for each mistake."""
+def _described(error: Exception) -> str:
+    """An error in one line, except that of a scene, which has a line for each mistake."""
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
     return str(error) if isinstance(error, SceneError) else one_line(error)
@@ -98,7 +96,7 @@ def _told(error: Exception) -> str:
 
 @cache
 def _say(warning: str) -> None:
-    """Tell a warning once, without the line of the program that gave it."""
+    """Print a warning once, without the line of the program that issued it."""
     click.echo(f"weier: {warning}", err=True)
 
 

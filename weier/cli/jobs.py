@@ -1,4 +1,4 @@
-"""What the rules of the pipeline call, a command a rule: of a scene, and of what weier measures of itself."""
+"""Commands for the rules of the pipeline: for scenes, and for measurements of the methods."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from weier.cli.options import FILE, output
 from weier.scene import Figure
 
 SCENE = click.argument("scene_file", type=FILE)
-# From a folder, since the names of some thousands of files fit no command.
+# A folder, since a command line cannot hold the names of thousands of files.
 BATCHES = click.argument("batches", type=FILE)
 
 
 @contextmanager
 def job(*words: str) -> Iterator[None]:
-    """One line for a job that is done: its rule, what for, and the seconds that it took."""
+    """Print one line after a job: its command, its subject, and the seconds that it took."""
     start = perf_counter()
     yield
     click.echo(f"{' '.join(words)}: {perf_counter() - start:.1f} s", err=True)
@@ -30,12 +30,12 @@ def job(*words: str) -> Iterator[None]:
 
 @contextmanager
 def ending_at_once() -> Iterator[None]:
-    """Let Ctrl-C end the process without Python, which sees it when LLVM is done with a kernel, up to 20 s later.
+    """Let Ctrl-C end the process at once: Python would handle it after LLVM has compiled a kernel, up to 20 s later.
 
-    There is nothing to tidy up: the cache has whole files alone.
+    No cleanup is needed, since files of the cache are written atomically.
     """
     before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # it is ignored where a script has put the process into the background
+    if before is signal.default_int_handler:  # The signal is ignored in the background of a script.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         yield
@@ -95,7 +95,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         study = cache(partial(read_study, Solutions(loaded, batches)))
         for name in names or loaded.figures:
             wanted = loaded.figure(name)
-            draw(wanted, [study(each) for each in wanted.studies], folder / f"{name}.png")
+            draw(wanted, [study(name) for name in wanted.studies], folder / f"{name}.png")
 
 
 @click.command(hidden=True)
@@ -177,9 +177,9 @@ def convergence(scene_file: Path, path: Path) -> None:
 @output("path")
 @output("summary")
 def extremes(path: Path, summary: Path) -> None:
-    """Examine every method where digits are lost.
+    """Examine all methods at the limits of floats.
 
-    The data go to PATH, and a page of the worst to SUMMARY.
+    The data go to PATH, and a summary to SUMMARY.
     """
     from weier.accuracy import extremes as study  # as in tradeoff
     from weier.data import dataset

@@ -1,4 +1,4 @@
-"""The arguments and options that commands share, and what is read from their text."""
+"""Common arguments and options of commands, and the parsing of their text."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from weier.theory.units import UNITS
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 
-LOADS = "1e-3:4:40"
-STDOUT = "-"
-PLOTTED_LOADS = "1e-3:4:400"  # so many that steps of the resistance look like steps
+LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
+PLOTTED_LOADS = "1e-3:4:400"  # So many loads resolve the steps of the resistance.
+STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 
 def parse_loads(text: str) -> Array:
@@ -71,7 +71,7 @@ def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Parameter, Any], Any]:
-    """A callback that hands on what is read from an option's text; where that cannot be read, the usage is wrong."""
+    """A callback that parses the text of an option; a ValueError becomes an error of usage."""
 
     def callback(context: click.Context, option: click.Parameter, text: Any) -> Any:
         try:
@@ -83,7 +83,7 @@ def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Paramete
 
 
 def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
-    """A callback that hands on the file to write, if it can be: said before anything is computed for it."""
+    """A callback that checks, before anything is computed, that a file can be written."""
 
     def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
         if path is None or str(path) == STDOUT:
@@ -92,14 +92,15 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
         if suffixes and path.suffix not in suffixes:
             known = ", ".join(filter(None, suffixes))
             raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
-        if suffixes and not path.parent.exists():  # a user's: the pipeline makes its folders
+        if suffixes and not path.parent.exists():  # Folders of users are not made, unlike those of the pipeline.
             raise click.BadParameter(f"there is no folder {path.parent}: make it first, or name another one")
         return path
 
     return callback
 
 
-NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}  # of a series
+# The required options of a series, and all of its parameters.
+NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 SERIES = (*NEEDED.values(), "phases", "seed")
 FILE = click.Path(path_type=Path)
 INTO = click.option(
@@ -112,7 +113,7 @@ INTO = click.option(
 
 
 def output(name: str, *suffixes: str, default: str | None = None, required: bool = True) -> Option:
-    """An argument that is a file to write, of one of these suffixes if there are any, or its default."""
+    """An argument for an output file, with one of these suffixes if any are given."""
     return click.argument(
         name, type=FILE, default=default, required=required and default is None, callback=_writable(*suffixes)
     )
@@ -170,14 +171,14 @@ OF_SOLUTION = (
 
 
 class SolvingCommand(click.Command):
-    """A command that takes settings, which it lists below its options."""
+    """A command with settings of methods, which its help lists below the options."""
 
     def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
-        """The arguments; for a setting that is given as an option, its method is named."""
+        """Parse the arguments; the error for a setting given as an option names its method."""
         try:
             return super().parse_args(context, args)
         except click.NoSuchOption as error:
-            options = [option.lstrip("-") for each in self.params for option in each.opts]
+            options = [option.lstrip("-") for parameter in self.params for option in parameter.opts]
             setting = nearest(error.option_name.lstrip("-").replace("-", "_"), [*options, *all_names()])
             found = [] if setting in options else [name.strip('"') for name in methods_with(setting)]
             if not found:
@@ -188,7 +189,7 @@ class SolvingCommand(click.Command):
             ) from None
 
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Each setting with its default, and what it means."""
+        """Write each setting with its default and meaning."""
         with formatter.section("Settings with their defaults, for --set"):
             formatter.write_dl(described(METHODS))
 
@@ -206,10 +207,10 @@ OF_TRACE = (
     click.Option(
         ["--length"],
         type=float,
-        help="Length of the trace if the file does not say it, in m, or in the unit of --x-unit or --unit.",
+        help="Length of the trace if it is not in the file, in m, or in the unit of --x-unit or --unit.",
     ),
     click.Option(
-        ["--ends"], type=click.Choice(ENDS), help=f"How the trace goes on behind its ends  [default: {ENDS[0]}]."
+        ["--ends"], type=click.Choice(ENDS), help=f"Continuation of the trace beyond its ends  [default: {ENDS[0]}]."
     ),
     click.Option(["--unit"], type=UNIT, help="Unit of positions or length and heights, if the file names none."),
     click.Option(["--x-unit"], type=UNIT, help="Unit of the positions or the length alone."),
@@ -221,7 +222,9 @@ OF_TRACE = (
         ["--missing"], type=click.Choice(MISSING), help=f"What to do with missing heights  [default: {MISSING[0]}]."
     ),
     click.Option(
-        ["--max-gap"], type=int, help=f"Most heights beside each other that are interpolated  [default: {MAX_GAP}]."
+        ["--max-gap"],
+        type=int,
+        help=f"Largest number of adjacent missing heights that are interpolated  [default: {MAX_GAP}].",
     ),
     click.Option(["--missing-value"], type=float, help="A number that stands for missing heights."),
     click.Option(["--line"], type=int, help="Which line of a map, from 0."),
@@ -231,20 +234,20 @@ OF_TRACE = (
 
 
 def of_one_profile(default_loads: str) -> list[click.Parameter]:
-    """The options that name a profile, its loads and the methods."""
+    """The options of a profile, its loads and the methods."""
     pressures = loads_option(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
     return [*OF_SERIES, *OF_TRACE, pressures, *OF_SOLUTION]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
-    """The parameters of a profile or of a trace, as a scene has them, from the options that name one of the two."""
+    """The parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
     series = {name: options.pop(name) for name in SERIES}
     given = {name: value for name, value in options.items() if value is not None}
     if trace_file is None and given:
         raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
     if trace_file is not None:
         if "across" in given and "line" not in given:
-            raise click.UsageError("--across names the axis of a line: say which one by --line")
+            raise click.UsageError("--across names the axis of a line: give its number by --line")
         if foreign := [name for name, value in series.items() if value is not None]:
             raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
         return {"trace": {"file": str(trace_file), **given}}
@@ -252,9 +255,9 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
 
 
 def parameters(series: Mapping[str, Any], instead: str = "") -> dict[str, Any]:
-    """The parameters of a profile, as a scene has them, from the options that name it.
+    """The parameters of a profile, as in a scene, from its options.
 
-    A message about missing options adds `instead`, which names what else a profile may be given by.
+    A message about missing options adds `instead`, which names alternative options.
     """
     if missing := [option for option, name in NEEDED.items() if series[name] is None]:
         raise click.UsageError(f"a profile takes -D, --gamma and -m{instead}; missing: {', '.join(missing)}")

@@ -19,7 +19,7 @@ from weier.scene import Figure
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_LOADS = 2  # of a line
+MIN_LOADS = 2  # A line needs two points.
 
 
 def _solve(
@@ -49,7 +49,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
-    pressures in p_0*. Loads may come in any order, which is that of the output; netCDF has each once, increasing.
+    pressures in p_0*. Loads may come in any order, which the output keeps; netCDF has each once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1

@@ -1,4 +1,4 @@
-"""What `weier solve` and `weier plot` leave of one profile: JSON, comma-separated values or netCDF."""
+"""Output of `weier solve` and `weier plot`: JSON, comma-separated values or netCDF."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 
+# The numbers that describe a profile.
 PROFILE = tuple(
     name
     for name, entry in VARIABLES.items()
     if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
 )
+# The reasons why a curve is missing, in words.
 WHY = {
     Status.not_applicable: "does not apply",
     Status.not_converged: "missed its tolerance",
@@ -37,7 +39,7 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 
 def as_csv(data: xr.Dataset) -> str:
-    """The curves as comma-separated values, one row for each method and load; what is missing is empty."""
+    """The curves as comma-separated values, one row for each method and load; missing values are empty."""
     return str(data.weier.table().to_csv(index=False)).rstrip("\n")
 
 
@@ -67,7 +69,7 @@ def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
 
 
 def _plain(values: Array) -> Any:
-    """Numbers and texts as JSON can hold them: it has no nan and no inf."""
+    """Numbers and texts for JSON, which has no nan and no inf."""
     if values.dtype.kind in "UO":
         return values.tolist()
     plain = values.astype(object)
@@ -77,11 +79,11 @@ def _plain(values: Array) -> Any:
 
 
 def check_solved(data: xr.Dataset) -> None:
-    """Refuse curves that lack one which was asked for."""
+    """Raise ValueError if a requested curve is missing or incomplete."""
     numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
     missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
     if missing:
-        raise ValueError(f"{', '.join(missing)}, as said above; all other numbers are there")
+        raise ValueError(f"{', '.join(missing)}, for the reasons above; all other numbers were written")
 
 
-TEXTS = {".json": as_json, ".csv": as_csv}  # by the end of a file's name
+TEXTS = {".json": as_json, ".csv": as_csv}  # The text formats by the suffix of a file.

@@ -52,7 +52,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
 
 
 def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
-    """The table in the units that the heading names, for the bodies of a file; each trace at its own scale."""
+    """The table in SI units, which the headings name, for the bodies of a file; traces have their own scale."""
     import pandas as pd
 
     from weier.data.selection import as_cases
@@ -71,7 +71,7 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
 
 
 def _read_interface(path: Path, scaled: bool) -> Interface:
-    """The bodies of a file; the size of the roughness may be missing where it stands in no unit."""
+    """The bodies of a file; without `scaled`, lambda_0 and g_0 may be missing."""
     given, known = parse_yaml(path.read_text(encoding="utf-8")), signature(Interface).parameters
     scale = {} if scaled else {"lambda_0": 1.0, "g_0": 1.0}
     needed = [name for name, value in known.items() if value.default is value.empty]

@@ -1,7 +1,7 @@
-"""The data in memory, and how they are written to files and read back.
+"""Datasets in memory, and functions that write them to files and read them back.
 
-A file holds `case` x `solution_method` x `mean_pressure`; what describes a case (D, gamma, m, phase) are coordinates.
-Where a number is missing, `status` says why.
+A file holds `case` x `solution_method` x `mean_pressure`; the parameters of a case (D, gamma, m, phases) are
+coordinates. `status` gives the reason where numbers are missing.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def curve(
     coordinates["term"] = ("term", np.arange(len(labels["phases"]), dtype="i4"), variables.attributes("term"))
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
     known = {name: value for name, value in {**settings, **scalars}.items() if value is not None}
-    # netCDF knows no truth values.
+    # netCDF has no booleans.
     plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
     return xr.Dataset(data, coordinates, provenance.of_results() | plain)
@@ -53,9 +53,9 @@ def curve(
 def blank(
     cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0, returned: Collection[str] = ()
 ) -> xr.Dataset:
-    """Every variable of the table, for so many cases, terms and edges of contact, with nothing in it yet.
+    """An empty dataset of all variables of the table, for so many cases, terms and edges of contact.
 
-    Optional variables are there if they are among the names that the methods return.
+    It has those optional variables whose names the methods return.
     """
     sizes = {
         "case": cases,
@@ -76,18 +76,18 @@ def blank(
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
-    """Write a netCDF file whole or not at all: under another name beside it first, then renamed.
+    """Write a netCDF file atomically: under a temporary name in the same folder, then renamed.
 
     Parameters
     ----------
     data : Dataset
-        What to write.
+        Data to write.
     path : path
         The file; its folder is made.
     title : str
-        One line for people.
+        Title in one line.
     step : str
-        What made the data, for the history of the file.
+        The step that made the data, for the history of the file.
     scene : str
         The scene file as text.
     """
@@ -98,14 +98,14 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Read a netCDF file of weier into memory; a ValueError if it is cut short or not of weier."""
+    """Read a netCDF file of weier into memory; ValueError if it is truncated or was not written by weier."""
     with reading(path) as data:
         return data.load()
 
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[xr.Dataset]:
-    """A netCDF file of weier, opened lazily and closed at the end; values that the disk has changed raise, too."""
+    """A netCDF file of weier, opened lazily and closed at the end; corrupted values raise an error, too."""
     with open_lazily(path) as data:
         try:
             yield data
@@ -116,7 +116,7 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
-    """A netCDF file of weier, opened; its values are read where they are asked for."""
+    """A netCDF file of weier, opened lazily: its values are read on access."""
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too
@@ -130,7 +130,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
 
 
 def open_dataset(path: str | Path) -> xr.Dataset:
-    """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read where they are needed.
+    """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read on access.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is cut short, or not of weier.
+        If it is truncated, or was not written by weier.
 
     Examples
     --------
@@ -163,14 +163,14 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
     data = open_lazily(path)
-    if not set(NEEDED) <= data.variables.keys():  # of other measurements than curves
+    if not set(NEEDED) <= data.variables.keys():  # of a file without curves
         return data
     try:
         named = name_cases(as_cases(data))
     except BaseException:
         data.close()
         raise
-    named.set_close(data.close)  # xarray lets go of the file where it makes one dataset of another
+    named.set_close(data.close)  # xarray loses the file when a dataset is derived from another.
     return named
 
 

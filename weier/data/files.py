@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, whatever happens to the process, the disk or the clock."""
+"""Atomic writing of files, and recovery from killed processes, full disks and wrong clocks."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+# The names of temporary files of `replacing`.
 LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
-PROBE = 2**20  # bytes that show why a file could not be written
+PROBE = 2**20  # Writing so many bytes again yields the error that netCDF hides, such as a full disk.
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A path to write beside the real one, which it replaces when all went well and leaves alone otherwise.
+    """A temporary path in the same folder, which replaces the given one unless an error is raised.
 
-    The folder is made where there is none; a link is followed.
+    A missing folder is made, and a link is followed.
     """
     check_target(path)
     path = Path(os.path.realpath(path))
@@ -30,7 +31,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield beside
         os.replace(beside, path)
-    except (OSError, RuntimeError) as error:  # of netCDF, which calls a full disk "HDF error" or "Permission denied"
+    except (OSError, RuntimeError) as error:  # netCDF calls a full disk "HDF error" or "Permission denied".
         _check_space(beside, path)
         if isinstance(error, OSError) and str(error.filename) == str(beside):  # as where the path is a folder
             raise _unwritable(path, error) from None
@@ -41,13 +42,13 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a file of text, and the folder that it stands in."""
+    """Write a text file atomically, and make its folder if it is missing."""
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
 
 
 def check_target(path: str | Path) -> None:
-    """Refuse a path that no file can have, such as that of a folder or a device, or one below a file."""
+    """Refuse a path at which no file can be written: a folder, a device, or a path below a file."""
     path = Path(path)
     try:
         folder = next(parent for parent in path.absolute().parents if parent.exists())
@@ -67,13 +68,13 @@ def check_target(path: str | Path) -> None:
 
 
 def check_writable(folder: str | Path) -> None:
-    """Refuse to start where nothing can be written."""
+    """Refuse a folder that cannot be written to."""
     if Path(folder).exists() and not os.access(folder, os.W_OK):
         raise OSError(f"{folder} cannot be written to: open it for writing, or work in a copy of the checkout")
 
 
 def remove_leftovers(folder: str | Path) -> None:
-    """Remove what processes of this machine that were killed had half written below a folder."""
+    """Remove temporary files below a folder that killed processes of this machine have left."""
     for path in Path(folder).rglob(".*"):
         leftover = LEFTOVER.fullmatch(path.name)
         if leftover and leftover["host"] == _host() and not _runs(int(leftover["process"])):
@@ -81,7 +82,7 @@ def remove_leftovers(folder: str | Path) -> None:
 
 
 def bring_to_present(*folders: str | Path) -> None:
-    """Give files that are dated in the future the time of now: a clock that went back leaves them new for ever."""
+    """Set file times in the future to now: files dated before a clock reset would seem up to date for ever."""
     now = time.time()
     for folder in folders:
         for path in Path(folder).rglob("*"):
@@ -93,7 +94,7 @@ def bring_to_present(*folders: str | Path) -> None:
 def _runs(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except OSError as error:  # one of another user may not be asked
+    except OSError as error:  # A process of another user may not be signalled, but it runs.
         return isinstance(error, PermissionError)
     return True
 
@@ -103,7 +104,7 @@ def _host() -> str:
 
 
 def _check_space(beside: Path, path: Path) -> None:
-    """Say why nothing can be written, if that is so."""
+    """Raise an error with the reason if nothing can be written."""
     try:
         with beside.open("ab") as file:
             file.write(bytes(PROBE))
@@ -112,5 +113,5 @@ def _check_space(beside: Path, path: Path) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> OSError:
-    """The error in terms of the file that was asked for, not of the one beside it."""
+    """The error with the name of the given file in place of the temporary one."""
     return OSError(f"{path} cannot be written: {error.strerror}; mend that and run again")

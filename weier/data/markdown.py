@@ -1,4 +1,4 @@
-"""Markdown: tables, and text that stays as it is."""
+"""Markdown tables, and escaped text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table, a line a row, of cells that are Markdown."""
+    """A table of cells that are Markdown, one line per row."""
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *rows))
 
 

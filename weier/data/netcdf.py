@@ -1,10 +1,10 @@
-"""Datasets as netCDF-4 files, made first and filled block by block, so that a file may be larger than memory.
+"""Datasets as netCDF-4 files, created first and filled block by block, so that a file may be larger than memory.
 
 Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed read
 in 0.24 s: with chunks of 256 cases of one method and deflate 1 they take 9.2 MB, 0.40 s to write, 0.16 s to read,
 5.5 ms for one method of all cases and 4 ms for one case. Deflate 4 saves 4 % and takes twice as long to write; a
-chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that could be measured, and shows
-what a disk has changed. A variable takes 4 to 6 kB by itself, which is most of a file of one case: 3 for the index of
+chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that could be measured, and detects
+corruption on disk. A variable takes 4 to 6 kB by itself, which is most of a file of one case: 3 for the index of
 its chunks, 1 for its header, and 2 where it has more than six attributes. One without values has no chunks, and so no
 index.
 """
@@ -25,22 +25,23 @@ from weier.data.variables import VARIABLES, ancillary
 if TYPE_CHECKING:
     import xarray as xr
 
-CHUNK_CASES = 256
-CHUNK_BYTES = 2**19  # a case of many contact edges is large by itself
-CACHE_BYTES = 2**22  # a variable: the library's 16 MB for each would be most of the memory that is taken
-DEFLATE: Final = 1
+CHUNK_CASES = 256  # The measurements above compare other chunks.
+CHUNK_BYTES = 2**19  # Chunks are smaller than CHUNK_CASES where a case has many contact edges.
+CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
+DEFLATE: Final = 1  # Higher levels take twice as long to write, as measured above.
+# The lengths of texts in the table of variables, in bytes.
 WIDTHS = {name: int(entry.dtype[1:]) for name, entry in VARIABLES.items() if entry.dtype.startswith("U")}
 
 
 def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], widths: Mapping[str, int]) -> None:
-    """Give an empty file the dimensions, variables and attributes of a dataset, but the values.
+    """Give an empty file the dimensions, variables and attributes of a dataset, without values.
 
     Parameters
     ----------
     file : netCDF4.Dataset
         Open for writing.
     like : Dataset
-        What the file will look like.
+        Dataset with the dimensions, variables and attributes of the file.
     sizes : mapping of int
         Sizes of dimensions that are to be larger than in `like`, such as all cases.
     widths : mapping of int
@@ -64,7 +65,7 @@ def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) ->
 
 
 def check_whole(path: str | Path) -> None:
-    """Refuse a file that is missing, cut short or not of weier; its values are not read."""
+    """Refuse a file that is missing, truncated or not of weier; its values are not read."""
     try:
         with netCDF4.Dataset(path) as file:
             names, program = list(file.variables), getattr(file, "program", "")
@@ -80,14 +81,14 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
 
 
 def damaged_error(path: str | Path, error: Exception) -> Exception:
-    """What to raise for a file that cannot be read."""
+    """The error to be raised for a file that cannot be read."""
     if not str(path).isprintable() or not Path(path).is_file():
         return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
 
 
 def text_widths(data: xr.Dataset) -> dict[str, int]:
-    """Bytes of the longest text in each variable of text: for those of the table, what the table says."""
+    """Bytes of the longest text in each variable of text: the table gives those of its own variables."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
     return {name: WIDTHS.get(name) or _encoded(values.values).itemsize for name, values in texts.items()}
 
@@ -129,7 +130,7 @@ def _chunks(dims: list[str], shape: list[int], itemsize: int) -> list[int]:
 
 
 def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
-    """Name the coordinates of each variable as CF does, those of none in the file's own attribute as xarray does."""
+    """Write the attribute `coordinates` of variables as in CF, and that of the file for the others as in xarray."""
     auxiliary = sorted(str(name) for name in data.coords if name not in data.dims)
     related = set()
     for name, values in data.data_vars.items():
@@ -143,12 +144,12 @@ def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
 
 
 def _missing(file: netCDF4.Dataset, name: str, values: xr.Variable) -> bool:
-    """Whether all values are what the file holds where nothing is written."""
+    """Whether all values are the fill value, so that nothing has to be written."""
     return "_FillValue" in file[name].ncattrs() and bool(np.isnan(values.values).all())
 
 
 def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[Any]:
-    """The values as the file has them: of texts the characters, along a dimension of their own."""
+    """The values as stored in the file: texts are characters along a dimension of their own."""
     if values.dtype.kind not in "UO":
         return values.values
     file[name].set_auto_chartostring(False)
@@ -159,9 +160,9 @@ def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[An
 
 
 def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Texts as UTF-8, each as many bytes as the longest has; a ValueError if one is no text."""
+    """Texts in UTF-8, padded to the length of the longest; ValueError if a value is not a text."""
     try:
         return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))
-    except (TypeError, ValueError):  # NumPy's words do not have the value
+    except (TypeError, ValueError):  # The message of NumPy does not name the value.
         wrong = next((text for text in texts.flat if not isinstance(text, str)), texts)
         raise ValueError(f"a variable of text must hold text only, got {wrong!r:.80}") from None

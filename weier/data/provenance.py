@@ -1,4 +1,4 @@
-"""Where a file comes from: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
+"""Provenance of a file: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
 
 The dates are those of the run. Where the environment sets SOURCE_DATE_EPOCH, they are that second, and the same scene
 and program make the same bytes.
@@ -33,7 +33,7 @@ KEYWORDS = "contact mechanics, contact resistance, contact stiffness, rough surf
 DEVELOPERS = "The weier developers"
 VERSION = "0.1.0"
 
-# The attributes that all files share.
+# The attributes that all files have in common.
 FIXED = {
     "Conventions": "CF-1.11, ACDD-1.3",
     "summary": SUMMARY,
@@ -66,13 +66,13 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
     Parameters
     ----------
     title : str
-        One line for people.
+        Title in one line.
     step : str
-        What made the file, for its history.
+        The step that made the file, for its history.
     scene : str
         The scene file as text.
     before : iterable of str
-        Histories of the files that it is made from; lines that they share stand once.
+        Histories of the input files; lines in common appear once.
     """
     made, (date, dating) = commit(), run_date()
     software = f"weier {VERSION}" + (f", commit {made}" if made else "")
@@ -91,7 +91,7 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
 
 
 def run_date() -> tuple[str, str]:
-    """The date of this run in ISO 8601, or the one that SOURCE_DATE_EPOCH gives it, and which it is in a sentence."""
+    """The date of this run or of SOURCE_DATE_EPOCH in ISO 8601, and a sentence that says which of the two it is."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         date = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.now(UTC)
@@ -109,7 +109,7 @@ def of_results(title: str = "") -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, str]:
-    """The versions of what computes: of Python, NumPy, numba and weier, and its commit in a checkout."""
+    """The versions of Python, NumPy, numba and weier, and the commit in a checkout."""
     from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
 
     made = commit()
@@ -123,8 +123,8 @@ def versions() -> dict[str, str]:
 
 @cache
 def commit() -> str:
-    """The commit of the checkout, empty outside of one; it says so where files of the package were changed since."""
-    if not (PACKAGE.parent / ".git").exists():  # not the repository of whoever installed weier into theirs
+    """The commit of the checkout, with a note if the package has uncommitted changes; empty outside of a checkout."""
+    if not (PACKAGE.parent / ".git").exists():  # A parent repository, in which weier is installed, does not count.
         return ""
     name, changed = _git("rev-parse", "HEAD"), _git("status", "--porcelain", "--", PACKAGE.name)
     return f"{name} with changes" if name and changed else name

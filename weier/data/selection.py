@@ -1,4 +1,4 @@
-"""Curves as people look for them: `data.weier.cases` selects by D, gamma, m, phases and study, and `table` has rows.
+"""Selection of curves: `data.weier.cases` selects by D, gamma, m, phases and study, and `table` is a DataFrame.
 
 Importing this module gives every `xarray.Dataset` the accessor `weier`.
 """
@@ -22,16 +22,17 @@ from weier.theory.profile import PARAMETERS, Profile, checked_ratio
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 
-CLOSE = 1e-9  # relative: 0.1 typed is 0.1 stored, whatever arithmetic it came from
-MAX_VALUES_IN_MESSAGE = 10  # values that a message lists
+CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
+MAX_VALUES_IN_MESSAGE = 10  # A message lists at most so many values, to stay short.
+# A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "phases", "solution_method", "mean_pressure")
 
 Ratio = int | float | str | Fraction
 
 
 @xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]  # of xarray
-class Curves:
-    """What weier adds to an `xarray.Dataset` of curves, as `data.weier`."""
+class CurvesAccessor:
+    """The methods that `data.weier` adds to an `xarray.Dataset` of curves."""
 
     def __init__(self, data: xr.Dataset) -> None:
         self._data = data
@@ -115,12 +116,12 @@ class Curves:
 
 
 def as_cases(data: xr.Dataset) -> xr.Dataset:
-    """Curves over all of case, solution_method and mean_pressure: what was selected away comes back with one value.
+    """Curves over case, solution_method and mean_pressure; missing dimensions are added with size 1.
 
     Raises
     ------
     ValueError
-        If the dataset lacks what describes a curve, or holds something else under its name.
+        If a variable that describes a curve is missing or has the wrong type.
     """
     for name in NEEDED:
         kind = data.variables[name].dtype.kind if name in data.variables else "nothing"
@@ -137,7 +138,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
 
 
 def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
-    """A variable along a dimension of one value, if it has that one in the table; a label has that of cases."""
+    """A variable with the dimension added, if the table has it; labels outside the table have the dimension case."""
     dims = VARIABLES[name].dims if name in VARIABLES else ("case",) if variable.ndim == 0 else ()
     if dim not in dims:
         return variable
@@ -191,9 +192,9 @@ def name_cases(data: xr.Dataset) -> xr.Dataset:
 
 
 def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
-    """A name for each case: its study, D, gamma, m, seed or phases, and settings that differ, but for some labels.
+    """A name for each case: its study, D, gamma, m, seed or phases, and settings that differ, except labels in `but`.
 
-    A trace is named by its file and its digest, from which all the rest follows.
+    A trace is named by its file and its digest, which determine all else.
     """
     first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
     others = [name for name in _labels(data) if name not in ("key", "case", *first) and not name.startswith("trace_")]
@@ -217,7 +218,7 @@ def _case_name(labels: Mapping[str, str]) -> str:
 
 
 def label_text(value: Any) -> str:
-    """A label as text: none where it is missing; of phases one, where all terms but the first have it."""
+    """A label as text, empty if it is missing; phases are one number if all terms but the first have it."""
     if np.ndim(value):
         known = value[np.isfinite(value)]
         alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
@@ -228,25 +229,25 @@ def label_text(value: Any) -> str:
 
 
 def _list(name: str, wanted: Any) -> list[Any]:
-    """What was asked for as a list; an empty one asks for nothing, and would be given nothing."""
-    listed = isinstance(wanted, list | tuple) or bool(getattr(wanted, "shape", ()))  # as of an array of any library
+    """The wanted values as a list; ValueError if it is empty, since it would select nothing."""
+    listed = isinstance(wanted, list | tuple) or bool(getattr(wanted, "shape", ()))  # an array of any library
     if listed and len(wanted) == 0:
         raise ValueError(f"{name} must have a value to select by, got an empty list")
     return list(wanted) if listed else [wanted]
 
 
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
-    """Whether each case has one of the values that are wanted; a text may be one of several with commas between."""
-    known = [each for each in _labels(data) if each != "case"]
+    """Whether each case has one of the wanted values; a text label may hold several, separated by commas."""
+    known = [label for label in _labels(data) if label != "case"]
     if name not in known:
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
     labels = data[name].values
     if labels.dtype.kind in "UOT":
-        texts = [json.dumps(each) if isinstance(each, bool) else each for each in wanted]
+        texts = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
         fits = np.array([[text in str(label).split(", ") for text in texts] for label in labels])
     else:
-        numbers = np.array([_number(name, each) for each in wanted])
-        # Equal first: inf is close to nothing.
+        numbers = np.array([_number(name, value) for value in wanted])
+        # Equality is tested as well, for inf.
         fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
     if not fits.any(axis=0).all():
         absent = wanted[int(np.argmin(fits.any(axis=0)))]
@@ -274,7 +275,7 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     else:
         expected = np.pad(given, (0, terms - given.size), constant_values=np.nan)
     near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True)
-    # A number is the phase of as many terms as there are.
+    # A single number is the phase of all terms that a case has.
     fits: Flags = (near | (np.isnan(phases) & (given.ndim == 0))).all(axis=1) | np.isinf(data["m"].values)
     if not fits.any():
         raise ValueError(f"no case has phases = {given.tolist()}: they are in the coordinate phases(case, term)")
@@ -282,7 +283,7 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _some(values: NDArray[Any]) -> str:
-    """The values of a label, each once; a text may be several with commas between."""
+    """The distinct values of a label; a text may hold several, separated by commas."""
     if values.dtype.kind in "UOT":
         values = np.array([part for text in values for part in str(text).split(", ")])
     texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]

@@ -1,6 +1,6 @@
-"""The one table of variables: what each means, and which steps and figures show it.
+"""The table of all variables: their meaning, dimensions and units, and the files, figures and pages that have them.
 
-To add a variable, add a row: batches, files, figures and pages find it here.
+To add a variable, add a row: batches, files, figures and pages are derived from the table.
 """
 
 from __future__ import annotations
@@ -13,29 +13,32 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+# Dimensions of variables.
 CURVE = ("case", "solution_method", "mean_pressure")
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
-ROUNDING = 1e-9  # of heights, in g_0: where a difference is 0, rounding may leave a number as negative as this
+ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as negative as this.
+# Texts that several comments have in common.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
-ERROR = "{} Other methods state an estimate: the documentation says how many numbers are within it."
+ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
     "By contact patches it is a proved bound, from the contact conditions that their solution violates; by boundary "
     "elements a bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
-PHYSICAL = ("rad", "s", "m")  # units of UDUNITS among those of the table
+PHYSICAL = ("rad", "s", "m")  # These units of the table are units of UDUNITS, which CF requires.
+# Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
-# Other files than those of a scene, which keep some of the variables.
+# Files of measurements of the methods, which have some of the variables.
 TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
 MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
 class Status(IntEnum):
-    """Why a curve is there, or is not.
+    """The status of a curve: solved, or the reason why it is missing.
 
-    partly_solved : at some loads the tolerance was missed, and its numbers are missing
+    partly_solved : the tolerance was missed at some loads, whose numbers are missing
     """
 
     solved = 0
@@ -46,10 +49,10 @@ class Status(IntEnum):
 
 
 class Check(IntEnum):
-    """Whether something is as it should be, a claim of the paper or a curve at the extremes: flags of a file.
+    """The result of a check, of a claim of the paper or of a curve at the extremes: flags of a file.
 
-    not_measured : the data lack what is needed
-    not_decided : the data have it, and leave the question open
+    not_measured : the data lack what the check needs
+    not_decided : the data are there, and do not decide the question
     """
 
     no = 0
@@ -59,26 +62,26 @@ class Check(IntEnum):
 
     @classmethod
     def of(cls, holds: bool | None) -> Check:
-        """The check of what holds, does not, or could not be measured (None)."""
+        """The result of a condition that holds, does not hold, or could not be measured (None)."""
         return cls.not_measured if holds is None else cls(holds)
 
     @property
     def text(self) -> str:
-        """In words for people."""
+        """The result in words."""
         return self.name.replace("_", " ")
 
 
 class Variable(NamedTuple):
-    """What a variable means, and where there is such a variable.
+    """The description of a variable, and the files that have it.
 
-    dims, long_name : its dimensions and what it is
-    unit, symbol : what it is normalised by, and the symbol of the paper
-    dtype, least, most, flags : its type ("O" for texts of any length) and range, or what its numbers stand for
-    comment : what is to be known beside the long name, which stands at axes
-    content : what kind of thing it is, in the words of ISO 19115
-    optional : whether only files of methods that return it have it; seconds, which differ from run to run, stand
-        in batches alone
-    files : which files beside those of a scene keep it
+    dims, long_name : its dimensions and meaning
+    unit, symbol : the unit of its normalisation, and the symbol of the paper
+    dtype, least, most, flags : its type ("O" for texts of any length) and range, or the meaning of its numbers
+    comment : details beyond the long name, which labels axes
+    content : the kind of its content, in the terms of ISO 19115
+    optional : whether only files of methods that return it have it; seconds, which differ from run to run, are in
+        batches only
+    files : the files beside those of a scene that have it
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
     largest : its name in a page's table of the largest errors of each method, if it stands there
@@ -102,8 +105,8 @@ class Variable(NamedTuple):
 
 
 BOUND = (
-    "It follows from the bounds theorem, and is as much wider as the solution of the terms that are kept may be off: "
-    "contact patches and boundary elements state a bound on that."
+    "It follows from the bounds theorem, widened by the error of the solution of the truncated series, on which "
+    "contact patches and boundary elements state a bound."
 )
 OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
@@ -231,7 +234,7 @@ VARIABLES = {
     ),
     "status": Variable(
         RUN,
-        "whether and why there is a curve",
+        "whether there is a curve, or why not",
         dtype="i1",
         flags=Status,
         content=QUALITY,
@@ -246,7 +249,7 @@ VARIABLES = {
     ),
     "planned_terms": _planned(LOAD_DIMS, "terms that the method chosen by the plan models", least=1),
     "planned_points": _planned(LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1),
-    "planned_seconds": _planned(("case",), "time that the plan expects all loads to take on one core", "s", least=0),
+    "planned_seconds": _planned(("case",), "time that the plan expects for all loads on one core", "s", least=0),
     "planned_error": _planned(
         ("case",),
         "largest error that the plan expects, an estimate",
@@ -263,7 +266,7 @@ COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content =
 
 
 def variables_of_file(file: str) -> list[str]:
-    """The variables that a file keeps: TRADEOFF, EXTREMES or CONVERGENCE."""
+    """The variables of a file: TRADEOFF, EXTREMES or CONVERGENCE."""
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
@@ -279,11 +282,11 @@ def of_curves(returned: Collection[str], edges: bool) -> list[str]:
 def blank(
     name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
 ) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    """Dimensions, values and attributes of a variable with nothing in it yet."""
+    """Dimensions, empty values and attributes of a variable."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
     nothing = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
-    # Text of any length in memory: an array of a fixed width would cut what a file refuses.
+    # Texts have any length in memory, since an array of fixed width would truncate texts that a file refuses.
     values = np.full(shape, nothing, object if nothing == "" else entry.dtype)
     return entry.dims, values, attributes(name, table)
 
@@ -293,7 +296,7 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
     entry = table[name]
     known: dict[str, Any] = {"long_name": entry.long_name, "coverage_content_type": entry.content}
     if entry.unit in PHYSICAL:
-        known["units"] = entry.unit  # of UDUNITS, as CF asks; what has no dimension needs none
+        known["units"] = entry.unit  # of UDUNITS, as CF requires; dimensionless variables need none
     elif entry.unit != "1":
         known["unit"] = entry.unit  # which xarray writes at axes, too
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
@@ -304,12 +307,12 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
 
 
 def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
-    """The attribute of a quantity that names what says how good it is among the variables of a file, as CF has it."""
+    """The attribute in which CF lists the variables of a file on the quality of a quantity."""
     names = (*(f"{name}_{part}" for part in ("error", "deviation", "lower", "upper")), "residual", "status")
     related = [other for other in names if name in QUANTITIES and other in present]
     return {"ancillary_variables": " ".join(related)} if related else {}
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:
-    """The attributes that say what the numbers of a variable stand for, by the CF conventions."""
-    return {"flag_values": np.array(list(meanings), "i1"), "flag_meanings": " ".join(each.name for each in meanings)}
+    """The attributes with the meaning of the numbers of a variable, by the CF conventions."""
+    return {"flag_values": np.array(list(meanings), "i1"), "flag_meanings": " ".join(flag.name for flag in meanings)}

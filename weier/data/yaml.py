@@ -1,4 +1,4 @@
-"""YAML as plain values: what a hand writes, and nothing that runs, grows without end or hides a second meaning."""
+"""YAML as plain values: no objects, no aliases that grow without bound, no duplicate keys."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import yaml
 
 from weier.theory.arguments import checked_number, shown
 
-MAX_CHARACTERS = 10**6  # characters of a file
-MAX_VALUES = 10**6  # values of one, after each alias is written out
+MAX_CHARACTERS = 10**6  # A file has at most so many characters, which bounds time and memory.
+MAX_VALUES = 10**6  # A file has at most so many values after aliases are expanded, for the same reason.
+# The only kinds of keys are texts and the merge key "<<".
 KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
 
 
@@ -19,6 +20,7 @@ class _Loader(yaml.SafeLoader):
     """Plain values as in YAML 1.2: by YAML 1.1, PyYAML reads 012 as 10, 1:30 as 90, on as true, and 1e-3 as text."""
 
 
+# Patterns of plain values in the core schema of YAML 1.2.
 PLAIN_VALUES = {
     "null": r"~|null|Null|NULL|",
     "bool": r"true|True|TRUE|false|False|FALSE",
@@ -33,13 +35,13 @@ _Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(node.v
 
 
 class Document(NamedTuple):
-    """A YAML text: its plain values, and the nodes that know in which lines they stand."""
+    """A YAML text: its plain values, and its nodes with their line numbers."""
 
     values: Any
     root: yaml.Node | None
 
     def line(self, keys: Sequence[str | int]) -> int:
-        """The line of the value that these keys lead to, or of the last of them that there is; the first is 1."""
+        """The line of the value at these keys, or of the last key that exists; the first line is 1."""
         node, mark = self.root, self.root.start_mark if self.root else None
         for key in keys:
             found = _child(node, key)
@@ -50,7 +52,7 @@ class Document(NamedTuple):
 
 
 def parse_yaml(text: str) -> Any:
-    """A YAML text as plain values: no objects, no keys given twice, no alias that grows without bound."""
+    """A YAML text as plain values; objects, duplicate keys and aliases that grow without bound are refused."""
     return read_yaml(text).values
 
 
@@ -73,7 +75,7 @@ def read_yaml(text: str) -> Document:
 
 
 def number(name: str, value: Any) -> float:
-    """A number, be it written as text; a ValueError if it is none, or too large for a float."""
+    """A number, which may be given as text; ValueError if it is none, or too large for a float."""
     if not isinstance(value, str):
         return checked_number(name, value)
     try:
@@ -83,7 +85,7 @@ def number(name: str, value: Any) -> float:
 
 
 def _size(node: yaml.Node | None, known: dict[int, int]) -> int:
-    """How many values a node stands for, each alias written out; a node within itself never ends."""
+    """The number of values of a node with aliases expanded; a node that contains itself raises RecursionError."""
     if id(node) not in known:
         children = _checked_children(node)
         known[id(node)] = 1 + sum(_size(child, known) for child in children)
@@ -93,7 +95,7 @@ def _size(node: yaml.Node | None, known: dict[int, int]) -> int:
 
 
 def _checked_children(node: yaml.Node | None) -> list[yaml.Node]:
-    """The nodes within a node; a ValueError if a key is no word, or stands twice."""
+    """The child nodes of a node; ValueError if a key is not a text, or is duplicate."""
     if isinstance(node, yaml.MappingNode):
         seen = set[str]()
         for key, _ in node.value:
@@ -101,14 +103,14 @@ def _checked_children(node: yaml.Node | None) -> list[yaml.Node]:
             if key.tag not in KEY_TAGS or not isinstance(key, yaml.ScalarNode):
                 raise ValueError(f"a key must be a word, got another kind of value in line {line}")
             if key.value in seen:
-                raise ValueError(f"line {line}: the key {key.value!r} stands twice in one place")
+                raise ValueError(f"line {line}: the key {key.value!r} occurs twice")
             seen.add(key.value)
         return [child for pair in node.value for child in pair]
     return node.value if isinstance(node, yaml.SequenceNode) else []
 
 
 def _child(node: yaml.Node | None, key: str | int) -> tuple[yaml.Mark, yaml.Node] | None:
-    """Where a key of a mapping or an item of a list stands, and its value; keys that were merged in stand first."""
+    """The position of a key of a mapping or an item of a list, and its value; merged keys come first."""
     if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
     pairs = node.value if isinstance(node, yaml.MappingNode) else []

@@ -1,8 +1,8 @@
 """Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
 
 A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. If draw also takes
-`grouping`, a scene may say which parameter sets the colour, the panel and so on. Figures may use data, theory,
-methods, scene, pipeline and accuracy, but not the command line.
+`grouping`, a scene may choose the parameters of colours, panels and medians. This folder may import all others except
+the command line.
 
 The constants of the modules are read from their text, so that the kinds can be listed without importing matplotlib,
 which takes longer than all the rest.
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
+# Backends without windows; matplotlib chooses the first of them if there is no display.
 WITHOUT_WINDOWS = {
     "agg",
     "cairo",
@@ -35,7 +36,7 @@ WITHOUT_WINDOWS = {
     "ps",
     "svg",
     "template",
-}  # backends; matplotlib takes the first where there is no display
+}
 
 
 class FigureKind(NamedTuple):
@@ -45,9 +46,9 @@ class FigureKind(NamedTuple):
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
-    grouped : whether a scene may say by which parameters it is drawn
+    grouped : whether a scene may choose its parameters
     units : whether it can be drawn in SI units
-    needs_studies : whether it shows studies at all
+    needs_studies : whether it shows studies
     """
 
     caption: str
@@ -60,16 +61,20 @@ class FigureKind(NamedTuple):
 
 
 def kinds() -> dict[str, FigureKind]:
-    """All kinds of figures, by the names of their modules."""
+    """All kinds of figures by the names of their modules."""
     texts = {path.stem: path.read_text(encoding="utf-8") for folder in __path__ for path in Path(folder).glob("*.py")}
     return {name: kind for name, text in sorted(texts.items()) if (kind := _kind(text))}
 
 
-@cache  # a scene has the caption of each of its figures
+@cache  # A scene needs the captions of all its figures.
 def _kind(module: str) -> FigureKind | None:
-    """The kind of figure that a module of this text draws, if it draws any."""
+    """The kind of figure of a module with this text; None if it is no kind of figure."""
     tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")
-    assigned = {ast.unparse(each.targets[0]): each.value for each in tree.body if isinstance(each, ast.Assign)}
+    assigned = {
+        ast.unparse(statement.targets[0]): statement.value
+        for statement in tree.body
+        if isinstance(statement, ast.Assign)
+    }
     constants: list[Any] = [ast.literal_eval(assigned[name]) if name in assigned else "" for name in names]
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
     keywords = (name in drawn for name in ("grouping", "interface", "studies"))
@@ -84,19 +89,19 @@ def draw(
     Parameters
     ----------
     wanted : weier.scene.Figure
-        What to draw, one of `kinds()`, and how. Curves of a trace in SI units are in those of its own length and
-        height, whatever lambda_0 and g_0 the interface has.
+        Description of the figure, one of `kinds()`. In SI units, curves of a trace have the scale of the trace in
+        place of lambda_0 and g_0 of the interface.
     studies : sequence of Dataset
-        What the figure shows, over case, solution_method, mean_pressure and term.
+        Data over case, solution_method, mean_pressure and term.
     path : path
-        Where to write: its suffix is replaced by those of the formats.
+        Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str
         Some of pdf, svg and png.
 
     Raises
     ------
     ValueError
-        If there is no such kind, the studies are of another kind, or they hold nothing that it could show.
+        If there is no such kind, or the studies do not contain what it shows.
 
     """
     import matplotlib.style
@@ -109,7 +114,7 @@ def draw(
 
 
 def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
-    """Show one figure in a window until it is closed; whether there is a display to show it on."""
+    """Show one figure in a window until it is closed; False if there is no display."""
     import matplotlib.pyplot as plt
     import matplotlib.style
 
@@ -127,7 +132,7 @@ def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
 
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
-    """The figure in the style that is set; a ValueError says why there is none."""
+    """The figure in the current style; ValueError with the reason if it cannot be drawn."""
     known = kinds()
     if wanted.draw not in known:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")
@@ -146,13 +151,13 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
 
 
 def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
-    """Save a figure in the style that is set, in several formats beside each other."""
+    """Save a figure in the current style, in several formats."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    FigureCanvasAgg(drawn)  # measures texts, of which each takes milliseconds, once for the layout and for PNG
+    FigureCanvasAgg(drawn)  # One canvas caches the sizes of texts for the layout and for PNG.
     if engine := drawn.get_layout_engine():
         engine.execute(drawn)
-    drawn.set_layout_engine(None)  # it is laid out by now: with any engine, saving would draw twice for each format
+    drawn.set_layout_engine(None)  # With a layout engine, each format would be drawn twice.
     for suffix in formats:
         with replacing(Path(path).with_suffix(f".{suffix}")) as file:
             drawn.savefig(file, format=suffix, metadata=METADATA[suffix])

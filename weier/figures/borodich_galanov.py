@@ -1,4 +1,4 @@
-"""Fig. 9: bounds on the stiffness of the self-similar punch of Borodich and Galanov, Appendix B. It needs no data."""
+"""Fig. 9: bounds on the stiffness of the self-similar punch of Borodich and Galanov, Appendix B; without data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CAPTION = (
     "its roughness (Appendix B). Both bounds meet at the smooth punch, and the upper one grows without limit."
 )
 
-MAX_STIFFNESS = 4.0  # k/k_H, where the axis ends: the upper bound grows without limit as epsilon -> 1
+MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis, since the upper bound tends to infinity as epsilon -> 1.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

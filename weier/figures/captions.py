@@ -1,4 +1,4 @@
-"""The caption of a figure of a scene: its title, and the words of its kind."""
+"""The caption of a figure of a scene: its title, and the caption of its kind."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.theory.profile import PARAMETERS
 
+# Names of parameters in sentences.
 NOUNS = {name: name for name in PARAMETERS}
 NOUNS |= {"method": "the method", "trace": "the trace", "phases": "the phases", "seed": "the seed of the phases"}
-PLURALS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}  # of what is no number
+# Plurals of the parameters that have names in place of symbols.
+PLURALS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}
 
 
 class Caption(NamedTuple):
-    """The name of a figure for people, the text below it, and one line for readers who cannot see it."""
+    """The name of a figure, the text below it, and one line of alternative text."""
 
     name: str
     text: str
@@ -41,21 +43,21 @@ def caption(scene: Scene, name: str) -> Caption:
 
 
 def _describe_tolerance(drawn: str, plans: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A sentence on what the planned numbers of a quantity are within; none where nothing is planned."""
+    """A sentence with the tolerance of planned curves of a quantity; none without plans."""
     if drawn not in QUANTITIES or not plans:
         return []
     settings = [all_settings(find_method(PLANNED), plan) for plan in plans]
     if other := [plan["quantity"] for plan in settings if plan["quantity"] != drawn]:
         return [
-            f"The plan keeps a tolerance of the {other[0]} and none of the {drawn}: how far this may be off at each "
-            f"load is in {drawn}_error of the data."
+            f"The plan meets a tolerance of the {other[0]} and none of the {drawn}, whose error at each load is in "
+            f"{drawn}_error of the data."
         ]
     unit = "g_0" if drawn == COMPLIANCE else "of the larger of itself and 1 g_0/p_0*"
     return [f"The planned {drawn} is within {max(plan['tolerance'] for plan in settings):g} {unit}."]
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
-    """Sentences that say what panels, colours, lines and bands show."""
+    """Sentences that describe panels, colours, lines and bands."""
     facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet if name in NOUNS]
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]

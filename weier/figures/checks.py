@@ -1,4 +1,4 @@
-"""Scenes with their figures and claims checked: what cannot be drawn or judged is reported before any is solved."""
+"""Checks of the figures and claims of scenes, before anything is solved."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from weier.theory.profile import PARAMETERS
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file and check all of it, as `snakemake` and `weier plan` do: what it solves, draws and claims.
+    """Read a scene file and check its cases, figures and claims, as `snakemake` and `weier plan` do.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def load_scene(path: str | Path) -> Scene:
     Returns
     -------
     Scene
-        With its cases, loads, figures and claims. `weier.plan` says what it costs.
+        The scene with its cases, loads, figures and claims. `weier.plan` returns its cost.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
 
 
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
-    """What keeps the figures of a scene from being drawn, or would draw curves that cannot be distinguished."""
+    """Mistakes in the figures of a scene, including curves that could not be distinguished."""
     for name, figure in loaded.figures.items():
         for key, text in [*_wrong_keys(figure, loaded), *_wrong_formula(figure.title)]:
             yield Mistake(("figures", name, *([key] if key else [])), text)
@@ -59,12 +59,13 @@ def check_figures(loaded: Scene) -> Iterator[Mistake]:
 
 def check_claims(loaded: Scene) -> Iterator[Mistake]:
     """Claims of traces: all claims are about the series."""
-    traces = {name for name, study in loaded.studies.items() for each in study.products if "trace" in each.axes}
+    traces = {name for name, study in loaded.studies.items() for product in study.products if "trace" in product.axes}
     for name, studies in loaded.claims.items():
         for study in traces.intersection(studies):
             yield Mistake(("claims", name), f"claims are about the Weierstrass series, and {study} has a trace")
 
 
+# All checks of a scene beyond its cases.
 CHECKS = check_figures, claims.check_names, check_claims
 
 
@@ -88,7 +89,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         yield from (("", text) for text in _hidden(figure, products))
 
     def those(ability: str) -> str:
-        return " or ".join(name for name, each in known.items() if getattr(each, ability))
+        return " or ".join(name for name, kind in known.items() if getattr(kind, ability))
 
     if not kind.grouped and any("trace" in product.axes for product in products):
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {those('grouped')}"
@@ -101,7 +102,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
-    """What varies between the curves of a figure, and is not shown."""
+    """Messages on parameters that vary between the curves of a figure without being shown."""
     grouping = figure.grouping.of(sum(product.count for product in products))
     if hidden := grouping.hidden(_varying(products)):
         yield grouping.proposal(hidden)
@@ -112,12 +113,12 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
 
 
 def _varying(products: Sequence[CaseProduct]) -> list[str]:
-    """The parameters that have several values among the profiles of some products; phases are those of one m."""
+    """The parameters with several values among the profiles of some products; phases are compared for equal m."""
     found = {name: set[object]() for name in (*PARAMETERS, "trace")}
     phases: dict[float, set[str]] = {}
     for product in products:
         traces = product.axes.get("trace", ())
-        found["trace"].update([each["digest"] for each in traces] or [""])
+        found["trace"].update([trace["digest"] for trace in traces] or [""])
         if traces:
             continue
         for name in PARAMETERS:
@@ -131,9 +132,10 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
 
 
 def _wrong_formula(title: str) -> Iterator[tuple[str, str]]:
-    """Why matplotlib cannot typeset a title, if it cannot."""
+    """The reason why matplotlib cannot typeset a title, if there is one."""
     if "$" in title:
-        from matplotlib.mathtext import MathTextParser  # takes as long as all the rest, and few titles need it
+        # The import takes as long as all other checks, and few titles need it.
+        from matplotlib.mathtext import MathTextParser
 
         try:
             MathTextParser("path").parse(title)

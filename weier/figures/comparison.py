@@ -1,7 +1,7 @@
-"""Curves of many cases and methods by the parameters that a scene names: for colours, panels and medians.
+"""Curves of many cases and methods, with the colours, panels and medians that a scene chooses.
 
-So a figure of a sweep answers the question of the sweep: what does this parameter change? Where a scene names none,
-each case has a panel if there are few, and medians are taken over the phases of many.
+A figure of a sweep shows the effect of its parameters. By default, each of few cases has a panel, and curves of many
+cases are medians over the phases.
 """
 
 from __future__ import annotations
@@ -30,19 +30,20 @@ from weier.scene.figure import EACH_CASE
 from weier.theory.conduction import Interface, at_scale_of
 from weier.theory.profile import PARAMETERS
 
-TITLE_ROW = 0.2  # inches
-MAX_NAMED = 8  # values of a parameter in a legend
+TITLE_ROW = 0.2  # inches: the height of a line of the title.
+MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.
+# The looks of bands around medians, of a solid line that dashed ones of its colour cover, and of bands of stated
+# errors.
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
-BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}  # a solid line, where dashes of its colour may hide it
-STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}  # band of stated errors
-# A narrower band of stated errors, or one at a single load, hides behind its line: of the largest compliance, and of
-# the resistance there.
+BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
+STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
+# A narrower band of stated errors is hidden by its line: widths over the largest compliance, and over the resistance.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
-SURFACES = (*PARAMETERS, "trace")  # what distinguishes the surfaces of curves beside phases
+SURFACES = (*PARAMETERS, "trace")  # These distinguish the surfaces of curves beside phases.
 
 
-class Curve(NamedTuple):
-    """The values of one case by one method, the loads where they are drawn, and the parameters by name.
+class PlottedCurve(NamedTuple):
+    """A curve in a figure: its case and method, its loads and values, and its parameters by name.
 
     points : whether it is drawn as points beside a more accurate curve
     """
@@ -58,20 +59,20 @@ class Curve(NamedTuple):
 def compare(
     studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Interface | None = None
 ) -> tuple[Figure, Sequence[Axes], Sequence[xr.Dataset]]:
-    """The quantity in panels, colours and medians as a scene names them; in SI units if there is an interface.
+    """A figure of a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
 
     Returns
     -------
     figure : Figure
     panels : sequence of Axes
-        They share their axes, whose limits and scales are left to the caller.
+        They have common axes, whose limits and scales the caller sets.
     cases : sequence of Dataset
-        What is drawn.
+        The cases that are drawn.
 
     Raises
     ------
     ValueError
-        If there are no such curves, or some that could not be distinguished.
+        If there are no such curves, or some could not be distinguished.
 
     """
     cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
@@ -86,14 +87,14 @@ def compare(
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, of_each[1:]))
     of_all = {name: _values(drawn, name) for name in ("method", *SURFACES, "seed") if name not in grouping.facet}
     alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
-    shared = "" if grouping == EACH_CASE else _join(_title(drawn, *each) for each in alike.items())
+    shared = "" if grouping == EACH_CASE else _join(_title(drawn, *parameter) for parameter in alike.items())
     stated: dict[str, Patch] = {}
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
-        members = [each for each in drawn if tuple(each.parameters[name] for name in grouping.facet) == value]
+        members = [curve for curve in drawn if tuple(curve.parameters[name] for name in grouping.facet) == value]
         _draw(axes, members, drawn, grouping)
         if grouping.colour in ("", "method") and not grouping.median_over:
-            stated |= {each.method: band for each in members if (band := _draw_errors(axes, each, quantity))}
-        own = _join(_title(drawn, *each) for each in zip(grouping.facet, value, strict=True))
+            stated |= {curve.method: band for curve in members if (band := _draw_errors(axes, curve, quantity))}
+        own = _join(_title(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
     _add_legend(figure, panels, _legend(drawn, grouping) + list(stated.values()))
     if interface:  # a power of ten stands beside the title
@@ -107,8 +108,8 @@ def compare(
 
 def _curves(
     cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Interface | None
-) -> list[Curve]:
-    """All curves there are, in the units of their bodies and in the order in which they are drawn."""
+) -> list[PlottedCurve]:
+    """All curves, in normalised or SI units, in the order in which they are drawn."""
     numerical, found = numerical_names(), []
     traces = names_of_traces(cases)
     for position, (case, trace) in enumerate(zip(cases, traces, strict=True)):
@@ -119,19 +120,19 @@ def _curves(
         for method in case["solution_method"].values.tolist():
             beside = method in numerical and method != curves.numerical_method(case)
             points = beside and "method" not in grouping.facet
-            # A line between the loads is drawn while the resistance is the slope of the compliance.
+            # The line between the loads uses both quantities before their conversion to SI units.
             drawn = (lines.points if points else lines.line)(case, quantity, method)
             if drawn:
                 loads, values = (own * unit for own, unit in zip(drawn, units, strict=True))
-                found.append(Curve(shown, method, loads, values, points, parameters | {"method": method}))
+                found.append(PlottedCurve(shown, method, loads, values, points, parameters | {"method": method}))
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
     estimates = [name for name in names() if name not in numerical]
     order = {name: rank for rank, name in enumerate([*estimates, "", *numerical])}
-    return sorted(found, key=lambda each: order.get(each.method, order[""]))
+    return sorted(found, key=lambda curve: order.get(curve.method, order[""]))
 
 
 def _parameters(case: xr.Dataset, position: int, trace: str) -> dict[str, Hashable]:
-    """What a case may be grouped by: numbers, the phases (one number if they are equal), the seed or else phases."""
+    """The values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)].round(9)
     phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
@@ -141,13 +142,13 @@ def _parameters(case: xr.Dataset, position: int, trace: str) -> dict[str, Hashab
     return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
 
 
-def _values(drawn: Iterable[Curve], name: str) -> list[Hashable]:
-    """The values of a parameter, numbers in their order and others in that of their appearance."""
+def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:
+    """The distinct values of a parameter: numbers are sorted, others in order of appearance."""
     values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
     return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]  # all are floats
 
 
-def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
+def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     """A value of a parameter as a legend writes it."""
     first = next(curve for curve in drawn if curve.parameters[name] == value)
     if name == "method":
@@ -161,8 +162,8 @@ def _label(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
 
 
-def _title(drawn: Sequence[Curve], name: str, value: Hashable) -> str:
-    """A value of a parameter as it stands over panels: of plans, with what they were asked for."""
+def _title(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
+    """A value of a parameter in the title of a panel; for plans, with their tolerance."""
     settings = [
         str(curve.case["settings"].sel(solution_method=PLANNED).item())
         for curve in drawn
@@ -183,13 +184,13 @@ def _join(labels: Iterable[str]) -> str:
     return ",  ".join(filter(None, labels))
 
 
-def _by_dash(drawn: Sequence[Curve], grouping: Grouping) -> bool:
+def _by_dash(drawn: Sequence[PlottedCurve], grouping: Grouping) -> bool:
     """Whether dashes distinguish the methods, since colours and panels do not."""
     return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 
-def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str, Any]:
-    """How a curve is drawn: by its method, or in the colour of a parameter, with the dashes of several methods."""
+def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping) -> dict[str, Any]:
+    """The look of a curve: that of its method, or the colour of a parameter, with dashes for several methods."""
     look = style.points(curve.method) if curve.points else style.line(curve.method)
     if grouping.colour in ("", "method"):
         return look
@@ -200,9 +201,9 @@ def _look(curve: Curve, drawn: Sequence[Curve], grouping: Grouping) -> dict[str,
     return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
 
 
-def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping: Grouping) -> None:
-    """The median of the curves that look alike, within a band that holds all of them, or the one curve there is."""
-    alike: dict[tuple[Hashable, Hashable], list[Curve]] = {}
+def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCurve], grouping: Grouping) -> None:
+    """Draw the median of all curves of the same look in a band that contains them, or the single curve."""
+    alike: dict[tuple[Hashable, Hashable], list[PlottedCurve]] = {}
     for curve in members:
         alike.setdefault((curve.parameters[grouping.colour], curve.method), []).append(curve)
     for same in alike.values():
@@ -217,7 +218,7 @@ def _draw(axes: Axes, members: Sequence[Curve], drawn: Sequence[Curve], grouping
             axes.fill_between(loads, values.min(axis=0), values.max(axis=0), color=look["color"], **BAND)
 
 
-def _differing(same: Sequence[Curve]) -> list[str]:
+def _differing(same: Sequence[PlottedCurve]) -> list[str]:
     """The parameters in which some curves differ; phases where they have several waves, as many each."""
     differing = [name for name in SURFACES if len(_values(same, name)) > 1]
     several = [curve for curve in same if curve.parameters["m"] != 1]
@@ -225,8 +226,8 @@ def _differing(same: Sequence[Curve]) -> list[str]:
     return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
 
 
-def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> Patch | None:
-    """The errors that a method states, as a band with what the legend says of it, if anywhere one can see it."""
+def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
+    """Draw the stated errors of a method as a band; returns its legend entry, or None if the band is invisible."""
     stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
     values = curves.curve(curve.case, quantity, curve.method)
     if stated is None or values is None:
@@ -242,8 +243,8 @@ def _draw_errors(axes: Axes, curve: Curve, quantity: str) -> Patch | None:
     return Patch(color=line["color"], label=f"error stated by {line['label']}", **STATED)
 
 
-def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
-    """What each colour, each dash and the band say."""
+def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
+    """Legend entries for colours, dashes and bands."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     values = _values(drawn, colour)
     shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, MAX_NAMED).round().astype(int))]
@@ -254,8 +255,8 @@ def _legend(drawn: Sequence[Curve], grouping: Grouping) -> list[Any]:
         own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
     if by_dash:
-        each = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
-        handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in each.values()]
+        looks = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
+        handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in looks.values()]
     if grouping.median_over:
         over = dict.fromkeys(PLURALS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
         handles += [

@@ -21,7 +21,7 @@ CAPTION = (
 def draw(
     studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
 ) -> Figure:
-    """Compliance over mean pressure by every method, up to full contact, on an axis where light loads are seen."""
+    """Compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
     figure, panels, cases = compare(studies, title, "compliance", grouping, interface)
     style.set_load_axis(panels[0], cases)
     panels[0].set_ylim(bottom=0)

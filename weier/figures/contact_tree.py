@@ -1,4 +1,4 @@
-"""Where the surface touches, over the load: contacts are born as points, grow, and merge until all are one."""
+"""The contacts along the surface over the load: they are born as points, grow, and merge until all are one."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from weier.kernels.arrays import Array
 from weier.methods import curves
 
 CAPTION = (
-    "The profile and, below it, where it is in contact over mean pressure. Contacts are born as points, grow, and "
+    "The profile and, below it, its contacts over mean pressure. Contacts are born as points, grow, and "
     "merge until all are one."
 )
 
 NEEDS = "contact_edges"
 
-SAMPLES = 2000  # of the height of the profile
+SAMPLES = 2000  # The height of the profile is drawn at so many points, more than the print resolves.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -54,7 +54,7 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     axes.add_collection(contacts)
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
-    # The legend stands above the axes: contacts may be born anywhere within them.
+    # The legend is above the axes, since contacts may be anywhere within them.
     axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0, handlelength=1)
 
 

@@ -1,4 +1,4 @@
-"""The infinite series: best estimates with ever more terms resolved, and the bounds that hold whatever follows."""
+"""The infinite series: best estimates and bounds for increasing numbers of resolved terms."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ from weier.methods import curves
 from weier.theory.profile import PARAMETERS
 
 CAPTION = (
-    "The infinite series. Bands are bounds, which hold whatever the terms are that are not resolved: the "
-    "more terms k, the narrower the band. The line is the best estimate. Below, the half-width of the bounds and the "
-    "error of the estimates: their distance from that of most terms, or from the middle of bounds that go further."
+    "The infinite series. Bands are bounds, which hold for all phases of the unresolved terms: the more terms k are "
+    "resolved, the narrower the band. The line is the best estimate. Below, the half-width of the bounds and the "
+    "error of the estimates: their distance from the estimate with most terms, or from the middle of finer bounds."
 )
 COMMAND = "convergence"
 VARIABLE = "resolved_terms"
 
-HEIGHT = 2.1  # inches, of a panel
-BANDS = (1, 2, 4)  # resolved terms whose bounds are drawn, from light to dark, beside those of the most
+HEIGHT = 2.1  # inches: the height of a panel.
+# The bounds for these numbers of resolved terms are drawn, from light to dark, and those for the largest number.
+BANDS = (1, 2, 4)
 EDGE: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.3}
-COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # of cases
+COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # The colours of cases.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """A panel a case, its best estimate within bounds of more and more terms, and one of how all cases converge."""
+    """A panel for each case with its best estimate within bounds, and one with the convergence of all cases."""
     found = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
     title, cases = style.limit_panels(title, found, "cases with several estimates")
     names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
@@ -51,7 +52,7 @@ def _rows_of_estimates(case: xr.Dataset) -> np.ndarray:
 
 
 def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
-    """The best estimate as a line within bands, each inside of those of fewer terms: so the narrow ones are seen."""
+    """Draw the best estimate as a line within the bounds, narrow bands over wide ones."""
     loads, h, terms = (case[name].values for name in ("mean_pressure", "compliance", "resolved_terms"))
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     last = _rows_of_estimates(case)[-1]
@@ -60,7 +61,7 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
     rows = [*(row for row in bounded[:-1] if terms[row] in BANDS), bounded[-1]]
     for row, grey in zip(rows, np.linspace(0.92, 0.45, len(rows)), strict=True):
         lower, upper = (best + np.interp(fine, loads, side[row] - h[last]) for side in (low, high))
-        upper = np.minimum(upper, float(case["total_amplitude"]))  # of full contact, which no bound exceeds
+        upper = np.minimum(upper, float(case["total_amplitude"]))  # The compliance at full contact is an upper bound.
         axes.fill_between(fine, lower, upper, facecolor=str(grey), label=f"bounds, $k={terms[row]}$", **EDGE)
     axes.plot(fine, best, label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
     axes.set(xscale="log", xlabel=style.LABELS["mean_pressure"], ylabel=style.LABELS["compliance"])
@@ -69,7 +70,7 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
 
 
 def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
-    """Half the width of the bounds, and how far the estimates are from the last, or from bounds that go further."""
+    """Draw the half-width of the bounds, and the distance of estimates from the last one or from finer bounds."""
     h, terms, estimated = case["compliance"].values, case["resolved_terms"].values, _rows_of_estimates(case)
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     bounded = np.flatnonzero(np.isfinite(low).all(axis=1))

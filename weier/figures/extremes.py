@@ -1,4 +1,4 @@
-"""The extremes: digits against load by every method, and the condition of the boundary elements' equations."""
+"""The extremes: correct digits against load by every method, and condition numbers of boundary elements."""
 
 from __future__ import annotations
 
@@ -15,24 +15,26 @@ from weier.methods import registry
 from weier.theory.profile import PARAMETERS
 
 CAPTION = (
-    "Correct digits of the compliance of one profile by every method, over all loads that a number can hold; and how "
-    "the condition numbers of the boundary elements' equations grow with the number of nodes."
+    "Correct digits of the compliance of one profile by every method, over the whole range of floats as loads; and "
+    "the condition numbers of the equations of boundary elements over the number of nodes."
 )
 COMMAND = "extremes"
 VARIABLE = "compliance_digits"
 
+# Labels of the condition numbers.
 CONDITIONS = {
     "condition_operator": "influence matrix",
     "condition_full": "dense, full contact",
     "condition_half": "dense, half in contact",
 }
-POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # of ten, of the loads that the axis names
-NEAR, SHARE_OF_NEAR = 2, 1.6  # powers of ten that are spread evenly, and their space in decades of larger powers
-OTHER_ALGORITHM = style.PURPLE  # than the default of a method
+POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # The labels of the axis of loads are these powers of ten.
+# Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
+NEAR, LINEAR_SCALE = 2, 1.6
+OTHER_ALGORITHM = style.PURPLE  # The colour of algorithms other than the default of a method.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Correct digits of h over all loads there are, and condition numbers against the number of nodes."""
+    """Correct digits of h over all loads, and condition numbers against the number of nodes."""
     (data,) = studies
     if not np.isfinite(data["compliance_digits"]).any():
         raise ValueError("there are no digits to draw in these data")
@@ -44,7 +46,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _widest(data: xr.Dataset) -> int:
-    """The case with the most methods times decades of load at which digits are known; of several waves if it can."""
+    """The case with the most methods times decades of known digits, preferably of several waves."""
     known, decade = np.isfinite(data["compliance_digits"].values), np.log10(data["mean_pressure"].values)
     loads = known.any(axis=1)
     span = np.where(loads, decade, -np.inf).max(axis=1) - np.where(loads, decade, np.inf).min(axis=1)
@@ -58,9 +60,9 @@ def _digits(axes: Axes, case: xr.Dataset) -> None:
         if known.any():
             look = _look(variant, case["solution_method"].sel(variant=variant).item())
             axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **look)
-    # Powers of ten are the axis: a logarithmic one overflows where it adds a margin to 1e300, and would put all that
-    # happens into one place. So the powers are spread, those up to NEAR evenly, and others the less the larger.
-    axes.set_xscale("symlog", linthresh=NEAR, linscale=SHARE_OF_NEAR)
+    # The axis is the power of ten: the margin of a logarithmic axis would overflow at 1e300, and most changes would
+    # be at one place. The powers up to NEAR are spaced evenly, and larger ones logarithmically.
+    axes.set_xscale("symlog", linthresh=NEAR, linscale=LINEAR_SCALE)
     axes.set_xticks(POWERS, labels=[f"$10^{{{power}}}$" for power in POWERS], minor=False)
     axes.minorticks_off()
     axes.set(xlabel=style.LABELS["mean_pressure"], ylabel=r"correct digits of $h$")

@@ -1,7 +1,7 @@
-"""Lines between the loads of a curve, from what compliance and resistance say of each other.
+"""Interpolation of curves between their loads, from compliance and resistance together.
 
 The resistance is the slope of the compliance, so that a compliance is drawn as cubic pieces with the right slopes,
-not as a polygon. Where a resistance falls to 0 between two loads, the rise of the compliance says at which load.
+not as a polygon. Where a resistance falls to 0 between two loads, the rise of the compliance gives the load.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import xarray as xr
 from weier.kernels.arrays import Array, Flags
 from weier.methods import curves
 
-PIECES = 8  # between two loads
-DECADES = 4  # that a resistance falls on its way to 0, beyond which no axis shows it
+PIECES = 8  # So many segments between two loads look smooth in print.
+DECADES = 4  # A resistance that falls to 0 is drawn over so many decades, more than an axis shows.
 
 
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
@@ -62,7 +62,7 @@ def compliance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
 
 
 def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
-    """The resistance at the loads and, where it falls to 0, on its way there.
+    """The resistance at the loads and, where it falls to 0, between the last two of them.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Fig. 2: what the phase between the waves changes. All curves meet at full contact, where h = sum g_n."""
+"""Fig. 2: the effect of the phase between the waves. All curves meet at full contact, where h = sum g_n."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from weier.methods import curves
 from weier.theory.profile import PARAMETERS
 
 CAPTION = (
-    "What the phase between the waves changes: the compliance over mean pressure. A dashed line is one phase, from "
-    "light (in phase) to dark (in antiphase), and the solid line is the average. All curves meet at full contact."
+    "The effect of the phase between the waves on the compliance over mean pressure. A dashed line is one phase, "
+    "from light (in phase) to dark (in antiphase), and the solid line is the average. All curves meet at full "
+    "contact."
 )
 
 
@@ -33,7 +34,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    drawn = [each for case in cases if (each := lines.line(case, "compliance", curves.numerical_method(case)))]
+    drawn = [curve for case in cases if (curve := lines.line(case, "compliance", curves.numerical_method(case)))]
     fine, h = lines.on_common_loads(drawn)
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)

@@ -14,9 +14,9 @@ from weier.theory.profile import Profile
 
 CAPTION = "The profiles over two of their longest wavelengths."
 
-LENGTH = 2  # in lambda_0
-SAMPLES_PER_WAVE = 32
-MAX_SAMPLES = 2**13  # four for each dot of the printed line: finer waves cannot be seen
+LENGTH = 2  # lambda_0: the paper shows two of the longest waves.
+SAMPLES_PER_WAVE = 32  # A polygon of so many points for each of the finest waves looks smooth.
+MAX_SAMPLES = 2**13  # The printed line has four samples for each dot, so that finer waves are not visible.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

@@ -21,7 +21,7 @@ CAPTION = (
 def draw(
     studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
 ) -> Figure:
-    """Resistance over mean pressure by every method, on logarithmic axes, where equal ratios are equal distances."""
+    """Resistance over mean pressure by every method, on logarithmic axes."""
     figure, panels, cases = compare(studies, title, "resistance", grouping, interface)
     style.set_logarithmic_axes(panels[0], cases, "resistance")
     return figure

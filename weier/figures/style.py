@@ -1,4 +1,4 @@
-"""The look that all figures share: sizes, colours, lines, panels, and the words on the axes."""
+"""The common style of all figures: sizes, colours, lines, panels, and labels of axes."""
 
 from __future__ import annotations
 
@@ -23,19 +23,22 @@ from weier.theory.profile import MAX_DENOMINATOR, PARAMETERS
 Group = TypeVar("Group")
 Color = tuple[float, ...]
 
-WIDTH = 3.5  # inches: one column of a journal
+# Sizes in inches: a panel as wide as one column of a journal, a row of a legend, and panels by their number in a row.
+WIDTH = 3.5
 HEIGHT = 2.6
 LEGEND_ROW = 0.17
-GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}  # inches, by panels beside each other
-MAX_GRID = 12  # panels
-LINEAR_DECADES = 2  # of loads: a linear axis hides the lightest ones if there are more
-FAINT_ALPHA = 0.3  # opacity of the curves of single cases among many
-LOGARITHMIC_MARGIN = 1.3  # factor between the extreme values and the ends of a logarithmic axis
+GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}
+MAX_GRID = 12  # More panels do not fit on a page.
+LINEAR_DECADES = 2  # A linear axis of more decades of loads hides the lightest ones.
+FAINT_ALPHA = 0.3  # The opacity of single curves among many, so that overlapping ones remain visible.
+LOGARITHMIC_MARGIN = 1.3  # The factor between the extreme values and the ends of a logarithmic axis.
 
-COLOURBAR = "<colorbar>"  # how matplotlib labels the axes of one
-GREY = "0.35"  # of what a legend names without a colour
+COLOURBAR = "<colorbar>"  # matplotlib gives this label to the axes of a colour bar.
+GREY = "0.35"  # Legend entries without a colour of their own are grey.
 
-SHEET = Path(__file__).with_name("weier.mplstyle")  # for matplotlib.style.use
+SHEET = Path(__file__).with_name("weier.mplstyle")  # The style sheet for matplotlib.style.use.
+
+# Labels of axes, normalised and in SI units.
 
 LABELS = {
     "x": r"$x/\lambda_0$",
@@ -63,9 +66,11 @@ DASHES = (
 )
 
 
-# Numerical methods beside the most accurate one; the distance between points is a part of the diagonal of the axes.
+# The look of numerical methods beside the most accurate one, and beside many curves. `markevery` is the distance
+# between points over the diagonal of the axes.
 POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
-SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}  # beside many curves
+SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}
+# The look of a band between bounds.
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
@@ -83,19 +88,20 @@ def points(method: str) -> dict[str, Any]:
 
 def _label_and_style(method: str) -> tuple[str, Style]:
     return next(
-        ((each.label, each.style) for each in registry.METHODS if each.name == method), (method, DEFAULT_STYLE)
+        ((entry.label, entry.style) for entry in registry.METHODS if entry.name == method), (method, DEFAULT_STYLE)
     )
 
 
 def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Dataset, float, Color]]) -> None:
-    """A few points by further numerical methods beside each of many curves.
+    """Draw a few points of other numerical methods beside each of many curves.
 
     Parameters
     ----------
     axes : Axes
     quantity : str
     rows : iterable of (case, datum, colour)
-        For each curve, what its values are raised by, and its colour. The legend names each method once, in black.
+        For each curve, the datum that is added to its values, and its colour. The legend has each method once, in
+        black.
 
     """
     drawn: dict[str, None] = {}
@@ -138,7 +144,7 @@ def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: 
 def column_of_series(
     studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
 ) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """A figure of one column over the load: each panel with the solved cases that share these parameters."""
+    """A figure of one column over the load, with a panel for the solved cases of each value of these parameters."""
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
     title, series = limit_panels(title, curves.groups(solved, *names), "series")
     figure, panels = column(title, [describe(cases[0], *names) for cases in series])
@@ -149,28 +155,28 @@ def column_of_series(
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with its panels in rows; they share their axes. Without `columns`, a row has two or three of them."""
+    """A figure with panels in rows and common axes. Without `columns`, a row has two or three panels."""
     columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
     width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)
     figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel().tolist()
-    for number, each in enumerate(axes):
+    for number, panel in enumerate(axes):
         if number >= panels:
-            each.remove()
+            panel.remove()
             continue
         if number + columns >= panels:  # nothing stands below it
-            each.tick_params(labelbottom=True)
-            each.set_xlabel(x)
+            panel.tick_params(labelbottom=True)
+            panel.set_xlabel(x)
         if number % columns == 0:
-            each.set_ylabel(y)
+            panel.set_ylabel(y)
     return figure, axes[:panels]
 
 
 def limit_panels(
     title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
 ) -> tuple[str, Sequence[Group]]:
-    """As many groups as there is space for, with a title that says so if these are not all; none are refused."""
+    """The groups that fit, with a title that notes their number if some are left out; ValueError without groups."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
     note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""
@@ -178,7 +184,7 @@ def limit_panels(
 
 
 def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    """An axis of all loads up to full contact: linear from 0, or logarithmic where that would hide the light ones."""
+    """Set the axis of loads up to full contact: linear from 0, or logarithmic over more than `LINEAR_DECADES`."""
     low, high = curves.first_load(cases), curves.full_contact_load(cases)
     if high > 10**LINEAR_DECADES * low:
         axes.set_xscale("log")
@@ -188,7 +194,7 @@ def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
 
 
 def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
-    """The scales and ends that a scene names, of all panels."""
+    """Set the scales and limits of all panels that a scene chooses."""
     for axes in figure.axes:
         if axes.get_label() != COLOURBAR:
             for name, wanted in (("x", x), ("y", y)):
@@ -196,10 +202,10 @@ def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
 
 
 def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
-    """One axis; where its scale changes, a linear one begins at 0, and a logarithmic one at the least value drawn."""
+    """Set one axis; after a change of scale, a linear one begins at 0, and a logarithmic one at the least value."""
     low, high = getattr(axes, f"get_{name}lim")()
     if wanted.scale and wanted.scale != getattr(axes, f"get_{name}scale")():
-        values = np.concatenate([[], *(getattr(each, f"get_{name}data")() for each in axes.get_lines())])
+        values = np.concatenate([[], *(getattr(artist, f"get_{name}data")() for artist in axes.get_lines())])
         positive = values[values > 0]
         low = 0 if wanted.scale == "linear" else positive.min() if positive.size else high / 10
         getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # above 0 while it is logarithmic
@@ -209,7 +215,7 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
 
 
 def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """Logarithmic axes from the first load to full contact; a curve that falls to 0 leaves through the lower edge."""
+    """Set logarithmic axes from the first load to full contact; curves that fall to 0 cross the lower edge."""
     low, high = curves.first_load(cases), curves.full_contact_load(cases)
     shown = [case.sel(mean_pressure=slice(low, high)) for case in cases]
     upper = np.concatenate([case[quantity].values.ravel() for case in shown])
@@ -230,12 +236,12 @@ def set_title(figure: Figure, title: str) -> None:
 
 
 def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
-    """Write what a panel shows over it, after (a), (b), ... where there are several panels."""
+    """Write the title of a panel, after (a), (b), ... if there are several panels."""
     axes.set_title(f"({chr(ord('a') + number)})  {label}" if panels > 1 else label)
 
 
 def describe(case: xr.Dataset, *names: str) -> str:
-    """What distinguishes a case from others, in the paper's symbols: the coordinates that are named, or all."""
+    """The labels of a case in the symbols of the paper: the given coordinates, or all."""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]

@@ -1,4 +1,4 @@
-"""Names of traces in a figure: the file, and what distinguishes one trace of a file from another."""
+"""Names of traces in a figure: the file, and the differences between traces of one file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-# What may differ between two traces of one name, and how a legend says it, in this order.
+# The possible differences between two traces of one name, and their text in a legend, in this order.
 DIFFERENCES: dict[str, Callable[[Any], str]] = {
     "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
     "trace_ends": str,
@@ -21,8 +21,8 @@ DIFFERENCES: dict[str, Callable[[Any], str]] = {
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
     """A name for the trace of each case, empty for a series: each trace has one of its own.
 
-    It is the file, with as much of its folders as distinguishes it from others, and what else differs between traces
-    of this name: the shortest wavelength, the ends, and so on, and their digests where nothing else does.
+    It is the path of the file, without folders that all have in common, and the differences between traces of this
+    path: the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
     """
     traces = [
         {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
@@ -38,7 +38,7 @@ def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
 
 
 def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
-    """What distinguishes a trace from those of the same name: as few differences as suffice, in their order."""
+    """The texts that distinguish a trace from others of the same name: as few as suffice, in order."""
     found: list[str] = []
     for name, text in DIFFERENCES.items():
         if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
@@ -48,7 +48,7 @@ def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str
 
 
 def _shortened(paths: Iterable[str]) -> dict[str, str]:
-    """Each path without the folders that all can do without."""
+    """Each path with as few folders as distinguish all paths."""
     known = list(dict.fromkeys(paths))
     for kept in range(1, max((path.count("/") for path in known), default=0) + 1):
         short = ["/".join(path.split("/")[-kept:]) for path in known]

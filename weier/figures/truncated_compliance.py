@@ -1,4 +1,4 @@
-"""Fig. 7: what additional terms change in the compliance, with the bounds on the infinite series."""
+"""Fig. 7: the effect of additional terms on the compliance, with the bounds on the infinite series."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from weier.figures import truncation
 from weier.methods import curves
 
 CAPTION = (
-    "What further terms change in the compliance. All series are counted from the infinite one, undeformed and with "
-    "all waves peaking together, since they share its mean plane. The band holds the infinite series, whatever the "
-    "phases of its further terms (27)."
+    "The effect of additional terms on the compliance. All series have the datum of the undeformed infinite series "
+    "whose waves all peak together, since the bounds compare mean gaps. The band contains the infinite series for "
+    "all phases of its further terms (27)."
 )
 
-LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"  # not from the crests of the m waves, as in Fig. 3
-ZOOM_AT = 0.15  # of the range of loads, where the curves are steepest and far from full contact
-ZOOM = 0.03, 0.05  # half of what the inset shows, of the ranges of loads and values
-INSET = 0.5, 0.51, 0.42, 0.31  # of the axes: left, bottom, width, height; between the curves and the legend
+# The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.
+LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
+# The inset is at this part of the range of loads, where the curves are steep and far from full contact.
+ZOOM_AT = 0.15
+ZOOM = 0.03, 0.05  # Half the width and height of the region shown, over the ranges of loads and values.
+INSET = 0.5, 0.51, 0.42, 0.31  # Left, bottom, width and height of the inset, between the curves and the legend.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -43,7 +45,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    """An inset that shows the bounds apart from the curve, which on the whole axes they are too close to."""
+    """Draw an inset that separates the bounds from the curve, which are too close on the whole axes."""
     longest = cases[-1]
     if (h := curves.numerical(longest, "compliance")) is None:
         return

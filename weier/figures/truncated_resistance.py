@@ -1,4 +1,4 @@
-"""Fig. 8: what additional terms change in the contact resistance, with the bounds on the infinite series."""
+"""Fig. 8: the effect of additional terms on the contact resistance, with the bounds on the infinite series."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from weier.figures import style, truncation
 
 CAPTION = (
-    "What further terms change in the contact resistance. The band holds the infinite series, whatever the phases of "
-    "its further terms."
+    "The effect of additional terms on the contact resistance. The band contains the infinite series for all phases "
+    "of its further terms."
 )
 
 

@@ -1,4 +1,4 @@
-"""Series truncated after m terms, and what their tails could change: what Figs 7 and 8 share."""
+"""Series truncated after m terms, with the bounds on the effect of their tails, for Figs 7 and 8."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from weier.figures import lines, style
 from weier.methods import curves
 from weier.theory.profile import PARAMETERS
 
+# Each panel has one value of these parameters.
 BESIDE_TERMS = [name for name in PARAMETERS if name != "m"]
 
 
@@ -24,7 +25,7 @@ def compare(
     -------
     figure : Figure
     panels : list of (Axes, cases)
-        Limits and the legend are left to the caller; the cases are in order of m.
+        The caller sets limits and the legend; the cases are in order of m.
 
     """
     figure, panels = style.column_of_series(studies, title, quantity, *BESIDE_TERMS)
@@ -51,7 +52,7 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:
-    """What makes values alike for all m: a compliance counts from where all waves of the infinite series peak."""
+    """The datum that is added to values for all m: a compliance counts from the peaks of the infinite series."""
     return float(case["tail_amplitude"]) if quantity == "compliance" else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Speed against accuracy: what each method takes and how far it is off, as its tolerance or its points change."""
+"""Work-precision diagram: time and error of each method for several tolerances or numbers of points."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ from weier.methods import registry
 CAPTION = (
     "The largest error over all loads against the time for one of them on one core: of the compliance above, of the "
     "resistance below. A line joins the settings of a method, such as its tolerances of 0.1, 0.01 and so on. Filled "
-    "symbols are errors, open ones what the method states of them. The background has the colour of the fastest "
-    "method that is within an error."
+    "symbols are errors, open ones the stated errors. The background has the colour of the fastest method that "
+    "reaches an error."
 )
 COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
 
-WIDTH = 7.09  # inches: 180 mm, a page of a journal
-PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4
-MAX_COLUMNS, LEGEND_COLUMNS = 6, 7
-FLOOR, CEILING = 1e-15, 10.0  # of the errors that are drawn: smaller ones stand at the lower end
+WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
+PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4  # inches: two panels and the legend leave space for text on a page.
+MAX_COLUMNS, LEGEND_COLUMNS = 6, 7  # More columns do not fit into the width.
+FLOOR, CEILING = 1e-15, 10.0  # The range of errors on the axis; smaller ones are drawn at its lower end.
 LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}
+# The looks of errors, stated errors, backgrounds, the legend and names.
 SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
 OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
 BACKGROUND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 LEGEND: dict[str, Any] = {"handlelength": 1.6, "columnspacing": 1.2}
 NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "bottom"}
-MIN_NAMED = 300  # between the errors of a background that is high enough for a name
+MIN_NAMED = 300  # A background over this factor of errors is high enough for a name.
 
 
 class Line(NamedTuple):
@@ -46,7 +47,7 @@ class Line(NamedTuple):
 
     method : its name
     milliseconds : for one load, the mean over the profiles
-    measured, stated : the largest errors over loads and profiles; NaN where nothing is stated
+    measured, stated : the largest errors over loads and profiles; NaN where none are stated
     """
 
     method: str
@@ -71,7 +72,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     for (above, *_, below), cases in zip(axes.T, columns, strict=True):
         above.set_title(style.describe(cases.isel(case=0), "m", "gamma"))
         below.set_xlabel("milliseconds a load")
-    # Powers of ten that are close to each other hide those of other panels.
+    # More labels would overlap those of other panels.
     axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
     axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
     style.set_title(figure, title)
@@ -80,13 +81,13 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _series(data: xr.Dataset) -> list[xr.Dataset]:
-    """The cases that have as many terms and the same ratio of wavelengths, by rising numbers."""
+    """The cases of each number of terms and ratio of wavelengths, in increasing order."""
     keys = np.column_stack([data["m"].values, data["gamma"].values])
     return [data.isel(case=(keys == key).all(axis=1)) for key in np.unique(keys, axis=0)]
 
 
 def _lines(cases: xr.Dataset, quantity: str) -> Iterator[Line]:
-    """A line for each method, through what was run on all cases."""
+    """A line for each method, through the settings that were run on all cases."""
     methods = cases["solution_method"].values
     milliseconds = 1e3 * seconds_per_load(cases).mean(axis=0)
     errors = [worst_over_loads(cases, quantity, kind).max(axis=0) for kind in (MEASURED, STATED)]
@@ -102,10 +103,10 @@ def _methods(data: xr.Dataset) -> list[str]:
 
 
 def _most_alike(variants: np.ndarray, settings: np.ndarray) -> np.ndarray:
-    """Those variants that differ in values of the same settings: the most of them, or else the last ones."""
+    """The variants that differ in the values of the same settings; the largest such group, or the last one."""
     kinds = [sorted(json.loads(settings[at])) for at in variants]
     kind = max(reversed(kinds), key=kinds.count)
-    return variants[[each == kind for each in kinds]]
+    return variants[[own == kind for own in kinds]]
 
 
 def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
@@ -122,7 +123,7 @@ def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
 
 
 def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
-    """The fastest methods from large errors to small ones, each with the errors between which it is the fastest."""
+    """The fastest methods from large errors to small ones, each with the range of errors."""
     cost, error = (np.concatenate([getattr(line, name) for line in lines]) for name in ("milliseconds", "measured"))
     methods, high = np.concatenate([[line.method] * line.measured.size for line in lines]), CEILING
     for method, members in groupby(pareto(cost, error), lambda at: str(methods[at])):

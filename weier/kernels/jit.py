@@ -24,21 +24,25 @@ from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")  # kernels run as plain Python
-TOLD = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a folder that keeps them"
+# Kernels run as plain Python, which a debugger can follow.
+DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+NOT_CACHED = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a folder that keeps them"
+# One thread at a time compiles. The lock is reentrant, since a kernel may need another one.
 LOCK = RLock()
-# What a thread has spent so far on compiling and loading kernels: once a process, and no cost of a solve.
+# The seconds that a thread has spent on compiling and loading kernels. A process spends them once, so that they are
+# subtracted from the seconds of a solution.
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 
-UNKNOWN: list[Kernel] = []  # to numba
+# Kernels that are not yet registered with numba.
+UNREGISTERED: list[Kernel] = []
 
 
 def announce(module: str) -> None:
-    """Say that a kernel of this module is compiled: for many seconds, nothing else would be seen."""
+    """Print that a kernel of this module is compiled, which takes many seconds without any other output."""
     package, _, name = module.removeprefix("weier.").partition(".")
     method, _, part = name.partition(".")
-    _say_once(method if package == "methods" and part else "what methods share")
+    _say_once(method if package == "methods" and part else "common kernels")
 
 
 @functools.cache
@@ -80,7 +84,7 @@ class Kernel:
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
         self.function, self.name = function, f"{function.__module__}.{function.__qualname__}"
-        UNKNOWN.append(self)
+        UNREGISTERED.append(self)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
@@ -100,12 +104,12 @@ class Kernel:
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
         """The kernel from the cache, or else compiled, and kept there.
 
-        Where the cache is damaged or takes no files, it is compiled for this process alone. What is damaged goes, so
-        that the next process makes it again.
+        If the cache is damaged or not writable, the kernel is compiled for this process alone. A damaged entry is
+        removed, so that the next process makes it again.
         """
         import numba
 
-        _introduce_kernels()
+        _register_kernels()
         types = tuple(map(numba.typeof, arguments))
         try:
             return self._cached(types)
@@ -113,7 +117,7 @@ class Kernel:
             with suppress(OSError):
                 shutil.rmtree(cache_folder() / self.name)
             compiled = self._compiled(types)  # which raises what is wrong with the kernel, if that was it
-            warnings.warn(TOLD.format(f"{type(error).__name__}: {error}"), RuntimeWarning, stacklevel=1)
+            warnings.warn(NOT_CACHED.format(f"{type(error).__name__}: {error}"), RuntimeWarning, stacklevel=1)
             return compiled
 
     def _cached(self, types: tuple[Any, ...]) -> Any:
@@ -156,16 +160,16 @@ def _raising_lost_interrupts() -> Iterator[None]:
             raise KeyboardInterrupt
 
 
-def _introduce_kernels() -> None:
-    """Tell numba of the kernels that were defined since the last time, for others to call as parts of theirs."""
+def _register_kernels() -> None:
+    """Register the kernels that were defined since the last call with numba, so that kernels can call each other."""
     import rocket_fft  # noqa: F401 - which registers numpy's Fourier transforms
     from numba.extending import overload
 
     options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}
-    while UNKNOWN:
-        kernel = UNKNOWN[-1]
+    while UNREGISTERED:
+        kernel = UNREGISTERED[-1]
         overload(kernel, options, strict=False)(lambda *_, function=kernel.function: function)
-        UNKNOWN.remove(kernel)  # at the end, since Ctrl-C may come before
+        UNREGISTERED.remove(kernel)  # at the end, since Ctrl-C may come before
 
 
 def kernel(function: Function) -> Function:

@@ -29,7 +29,7 @@ LN2 = np.log(2)
 NEGLIGIBLE = 1e-20  # It keeps differences positive, and is less than their rounding.
 DIRECT_TERMS = 12  # So many terms bring ln xi from -700 to within 0.2 of its fixed point.
 TAYLOR_TERMS = 12  # Terms of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16.
-MAX_MINUS_LOG = 750.0  # It is more than -ln of any double.
+MAX_MINUS_LOG = 750.0  # -ln of every positive double is smaller.
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:

@@ -18,7 +18,7 @@ from weier.theory.profile import Profile
 
 # Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.
 LOADS = np.geomspace(1e-3, 10, 16)
-TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
+TWO_WAVES = Profile(D=1.25, gamma=2, m=2)  # Two waves suffice to reach all kernels of finite series.
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # Its tail is so small that small grids suffice.
 
 

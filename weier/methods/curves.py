@@ -1,4 +1,4 @@
-"""The curves of a study, one case at a time: which methods have solved it, and which of them is the most accurate."""
+"""Curves of single cases of a study, by method or by the most accurate method that has solved the case."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from weier.theory.profile import PARAMETERS, Profile
 if TYPE_CHECKING:
     import xarray as xr
 
-# Contact counts as full above this part of the compliance at full contact: a linear axis shows no more change.
+# Contact counts as full above this fraction of the compliance at full contact, as a linear axis shows no difference.
 FULL_CONTACT_COMPLIANCE = 0.99
 
 
 def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
-    """Each case of the studies as a dataset of its own, without the dimension `case`."""
+    """The cases of the studies as separate datasets, without the dimension `case`."""
     return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
 
 
 def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
-    """The cases that share the values of the named coordinates, together, in order of appearance."""
+    """The cases, grouped by the values of the named coordinates, in order of appearance."""
     members: dict[tuple[float, ...], list[xr.Dataset]] = {}
     for case in cases:
         members.setdefault(tuple(float(case.variables[name]) for name in names), []).append(case)
@@ -33,7 +33,7 @@ def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     """The values of a variable over the loads by one method, or None if it has none."""
-    variables = case.variables  # A dataset takes ten times as long for each of them, to find its coordinates.
+    variables = case.variables  # Access to each of them through the dataset takes ten times as long.
     methods = variables["solution_method"].values.tolist()
     if method not in methods:
         return None
@@ -42,22 +42,22 @@ def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
 
 
 def numerical_methods(case: xr.Dataset) -> list[str]:
-    """The methods that solved the case itself, not an estimate of it, the most accurate first."""
+    """The numerical methods that solved the case, the most accurate first."""
     return [method for method in numerical_names() if curve(case, "compliance", method) is not None]
 
 
 def numerical_method(case: xr.Dataset) -> str | None:
-    """The most accurate method that solved the case itself, or None."""
+    """The most accurate numerical method that solved the case, or None."""
     return next(iter(numerical_methods(case)), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:
-    """The values of a variable by the most accurate method, or None if no numerical method has any."""
+    """The values of a variable by the most accurate numerical method, or None if there are none."""
     return curve(case, name, numerical_method(case))
 
 
 def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
-    """The first load at which all cases are close to full contact, or the last load there is."""
+    """The first load at which all cases are close to full contact, or the last load."""
     return max((_full_contact_load(case) for case in cases), default=np.nan)
 
 

@@ -1,4 +1,4 @@
-"""What the error and cost models of several methods share.
+"""Common parts of the error and cost models of several methods.
 
 The formulas are those of docs/planned.md, "Expected errors"; docs/closed_forms.md, "Bounds on the terms left out",
 says what a residual does.
@@ -15,9 +15,8 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 
-# A solution whose gap on the contacts is nowhere larger than its residual is exact for a surface that differs by so
-# much from the given one. By the bounds theorem its compliance is off by that at most; twice allows for what lies
-# between the points at which the residual is known.
+# A solution is exact for a surface that differs from the given one by its residual at most. By the bounds theorem, so
+# does its compliance. The factor of 2 allows for larger residuals between the points at which it is known.
 RESIDUAL_FACTOR = 2.0
 COMPLIANCE_ROUNDING = 1e-14  # Rounding of a compliance, over the total amplitude.
 RESISTANCE_ROUNDING = 1e-12  # Rounding of a resistance, relative to itself.
@@ -30,7 +29,8 @@ def estimate_error(
 ) -> Array:
     """Error of h by an estimate that does not depend on the positions of the crests, in g_0, shape (loads,).
 
-    At light loads an estimate tends to 0 where the profile tends to first contact. So its error is that at least.
+    At light loads an estimate tends to 0, and the compliance to that at first contact, which bounds the error from
+    below.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What weier raises beside the ValueErrors that name a value, its limit and what to do."""
+"""The errors of weier other than ValueErrors for invalid arguments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ class ConvergenceError(RuntimeError):
     Attributes
     ----------
     residual : float
-        What was reached, in the solver's own measure (NaN where none was computed).
+        The residual reached, in the measure of the solver (NaN if none was computed).
     """
 
     def __init__(self, message: str, residual: float = float("nan")) -> None:
@@ -18,7 +18,7 @@ class ConvergenceError(RuntimeError):
 
 
 class NotApplicableError(ValueError):
-    """The method does not apply to this profile: it is for one wave only, or for finite series only."""
+    """The method does not apply to this profile, such as one for a single wave or for finite series."""
 
 
 class OutOfReachError(NotApplicableError):

@@ -17,7 +17,7 @@ from weier.methods.method import Estimate, Reference
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.theory.profile import Profile
 
-Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # of loads, D, gamma and m
+Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # The arguments are loads, D, gamma and m.
 
 
 def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Array], Estimate]:

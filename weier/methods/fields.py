@@ -1,4 +1,4 @@
-"""What happens along the surface: pressure, gap and displacement under one load, and the events along all loads."""
+"""Pressure, gap and displacement along the surface under one load, and events over the loads."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from weier.theory.limits import check_resolvable
 from weier.theory.loads import checked_load
 from weier.theory.waves import Waves, checked_surface
 
+# The meaning and unit of each variable.
 ATTRIBUTES = {
     "x": ("position along the surface", "lambda_0"),
     "pressure": ("contact pressure", "p_0*"),

@@ -1,8 +1,8 @@
-"""What a method of solution is: one object with all that the rest of the program needs to know of the method.
+"""The definition of a method of solution: one object with all properties that the program uses.
 
-A method is listed in `weier.methods.registry`. Everything else follows from its fields: how it is run and where it
-applies, how it looks in figures, what a plan may expect of it, which of its settings the trade between speed and
-accuracy compares, and what its reference is at the extremes.
+Methods are listed in `weier.methods.registry`. The fields of a method define its solver and where it applies, its
+look in figures, its error and cost models for plans, its settings in the tradeoff of speed and accuracy, and its
+reference at the extremes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Estimate(NamedTuple):
 
 
 class Style(NamedTuple):
-    """How the curve of a method is drawn: colour, lengths of dashes and gaps (none for a solid line), and marker."""
+    """The line of a method: its colour, the lengths of dashes and gaps (none for a solid line), and its marker."""
 
     color: str = "#E69F00"
     dashes: tuple[float, ...] = (9, 2)
@@ -53,9 +53,9 @@ TOLERANCES_COMPARED = tuple(float(f"1e-{decade}") for decade in range(1, 13))
 
 
 class Reference(NamedTuple):
-    """Compliance and resistance by other means, shape (loads,), as floats or numbers of mpmath, and which means.
+    """Reference values of compliance and resistance, shape (loads,), floats or numbers of mpmath, and their source.
 
-    resistance_error : what these means state of their resistance, in g_0/p_0*, of the same shape or 0
+    resistance_error : the stated error of the resistance, in g_0/p_0*, of the same shape or 0
     """
 
     compliance: Any
@@ -73,9 +73,9 @@ class Variant(NamedTuple):
 
 
 def applies_to_resolvable(profile: Waves) -> None:
-    """For methods that resolve every wave: refuse the infinite series, and more waves than memory can hold.
+    """Refuse the infinite series, and too many waves in a period, for methods that resolve every wave.
 
-    NotApplicableError is raised if there is no finest wave, or one that fits too often into the period.
+    NotApplicableError is raised if there is no finest wave, or if it fits too often into the period.
     """
     if math.isinf(profile.m):
         raise NotApplicableError(
@@ -88,12 +88,12 @@ def applies_to_resolvable(profile: Waves) -> None:
 
 
 def stated_compliance_error(solved: Any) -> Array:
-    """The error of the compliance that a solution states at each load, in g_0, or 0 where it states none."""
+    """The stated error of the compliance of a solution at each load, in g_0, or 0 if it states none."""
     return np.asarray(getattr(solved, "compliance_error", 0.0))
 
 
 def unsolved(solved: Any) -> str | None:
-    """Why a solution has no numbers at some loads, in a sentence; None where it has all of them."""
+    """The reason why a solution has no numbers at some loads; None if it has all of them."""
     why: str | None = getattr(solved, "unsolved", None)
     return why
 
@@ -105,18 +105,18 @@ class Method:
     Parameters
     ----------
     name : str
-        As users type it.
+        Name in calls and on the command line.
     label : str
-        As figures and pages call it.
+        Name in figures and pages.
     summary : str
-        What it is and where it applies, in one line of plain text.
+        Description and range of application, in one line of plain text.
     solve : callable
         From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
-        annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and whatever else the table of
-        variables knows. Raises ConvergenceError rather than return a wrong number; if some loads alone have
-        none, they are NaN, and `unsolved` says why.
+        annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and any other fields of the
+        table of variables. Raises ConvergenceError rather than return a wrong number. If only some loads fail, their
+        numbers are NaN, and `unsolved` has the reason.
     settings : mapping of str
-        What each of these keywords means, with its unit, for people who choose its value.
+        Meaning and unit of each of these keywords, for help texts.
     applies : callable
         Raises NotApplicableError, with the reason, for a profile to which the method does not apply.
     takes_traces : bool
@@ -129,29 +129,29 @@ class Method:
     uses_phases : bool
         Whether the curve depends on the phases; if not, profiles that differ in nothing else have the same curve.
     style : Style
-        How its curve is drawn.
+        The look of its curve.
     noise : Noise
         Errors of its numbers by rounding and iteration at the default settings.
     algorithms : sequence of settings
-        Settings that choose between algorithms: each is compiled in advance, and tried at the extremes.
+        Settings that choose between algorithms: each is compiled in advance, and run at the extremes.
     options : sequence of settings
-        Other settings that have kernels of their own: they are compiled in advance, too.
+        Other settings with their own kernels, which are compiled in advance, too.
     run_kernels : callable
-        Runs kernels before any curve, to compile them in advance: those that need no other method's, so that methods
-        are compiled side by side, and those that only large problems reach.
+        Runs kernels to compile them in advance, before any curve: those that do not depend on other methods, so that
+        methods are compiled in parallel, and those that only large problems use.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
     candidates : callable
         From the task of a plan to the plan parts that this method offers, with their errors and costs.
     runs_others : bool
-        Whether it solves nothing itself but runs whichever of the other methods meets a tolerance.
+        Whether it only runs other methods that meet a tolerance.
     solution_error : callable
-        From the result of `solve` to the error of the compliance at each load, in g_0, of shape (loads,) or one for
-        all of them: by default its `compliance_error`, or 0 where there is none.
+        From the result of `solve` to the error of the compliance, in g_0, of shape (loads,) or one for all loads; by
+        default its `compliance_error`, or 0 without one.
     seconds : callable
-        From a profile and loads to the seconds that a curve takes on one core, at most; 0 if they are negligible.
+        From a profile and loads to an upper bound on the seconds of a curve on one core; 0 if they are negligible.
     reference : callable, optional
-        From a profile and loads to the numbers of an estimate by other means, or None where that takes minutes.
+        From a profile and loads to reference values of an estimate, or None if that takes minutes.
     """
 
     name: str
@@ -178,7 +178,7 @@ class Method:
 
     @property
     def returns(self) -> tuple[str, ...]:
-        """The names of what `solve` returns, from the NamedTuple that its annotation says."""
+        """The names of the values returned by `solve`, from its annotation, a NamedTuple."""
         returned = inspect.signature(self.solve, eval_str=True).return_annotation
         return tuple(getattr(returned, "_fields", ()))
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from weier.data.variables import QUANTITIES as QUANTITIES
 from weier.kernels.arrays import Array
 from weier.theory.profile import Profile
 
-COMPLIANCE, RESISTANCE = QUANTITIES = ("compliance", "resistance")
+COMPLIANCE, RESISTANCE = QUANTITIES
 
 
 class Task(NamedTuple):

@@ -10,7 +10,7 @@ _LISTENERS: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("listeners",
 
 
 def count_load() -> None:
-    """Call all listeners: each loop over the loads of a curve does so after each of them."""
+    """Call all listeners: the loops over the loads of a curve do so after each load."""
     for listener in _LISTENERS.get():
         listener()
 

@@ -1,4 +1,4 @@
-"""All methods of solution, from the least to the most accurate: what the program knows of methods is in this list.
+"""All methods of solution, from the least to the most accurate: the program knows methods from this list only.
 
 To add a method, write its `METHOD` and list it in METHODS.
 """
@@ -60,7 +60,7 @@ def infinite_names() -> list[str]:
 
 
 def returned_by(methods: Iterable[str]) -> set[str]:
-    """The names of all that these methods return."""
+    """The names of all values returned by these methods."""
     return {name for method in methods for name in find_method(method).returns}
 
 

@@ -1,4 +1,4 @@
-"""The settings of a method: keywords of its solver, checked before a solver meets them."""
+"""The settings of methods: keywords of their solvers, which are checked before a solution."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _count(name: str, value: Any) -> int:
 
 
 def _fraction(name: str, value: Any) -> float:
-    """Every numerical setting that is no count is a tolerance or a fraction."""
+    """Check a numerical setting that is no count: a tolerance or a fraction."""
     return checked_number(name, value, f"lie in [{MIN_FRACTION:g}, 1)", lambda number: MIN_FRACTION <= number < 1)
 
 
@@ -36,7 +36,7 @@ def _word(name: str, value: Any) -> str:
 
 # By the annotation of a solver's keyword; one that may be None ends in `| None`.
 KINDS: dict[str, Check] = {"int": _count, "float": _fraction, "bool": checked_flag, "str": _word}
-NONE = " | None"
+NONE = " | None"  # The end of the annotation of a setting that may be None.
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:

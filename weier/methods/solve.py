@@ -13,9 +13,9 @@ from weier.theory.waves import Waves
 
 
 def solve_checked(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:
-    """What `solve` holds, as the method's own tuple of arrays and scalars, and the seconds without compiling.
+    """The solution of a method, its own tuple of arrays and scalars, and the seconds without compiling.
 
-    Loads and names of settings are checked already.
+    The caller has checked loads and names of settings.
     """
     method.check_applies(profile)
     start, compiling = perf_counter(), COMPILING_SECONDS.get()

@@ -1,4 +1,4 @@
-"""Many cases in one process: a scene's batch, solved into one dataset."""
+"""A batch of a scene: many cases, solved into one dataset."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from weier.methods.method import Method, unsolved
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
-from weier.pipeline.workers import Curve, Outcome, solve_curves
+from weier.pipeline.workers import CurveTask, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.theory.bounds import first_contact, infinite_series_bounds
@@ -30,7 +30,7 @@ Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
 
 
-def _tell(message: str) -> None:
+def _report(message: str) -> None:
     print(message, file=sys.stderr)
 
 
@@ -38,12 +38,12 @@ def solve_batch(
     cases: Iterable[Case],
     mean_pressure: ArrayLike,
     contact_edges: bool = False,
-    done: Report = _tell,
-    failed: Report = _tell,
+    done: Report = _report,
+    failed: Report = _report,
     pause: float = LOG_SECONDS,
     workers: int = 1,
 ) -> xr.Dataset:
-    """Solve cases under the same loads, and say every few seconds how far it is.
+    """Solve cases under the same loads, and report the progress every few seconds.
 
     Parameters
     ----------
@@ -54,24 +54,24 @@ def solve_batch(
     contact_edges : bool
         Whether to keep the edges of contact.
     done, failed : callable
-        Take a line of how many loads are done, every few seconds, and one that says why a method has no curve.
+        Called with a line of progress every `pause` seconds, and with the reason why a method has no curve.
     pause : float
-        These few seconds.
+        Seconds between two lines of progress.
     workers : int
-        Processes that solve them side by side.
+        Number of processes.
 
     Returns
     -------
     Dataset
         Over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
-        took; what could not be solved is NaN, and status says why.
+        took; values that could not be solved are NaN, and status has the reason.
 
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     methods, terms, edges, optional = layout_of(cases, contact_edges)
     data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"})
     rows = arrays(data)
-    curves = [Curve(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
+    curves = [CurveTask(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
     outcomes = iter(solve_curves(curves, loads, workers, pause, done))
     for number, case in enumerate(cases):
         describe_case(rows, number, case)
@@ -82,7 +82,7 @@ def solve_batch(
 
 
 def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report) -> dict[str, Any]:
-    """All that is stored of a curve; `failed` is called with the reason why there is none."""
+    """The stored values of a curve; `failed` is called with the reason if there is none."""
     method, given = find_method(name), case.settings.get(name, {})
     found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
     if isinstance(outcome, Exception):
@@ -97,7 +97,7 @@ def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report
 
 
 def arrays(data: xr.Dataset) -> Arrays:
-    """The values of each variable, to be filled in: a dataset takes longer to find them."""
+    """The values of each variable, to be filled in, since access through the dataset is slower."""
     return {str(name): variable.values for name, variable in data.variables.items()}
 
 
@@ -114,12 +114,13 @@ def describe_case(values_of: Arrays, number: int, case: Case) -> None:
 def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any]) -> None:
     """Write one case, or one curve, into its row of each array.
 
-    Whatever a method returns is stored if the table of variables knows it, as arrays over the loads or as one number:
-    so a plan brings along what it expected, `planned_seconds` and `planned_error`.
+    All values returned by a method are stored if they are in the table of variables, arrays over the loads as well as
+    scalars, such as `planned_seconds` and `planned_error` of a plan.
     """
     for name, value in values.items():
         if name in curves and np.size(value):  # a method may give no edges of contact
-            if "edge" in VARIABLES[name].dims:  # one row of a case, of its last method, which may find fewer contacts
+            # A case has one row of edges, of its last method, which may find fewer contacts than the one before.
+            if "edge" in VARIABLES[name].dims:
                 curves[name][_row(name, position)] = np.nan
             curves[name][_row(name, position, np.shape(value))] = value
 
@@ -133,6 +134,6 @@ def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str
 
 
 def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
-    """Where values of this shape go in the array of a variable: the first of those of a case and method."""
+    """The index of values of this shape in the array of a variable, for a case and method."""
     sizes = iter(shape)
     return tuple(position[dim] if dim in position else slice(next(sizes, None)) for dim in VARIABLES[name].dims)

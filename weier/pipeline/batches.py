@@ -1,8 +1,8 @@
-"""Which curves of a scene are solved, in which files, and how those that are missing are cut into batches.
+"""The solved curves of a scene, the files that hold them, and the division of missing ones into batches.
 
-A batch is described by a file of JSON, which holds all that its numbers depend on: the cases, their loads, and a
-digest of the program. A digest of this is its name. So what is solved never changes under its name, and is found
-again curve by curve, whatever a scene has asked for since.
+A batch is described by a JSON file with all dependencies of its numbers: the cases, their loads, and a digest of the
+program. Its name is a digest of this description, so that a solved batch never changes under its name. Its curves are
+found again one by one, also after the scene has changed.
 """
 
 from __future__ import annotations
@@ -26,27 +26,30 @@ from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 
-NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # what they depend on, of the package
-MIN_SECONDS = 30.0  # of a batch, as methods expect at most: a third of it is usual, and to start one takes one or two
-MAX_SECONDS = 120.0  # of a batch, which is lost when it is killed
-START_SECONDS = 1.0  # what a batch must be worth where there are fewer than one for each core
-BATCHES_PER_CORE = 2  # so that the last ones to end leave no core idle for long
-CASE_SECONDS = 1e-3  # of the closed forms of a case, and of what is written for it
+NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # The numbers of a batch depend on these parts of weier.
+# The least time of a batch where there are several for each core. Cost models give upper bounds, three times the
+# usual time, and the start of a batch takes one or two seconds.
+MIN_SECONDS = 30.0
+MAX_SECONDS = 120.0  # The longest time of a batch, since a killed one is lost.
+# The least time of a batch where there are fewer than one for each core, since the start of a process takes as long.
+START_SECONDS = 1.0
+BATCHES_PER_CORE = 2  # Two batches for each core leave no core idle for long at the end.
+CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.
 
 
 class Place(NamedTuple):
-    """Where a curve is kept: the description of its batch, and the number of its case there."""
+    """The location of a curve: the description of its batch, and the number of its case in it."""
 
     batch: Path
     row: int
 
 
 class Missing(NamedTuple):
-    """A case with those of its methods that have not solved it, and what that will take.
+    """A case with its methods that have not solved it, and the expected cost.
 
-    studies : that it stands in
-    seconds : of its methods at their default settings, at most, and of its plan
-    refusal : why there is no plan for it
+    studies : the studies that contain it
+    seconds : expected of its methods at their default settings, at most, and of its plan
+    refusal : the reason why there is no plan for it
     """
 
     case: Case
@@ -61,20 +64,20 @@ class Solutions:
     Parameters
     ----------
     scene : Scene
-        Whose curves these are.
+        The scene.
     folder : path
-        For each batch its description, NAME.json, and its curves once it is solved, NAME.nc.
+        Folder with the description of each batch, NAME.json, and its curves if it is solved, NAME.nc.
 
     Attributes
     ----------
     to_solve : dict
-        The cases of each batch that `files` has asked for and that is not there yet, by its description.
+        The cases of each batch that `files` has described and that is not yet solved, by its description.
     """
 
     def __init__(self, scene: Scene, folder: str | Path) -> None:
         self.scene, self.folder = scene, Path(folder)
         self.to_solve: dict[Path, Sequence[Missing]] = {}
-        self._asked: dict[str, Path] = {}  # the batch that each of their curves is to be solved in
+        self._described: dict[str, Path] = {}  # the batch of each of their curves
         self.common = {
             "program": digest_of_program(*NUMBERS),
             "loads": scene.loads.tolist(),
@@ -83,7 +86,7 @@ class Solutions:
 
     @cached_property
     def _solved(self) -> dict[str, Place]:
-        """Where each curve is that this program has solved under the loads of the scene, by `Case.curve_keys`."""
+        """The locations of all curves solved by this program under the loads of the scene, by `Case.curve_keys`."""
         found: dict[str, Place] = {}
         for path in sorted(self.folder.glob("*.json")):
             if path.with_suffix(".nc").exists() and (batch := read_batch(path)).common == self.common:
@@ -93,7 +96,7 @@ class Solutions:
         return found
 
     def places(self, case: Case) -> dict[str, Place]:
-        """Where the curve of each method of a case is; a ValueError if one is not solved."""
+        """The locations of the curves of a case by method; ValueError if one is not solved."""
         try:
             return {method: self._solved[curve] for method, curve in case.curve_keys.items()}
         except KeyError:
@@ -103,10 +106,10 @@ class Solutions:
             ) from None
 
     def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
-        """The batches that hold these studies, or else all of the scene: those that are there, and those to be made.
+        """The batches of these studies, or of the whole scene: the solved ones, and those to be solved.
 
-        What is to be made for so many cores is described here. It holds nothing but cases of these studies, and none
-        that was asked for before, so that a case that two figures show is solved once.
+        The descriptions of the latter, for so many cores, are written here. They contain only cases of these studies
+        that no earlier call has described, so that a case of two figures is solved once.
         """
         here, missing = set[Path](), list[Missing]()
         for position, home in enumerate(self.scene.studies_of_cases):
@@ -122,24 +125,24 @@ class Solutions:
         return [path.with_suffix(".nc") for path in (*sorted(here), *described)]
 
     def _batch_of(self, curve: str) -> Path | None:
-        """The batch that holds a curve, or will hold it; None if it has not been asked for."""
-        return self._solved[curve].batch if curve in self._solved else self._asked.get(curve)
+        """The batch that contains a curve, or will contain it; None if there is none."""
+        return self._solved[curve].batch if curve in self._solved else self._described.get(curve)
 
     def _describe(self, members: Sequence[Missing]) -> Path:
-        """The description of a batch of these cases, which is written unless it is there."""
-        of = list(dict.fromkeys(study for each in members for study in each.studies))
-        cases = [each.case for each in members]
+        """The path of the description of a batch of these cases, which is written if it is missing."""
+        of = list(dict.fromkeys(study for member in members for study in member.studies))
+        cases = [member.case for member in members]
         content = self.common | {"cases": [[case.parameters, case.methods, case.settings] for case in cases]}
         path = self.folder / f"{of[0]}-{digest(content)[:12]}.json"
         if not path.exists():
-            seconds = sum(each.seconds for each in members)
+            seconds = sum(member.seconds for member in members)
             write_text(path, json.dumps(content | {"studies": of, "seconds": seconds}))
         self.to_solve[path] = members
-        self._asked |= {curve: path for case in cases for curve in case.curve_keys.values()}
+        self._described |= {curve: path for case in cases for curve in case.curve_keys.values()}
         return path
 
     def tidy(self) -> None:
-        """Remove batches of another state of the program, and descriptions of what was never solved."""
+        """Remove batches of other states of the program, and descriptions of batches that were never solved."""
         for path in self.folder.glob("*.json"):
             if not path.with_suffix(".nc").exists() or read_batch(path).common["program"] != self.common["program"]:
                 path.unlink()
@@ -147,12 +150,12 @@ class Solutions:
 
 
 class Batch(NamedTuple):
-    """What the description of a batch says.
+    """The description of a batch.
 
-    common : what it shares with all batches of its scene: program, loads and contact_edges
-    cases : with the methods to solve them by
-    studies : which the cases stand in, for people
-    seconds : that it takes on one core, as far as the methods know
+    common : program, loads and contact_edges, which all batches of a scene have in common
+    cases : with the methods that solve them
+    studies : the studies that contain the cases, for messages
+    seconds : expected on one core
     """
 
     common: Mapping[str, Any]
@@ -162,14 +165,14 @@ class Batch(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What it holds, in a few words."""
+        """The number of cases and their studies, in a few words."""
         first, last = self.studies[0], self.studies[-1]
         count = f"{len(self.cases)} case{'s' * (len(self.cases) > 1)}"
         return f"{count} of {first}" if first == last else f"{count} from {first} to {last}"
 
 
 def read_batch(path: str | Path) -> Batch:
-    """The description of a batch; a ValueError if it is none."""
+    """Read the description of a batch; ValueError if the file is none."""
     try:
         raw = json.loads(Path(path).read_text(encoding="utf-8"))
         cases = [Case(parameters, tuple(methods), settings) for parameters, methods, settings in raw.pop("cases")]
@@ -179,14 +182,14 @@ def read_batch(path: str | Path) -> Batch:
 
 
 def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> list[Sequence[Missing]]:
-    """Neighbours together, in batches of about the same seconds: two for each core, or one if these are too short.
+    """Divide cases, in their order, into batches of about equal time: two for each core, or one if they are short.
 
-    No batch takes longer than `MAX_SECONDS`, as far as that is known, unless a case alone does, and none has more
-    cases than the scene allows.
+    No batch is expected to take longer than `MAX_SECONDS`, unless a single case does, and none has more cases than
+    the scene allows.
     """
     if not members:
         return []
-    seconds = np.array([each.seconds for each in members])
+    seconds = np.array([member.seconds for member in members])
     total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
     few = min(cores, math.ceil(total / START_SECONDS))
     many = cores * min(BATCHES_PER_CORE, int(total / cores / MIN_SECONDS))
@@ -200,9 +203,12 @@ def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> li
 
 
 def missing_case(case: Case, studies: tuple[str, ...], loads: Array) -> Missing:
-    """A case with what its methods and its plan expect."""
+    """A case with the expected cost of its methods and its plan."""
     methods = [find_method(name) for name in case.methods]
-    seconds = [CASE_SECONDS, *(each.seconds(case.profile, loads) for each in methods if each.takes(case.profile))]
+    seconds = [
+        CASE_SECONDS,
+        *(method.seconds(case.profile, loads) for method in methods if method.takes(case.profile)),
+    ]
     found = plan_case(case, loads) if PLANNED in case.methods else None
     if isinstance(found, Plan):
         seconds.append(found.seconds)

@@ -1,4 +1,4 @@
-"""What a solve or a scene will cost, said before it, with what is cheaper; those out of reach are not begun."""
+"""Forecasts of the cost of a solution or a scene, with cheaper alternatives; too expensive ones are refused."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from weier.theory.profile import Profile
 from weier.theory.tables import significant
 from weier.theory.waves import Waves
 
-LONG = 30.0  # seconds, above which a solve is announced
-MAX_SECONDS = 1e5  # a day: who means it chooses settings of the method, whose cost is not known
-MAX_SCENE_SECONDS = 600.0  # of a scene with plans, unless it says itself how long it may take
-LISTED = 10  # cases that have no plan: others are refused for the same reasons
+LONG = 30.0  # seconds: shorter solutions need no announcement.
+MAX_SECONDS = 1e5  # A solution of more than a day is refused. Explicit settings, whose cost is unknown, are not.
+MAX_SCENE_SECONDS = 600.0  # By default, a scene with plans may take ten minutes.
+MAX_LISTED = 10  # At most so many cases without a plan are listed, since the others have the same reasons.
 
 
 def forecast(case: Case, loads: Array) -> list[str]:
@@ -28,7 +28,7 @@ def forecast(case: Case, loads: Array) -> list[str]:
     Raises
     ------
     ValueError
-        If one would take longer than `MAX_SECONDS`, with what is cheaper.
+        If a method would take longer than `MAX_SECONDS`; the message names a cheaper one.
     """
     lines = []
     for name in case.methods:
@@ -47,25 +47,25 @@ def forecast(case: Case, loads: Array) -> list[str]:
 
 
 def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> tuple[list[str], str]:
-    """What batches take that are still to be solved, in lines for people, and why they may not run, if so.
+    """The expected cost of the batches to be solved, in lines of text, and the reason why they may not run, if any.
 
-    The lines name each case that its plan refuses, with the reason. Only a scene with plans, or with a limit of its
-    own, says so: other methods know no more than the most they take. One that would take longer than it allows is
-    refused, with the key that allows more.
+    The lines list the cases without a plan, with the reasons. They are empty for a scene without plans and without a
+    limit, since the cost models of other methods are upper bounds only. A scene that would exceed its limit is
+    refused with the key that raises it.
     """
-    members = [each for batch in batches for each in batch]
-    with_plans = any(PLANNED in each.case.methods for each in members)
+    members = [member for batch in batches for member in batch]
+    with_plans = any(PLANNED in member.case.methods for member in members)
     if not members or (not with_plans and scene.max_seconds is None):
         return [], ""
-    longest = max((sum(each.seconds for each in batch) for batch in batches), default=0.0)
-    seconds = max(sum(each.seconds for each in members) / cores, longest)
-    refused = [f"  {each.refusal}" for each in members if each.refusal]
+    longest = max((sum(member.seconds for member in batch) for batch in batches), default=0.0)
+    seconds = max(sum(member.seconds for member in members) / cores, longest)
+    refused = [f"  {member.refusal}" for member in members if member.refusal]
     count, on = f"{len(members)} case{'s' * (len(members) != 1)}", f"{cores} core{'s' * (cores > 1)}"
     lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
     if refused:
-        lines += [f"{scene.name}: no plan for {len(refused)} of them:", *refused[:LISTED]]
-    if len(refused) > LISTED:
-        lines += [f"  and {len(refused) - LISTED} more"]
+        lines += [f"{scene.name}: no plan for {len(refused)} of them:", *refused[:MAX_LISTED]]
+    if len(refused) > MAX_LISTED:
+        lines += [f"  and {len(refused) - MAX_LISTED} more"]
     limit = MAX_SCENE_SECONDS if scene.max_seconds is None else scene.max_seconds
     if seconds <= limit:
         return lines, ""

@@ -1,8 +1,7 @@
-"""Curves from the batches that they were solved in: of all cases into one file, or of some into memory.
+"""Collect curves from batches: of all cases into one file, or of some cases into memory.
 
-A file is written block by block of cases, so that it may be larger than memory. What distinguishes its cases beside
-their profiles, studies and settings that are not the same for all, comes from the scene alone, and no batch is solved
-again when a study gets another name.
+A file is written in blocks of cases, so that it may be larger than memory. The labels of cases beside their profiles,
+which are studies and settings that differ, come from the scene. So no batch is solved again when a study is renamed.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ from weier.pipeline.batches import Solutions
 from weier.scene.case import Case
 from weier.scene.cases import Layout, Scene, layout_of
 
-BLOCK_BYTES = 2**25  # of cases in memory: more at a time are no faster
+BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
 def read_study(solutions: Solutions, study: str) -> xr.Dataset:
-    """The cases of a study, in memory; a ValueError if one is not solved."""
+    """The cases of a study in memory; ValueError if one is not solved."""
     cases = list(solutions.scene.study(study))
     return _read(solutions, cases, layout_of(cases, solutions.scene.contact_edges))
 
@@ -46,18 +45,18 @@ def read_cost(solutions: Solutions) -> xr.Dataset:
 
 
 def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more: xr.Dataset | None = None) -> None:
-    """Write all cases of a scene, in its order, with what distinguishes them, and variables of no case.
+    """Write all cases of a scene in their order, with their labels, and further variables.
 
     Parameters
     ----------
     solutions : Solutions
-        The scene, and where its curves are.
+        The scene with its solved curves.
     path : path
-        The file to write, whole or not at all.
+        The file, which is written atomically.
     step : str
-        As in `dataset.write`; the history goes on from that of the batches.
+        As in `dataset.write`; it is appended to the history of the batches.
     more : Dataset, optional
-        Variables of no case, to write as well.
+        Further variables, without the dimension case.
     """
     scene, cases = solutions.scene, solutions.scene.distinct
     labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
@@ -74,12 +73,12 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
-    """What distinguishes the cases of a scene, in its order.
+    """The labels of the cases of a scene, in its order.
 
     `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
-    1 for the cases of a study and 0 for others; it is no coordinate, so that files of other studies can be joined.
-    `METHOD_SETTING`, such as `bem_points`, is there for each setting that differs between cases: NaN or an empty text
-    where the method is not run, or the setting is left to the method.
+    1 for the cases of a study and 0 for others; it is not a coordinate, so that files of other studies can be joined.
+    `METHOD_SETTING`, such as `bem_points`, exists for each setting that differs between cases. It is NaN or an empty
+    text where the method is not run, or chooses the setting itself.
     """
     studies = np.array([", ".join(names) for names in scene.studies_of_cases])
     columns: dict[str, tuple[NDArray[Any], str]] = {"study": (studies, "studies of the case")}
@@ -87,7 +86,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
         method, run = find_method(name), [name in product.methods for product in scene.products]
         own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
         for setting in defaults(method):
-            values = [each[setting] for each in own]
+            values = [settings[setting] for settings in own]
             if len(set(map(json.dumps, compress(values, run)))) > 1:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
                 columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
@@ -122,7 +121,7 @@ def _column(values: list[Any]) -> NDArray[Any]:
 
 
 def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
-    """The histories of all files of these cases, each once."""
+    """The distinct histories of the files of these cases."""
     found = dict[str, None]()
     for batch in sorted({place.batch for case in cases for place in solutions.places(case).values()}):
         with dataset.reading(batch.with_suffix(".nc")) as data:
@@ -131,16 +130,16 @@ def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
 
 
 def _read(solutions: Solutions, cases: Sequence[Case], layout: Layout) -> xr.Dataset:
-    """Some cases in memory, as wide as the layout says."""
+    """Some cases in memory, in arrays of this layout."""
     methods, terms, edges, optional = layout
     blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, optional)
     return _filled(blank, solutions, cases)
 
 
 def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case]) -> xr.Dataset:
-    """These cases with the curves that the batches hold of them.
+    """The cases with their curves from the batches.
 
-    Method by method: of the edges of contact, a case has those of its last method.
+    They are filled in method by method, so that a case has the edges of contact of its last method.
     """
     methods = blank["solution_method"].values.tolist()
     wanted = dict[tuple[int, Path], list[tuple[int, int]]]()  # rows there and here, by method and file
@@ -161,20 +160,20 @@ def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case]) -> x
 
 
 def _read_rows(file: Path, start: int, end: int, like: xr.Dataset) -> xr.Dataset:
-    """These cases of a file in memory, of the variables that another dataset has; others between cost less."""
+    """Cases of a file in memory, with the variables of `like`; a range is read faster than single cases."""
     with dataset.reading(file) as data:
         return data.drop_vars(data.variables.keys() - like.variables.keys()).isel(case=slice(start, end)).load()
 
 
 def _copy(blank: xr.Dataset, part: xr.Dataset, rows: Indices, column: int) -> None:
-    """Copy the curves of a method, and what describes their cases, into these rows."""
+    """Copy the curves of a method, and the parameters of their cases, into these rows."""
     for name in blank.variables.keys() & part.variables.keys() - blank.sizes.keys():
         target, values, here = blank.variables[name], part.variables[name].values, rows
         if "edge" in target.dims:
             known = np.isfinite(values).any(axis=(1, 2))
             values, here = values[known], rows[known]
-            target.values[here] = np.nan  # the method before may have found more
+            target.values[here] = np.nan  # The previous method may have found more edges.
         run = (here, column) if "solution_method" in target.dims else (here,)
-        rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # as wide as other cases are
+        rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # Sizes differ between batches.
         within = tuple(slice(min(sizes)) for sizes in rest)
         target.values[(*run, *within)] = values[(slice(None), *within)]

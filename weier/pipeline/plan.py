@@ -24,38 +24,38 @@ from weier.theory.trace import Trace
 
 @dataclass(frozen=True)
 class ScenePlan:
-    """The plan of each case, by its key, or why there is none; Python shows it as tables."""
+    """The plan of each case by its key, or the error if there is none; it is displayed as tables."""
 
     cases: Mapping[str, Plan | OutOfReachError]
 
     @property
     def plans(self) -> list[Plan]:
         """The plans of the cases that can be solved."""
-        return [each for each in self.cases.values() if isinstance(each, Plan)]
+        return [found for found in self.cases.values() if isinstance(found, Plan)]
 
     @property
     def seconds(self) -> float:
         """Expected seconds on one core."""
-        return sum(each.seconds for each in self.plans)
+        return sum(found.seconds for found in self.plans)
 
     def __repr__(self) -> str:
-        """The plan of every case, and what all of them take."""
-        others = ["not the others:", *(f"  {each}" for each in self._others)] if self._others else []
-        return "\n".join([*(f"{each}\n" for each in self.plans), self._sum_up, *others])
+        """The plan of every case, and their total cost."""
+        others = ["not the others:", *(f"  {found}" for found in self._others)] if self._others else []
+        return "\n".join([*(f"{found}\n" for found in self.plans), self._sum_up, *others])
 
     def _repr_html_(self) -> str:
         """Tables for notebooks."""
-        others = "".join(f"<li>{escape(str(each))}</li>" for each in self._others)
+        others = "".join(f"<li>{escape(str(found))}</li>" for found in self._others)
         below = f"<p>not the others:</p><ul>{others}</ul>" if others else ""
-        return f"{''.join(each._repr_html_() for each in self.plans)}<p>{self._sum_up}</p>{below}"
+        return f"{''.join(found._repr_html_() for found in self.plans)}<p>{self._sum_up}</p>{below}"
 
     @property
     def _others(self) -> list[OutOfReachError]:
-        return [each for each in self.cases.values() if isinstance(each, OutOfReachError)]
+        return [found for found in self.cases.values() if isinstance(found, OutOfReachError)]
 
     @property
     def _sum_up(self) -> str:
-        memory = max((each.memory for each in self.plans), default=0.0)  # bytes
+        memory = max((found.memory for found in self.plans), default=0.0)  # bytes
         cost = f"{significant(self.seconds, 2)} s and {significant(memory / 1e6, 2)} MB"
         return f"{len(self.plans)} of {len(self.cases)} cases can be solved, in about {cost}"
 
@@ -91,18 +91,18 @@ def plan(
         Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*. By default,
         that of the scene, and 1e-3 for a profile.
     quantity : "compliance" or "resistance"
-        What is to be that accurate. By default, that of the scene, and the compliance for a profile.
+        The quantity of the tolerance. By default, that of the scene, and the compliance for a profile.
 
     Returns
     -------
     Plan or ScenePlan
-        Which method, how many terms, points and seconds, what error and why: Python shows it as a table.
+        The methods with their terms, points, seconds, errors and reasons; it is displayed as a table.
 
     Raises
     ------
     ValueError
-        If the tolerance is not positive or the quantity unknown, a profile comes without loads, or a scene without
-        tolerance; OutOfReachError if no method can be that accurate on a profile.
+        If the tolerance is not positive, the quantity is unknown, or a profile has no loads or a scene no tolerance;
+        OutOfReachError if no method meets the tolerance for a profile.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def _plan_scene(scene: Scene, loads: ArrayLike, wanted: Mapping[str, Any]) -> Sc
 
 
 def plan_case(case: Case, loads: ArrayLike, **wanted: Any) -> Plan | OutOfReachError:
-    """The plan of a case by its settings, or by others that are wanted; or why there is none."""
+    """The plan of a case by its settings or those given; or the error if there is none."""
     try:
         return plan_profile(case.profile, loads, registry.METHODS, **{**case.settings.get(PLANNED, {}), **wanted})
     except OutOfReachError as error:

@@ -1,4 +1,4 @@
-"""How far a solve is: the loads done, and the time that is left."""
+"""Progress of a solution: the number of loads done, and the remaining time."""
 
 from __future__ import annotations
 
@@ -7,39 +7,39 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-ERASE = "\r\033[K"  # the line
-TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # between two words
+ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
+TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # Intervals between two messages: a log keeps all of them.
 
 
 class Loads:
-    """The loads of one curve after another: calling it counts one."""
+    """A counter of the loads of successive curves; each call counts one load."""
 
-    def __init__(self, each: int, add: Callable[[int], object]) -> None:
-        """There are `each` of a curve; `add` takes numbers of them."""
-        self.each, self.add, self.done = each, add, 0
+    def __init__(self, per_curve: int, add: Callable[[int], object]) -> None:
+        """A curve has `per_curve` loads; `add` is called with the number of loads that are done."""
+        self.per_curve, self.add, self.done = per_curve, add, 0
 
     def __call__(self) -> None:
-        """One load of this curve more, which may solve some twice."""
-        if self.done < self.each:
+        """Count one load of this curve, unless all are counted, since a method may solve some twice."""
+        if self.done < self.per_curve:
             self.done += 1
             self.add(1)
 
     def end_curve(self) -> None:
-        """All loads of this curve are done: a closed form counts none."""
-        rest, self.done = self.each - self.done, 0
+        """Count the remaining loads of this curve: closed forms do not count any themselves."""
+        rest, self.done = self.per_curve - self.done, 0
         self.add(rest)
 
 
 class Progress:
-    """Says at times how many loads of all curves are done."""
+    """Messages at intervals with the number of loads of all curves that are done."""
 
     def __init__(self, total: int, pause: float, say: Callable[[str], None]) -> None:
-        """Of `total` loads, after a pause of some seconds."""
+        """For `total` loads, with `pause` seconds between two messages to `say`."""
         self.total, self.pause, self.say, self.done = total, pause, say, 0
         self.start = self.said = perf_counter()
 
     def add(self, number: int) -> None:
-        """So many loads more are done: say how many are, if it is time to."""
+        """Count further loads, and issue a message if the interval has passed."""
         self.done, now = self.done + number, perf_counter()
         if now - self.said > self.pause and 0 < self.done < self.total:
             self.said = now
@@ -49,7 +49,7 @@ class Progress:
 
 @contextmanager
 def waiting(what: str) -> Iterator[Callable[[str], None]]:
-    """Say on a line of a terminal, if there is one, what is computed, and give what adds to it how far it is."""
+    """Show on a line of a terminal, if there is one, what is computed; yields a function that shows the progress."""
     terminal = sys.stderr.isatty()
 
     def show(words: str) -> None:

@@ -1,4 +1,4 @@
-"""One profile without a scene file: what `weier solve` and `weier plot` do."""
+"""Solution of one profile without a scene file, for `weier solve` and `weier plot`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.theory.loads import check_range, unit_doubt
 
-OF_CASES = ("source", "name", "digest")  # what a case says of a trace, and no scene
+OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
 
 
 def solve_one(
@@ -35,20 +35,20 @@ def solve_one(
 ) -> xr.Dataset:
     """The curves of one profile, as a dataset of one case with the seconds of each method.
 
-    A method that has no curve is named on standard error, and raises if no other one has any.
+    The reason why a method has no curve goes to standard error, or is raised if no method has one.
 
     Parameters
     ----------
     profile : mapping
-        D, gamma, m and phases or seed, as in a scene; or `trace`, what a scene says of one.
+        D, gamma, m and phases or seed, or `trace`, as in a scene.
     loads : ndarray, shape (loads,)
         Mean pressures, increasing, in p_0*.
     methods : sequence of str
         As in `solve`.
     settings : mapping
-        Of each method.
+        Settings by method.
     workers : int
-        Processes that solve the curves side by side.
+        Number of processes.
     """
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
@@ -66,9 +66,9 @@ def solve_one(
 
 
 def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The methods that apply to a profile, and why the others do not; the default one where none are given.
+    """The methods that apply to a profile, and the reasons why others do not; the default one if none are given.
 
-    If none of those that are given apply, they are all returned, so that they say why.
+    If none of the given methods applies, all are returned, so that their solution raises the reasons.
     """
     surface = Case(_parameters(profile), (), {}).profile
     if not methods:

@@ -1,4 +1,4 @@
-"""`weier.solve`: one curve, or those of several profiles and methods in one dataset."""
+"""`weier.solve`: one curve, or the curves of several profiles and methods in one dataset."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def solve(
     profile : Profile, Trace or sequence of these
         The Weierstrass series, or measured heights, which the methods take that solve the waves themselves.
     mean_pressure : array_like, shape (loads,)
-        Positive, in p_0*, in any order, which is that of the result; a load that stands twice is solved once.
+        Positive, in p_0*, in any order, which the result keeps; duplicate loads are solved once.
     method : str or sequence of str, optional
         Contact patches by default, and boundary elements for traces. It must be given where m = inf. One of
 
@@ -100,12 +100,12 @@ def solve(
     (loads, position), edges = listed_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
     workers = checked_workers(workers)
     profiles = _list("profile", profile)
-    for each in profiles:
-        if doubt := unit_doubt(checked_surface(each), loads):
+    for surface in profiles:
+        if doubt := unit_doubt(checked_surface(surface), loads):
             warnings.warn(doubt, stacklevel=3)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles) if method is None else method
     methods = _list("method", method)
-    solvers = [find_method(each) for each in methods]
+    solvers = [find_method(name) for name in methods]
     if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
         curves = _solve_all(profiles, loads, methods, settings, edges, workers)
     else:
@@ -121,7 +121,7 @@ def _list(name: str, given: Any) -> list[Any]:
 
 
 def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
-    """One curve with all that it depends on, over mean_pressure."""
+    """One curve with its labels and settings, over mean_pressure."""
     given = checked_settings(method, settings)
     solution, seconds = solve_checked(profile, loads, method, given)
     if why := unsolved(solution):
@@ -138,7 +138,7 @@ def _solve_all(
     from weier.scene.case import Case
 
     checked = settings_by_method(methods, settings)
-    cases = tuple(Case.of(each, tuple(methods), checked) for each in profiles)
+    cases = tuple(Case.of(surface, tuple(methods), checked) for surface in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
     data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers)

@@ -1,7 +1,7 @@
-"""Curves under the same loads, solved one after another, or side by side in several processes.
+"""Solution of curves under the same loads, one after another or in several processes.
 
-Python computes between the kernels of a solver, and all threads of a process share one Python, so that threads would
-wait for each other. What a curve needs goes to another process, and its arrays come back.
+A solver runs Python code between its kernels, so that threads would wait for the interpreter lock. Other processes
+receive tasks and return arrays instead.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from weier.pipeline.progress import Loads, Progress
 from weier.theory.profile import PARAMETERS
 from weier.theory.waves import Waves
 
+# The message where the pool of processes breaks.
 LOST = (
     "a process that was to solve curves has ended too early: a script must be a file that calls weier.solve below "
     '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
@@ -32,30 +33,30 @@ LOST = (
 )
 
 
-class Curve(NamedTuple):
-    """One curve to be solved: of a surface, by the method of this name, with settings that were checked."""
+class CurveTask(NamedTuple):
+    """A curve to be solved: the surface, the name of the method, and its settings, which are checked."""
 
     profile: Waves
     method: str
     settings: Mapping[str, Any]
 
 
-# What a method says of a curve and the seconds that it took, or why there is none.
+# The solution of a method and the seconds that it took, or the error.
 Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
 
 
 class Solver:
     """Solves curves one after another under increasing loads of shape (loads,), and counts the loads.
 
-    Curves that do not depend on the phases are known once one profile of an ensemble is solved.
+    Curves that do not depend on the phases are solved once for all profiles of an ensemble.
     """
 
     def __init__(self, loads: Array, add: Callable[[int], object]) -> None:
-        """Under `loads`; `add` takes numbers of loads that are done."""
+        """For these loads; `add` is called with the number of loads that are done."""
         self.loads, self.count, self.known = loads, Loads(loads.size, add), dict[object, tuple[Any, float]]()
 
-    def __call__(self, curve: Curve) -> Outcome:
-        """What a method says of a curve, or why it says nothing."""
+    def __call__(self, curve: CurveTask) -> Outcome:
+        """The solution of a curve, or the error."""
         outcome: Outcome
         try:
             with reporting_to(self.count):
@@ -77,27 +78,27 @@ class Solver:
 
 
 def solve_curves(
-    curves: Sequence[Curve], loads: Array, workers: int, pause: float, say: Callable[[str], None]
+    curves: Sequence[CurveTask], loads: Array, workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
-    """What is to be had of each curve, in their order.
+    """The outcome of each curve, in their order.
 
     Parameters
     ----------
-    curves : sequence of Curve
-        Those of one profile beside each other.
+    curves : sequence of CurveTask
+        Curves of the same profile are adjacent.
     loads : ndarray, shape (loads,)
         Increasing, in p_0*.
     workers : int
-        Processes, this one among them. The bits do not depend on how many there are.
+        Number of processes, including this one. The results do not depend on it, to the last bit.
     pause : float
-        Seconds between two words of how far all curves are.
+        Seconds between two messages of progress.
     say : callable
-        Takes them.
+        Called with these messages.
 
     Raises
     ------
     ChildProcessError
-        If a process ends that should not.
+        If a process ends unexpectedly.
     """
     progress = Progress(len(curves) * loads.size, pause, say)
     if (workers := min(workers, len(curves))) > 1:
@@ -105,11 +106,11 @@ def solve_curves(
     return map(Solver(loads, progress.add), curves)
 
 
-def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
-    """The same by this process, from the last curve on, and by others, which take the first ones meanwhile.
+def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
+    """The outcomes by this process, which starts from the last curve, and by others, which start from the first one.
 
-    Others start in about a second, in which this one has solved some curves. Python spawns them, since a copy of this
-    process would wait for ever for locks that its threads hold.
+    Other processes take about a second to start, and this one solves curves meanwhile. They are spawned, since a
+    forked process could wait for ever for locks that threads of this one hold.
     """
     pool = ProcessPoolExecutor(workers - 1, get_context("spawn"), _begin, (loads,))
     ended, seen, solve, own = list[bool](), 0, Solver(loads, progress.add), dict[int, Outcome]()
@@ -139,7 +140,7 @@ def _side_by_side(curves: Sequence[Curve], loads: Array, workers: int, progress:
 
 
 def _begin(loads: Array) -> None:
-    """Prepare a process that solves curves: it ends with the one that started it, and silently by Ctrl-C."""
+    """Prepare a process that solves curves: it ends with its parent, and silently by Ctrl-C."""
     global _solver
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     Thread(target=_end_with_parent, daemon=True).start()
@@ -147,7 +148,7 @@ def _begin(loads: Array) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process, in the midst of a kernel, when the one that started it has ended or was killed."""
+    """End this process, even within a kernel, when its parent has ended or was killed."""
     if parent := parent_process():
         parent.join()
         os._exit(1)
@@ -156,5 +157,5 @@ def _end_with_parent() -> None:
 _solver: Solver  # of a process that `_begin` has prepared
 
 
-def _solve(curve: Curve) -> Outcome:
+def _solve(curve: CurveTask) -> Outcome:
     return _solver(curve)

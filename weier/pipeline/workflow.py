@@ -1,6 +1,6 @@
-"""What the rules of the Snakefile ask of its scenes: their files, what these depend on, and whether a run may begin.
+"""Functions of scenes for the rules of the Snakefile: files, digests of their dependencies, and checks before a run.
 
-Snakemake adds a traceback to an error. What is wrong with a scene or a folder ends the run in one sentence instead.
+Snakemake adds a traceback to an error. An invalid scene or folder ends the run with one sentence instead.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from weier.pipeline.batches import NUMBERS, Solutions, read_batch
 from weier.pipeline.forecast import forecast_scene
 from weier.scene import Scene
 
-# What steps depend on, of the package: they run again where the texts in these folders have changed.
+# The parts of the package on which steps depend: they run again after a change of a text file in these folders.
 TABLES = (*NUMBERS, "pipeline")
 PICTURES = (*TABLES, "figures")
 MEASURED = (*TABLES, "accuracy")
-FORMATS = ("pdf", "svg", "png")  # of each figure
+FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats.
 
 
 class Scenes:
@@ -43,9 +43,9 @@ class Scenes:
     config : path
         The folder whose folder `scenes` has the files of the scenes.
     cores : int
-        As many as Snakemake may use.
+        The number of cores that Snakemake may use.
     results : path, optional
-        The folder that the results go to.
+        The folder for the results.
     """
 
     def __init__(
@@ -53,8 +53,8 @@ class Scenes:
     ) -> None:
         self.names, self.config, self.cores, self.results = names, config, cores, Path(results)
         self._load, self._solutions = load, dict[str, Solutions]()
-        # Snakemake asks several times: scenes are read, batches cut and lines told once.
-        self.scene, self._batches, self._tell = cache(self._checked_scene), cache(self._cut_batches), cache(tell)
+        # Snakemake calls these several times: a scene is read, divided into batches and reported once.
+        self.scene, self._batches, self._report = cache(self._checked_scene), cache(self._cut_batches), cache(report)
 
     def _checked_scene(self, name: str) -> Scene:
         """The scene of this name."""
@@ -66,9 +66,9 @@ class Scenes:
         return str(self.config / "scenes" / f"{wildcards.scene}.yaml")
 
     def products(self, wildcards: Any) -> list[str]:
-        """All that is made of the scenes of the configuration: data, claims and figures.
+        """All products of the scenes of the configuration: data, claims and figures.
 
-        No job reads the data. So it is here that they are found to be cut short, or to be another program's.
+        No job reads the data, so that truncated files and those of other programs are detected here.
         """
         made = []
         for name in self.names:
@@ -99,9 +99,9 @@ class Scenes:
         return self._batches(wildcards.scene, figure.studies)
 
     def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
-        """The batches that hold these studies of a scene, or else all of it.
+        """The batches of these studies of a scene, or of all.
 
-        What it will take to solve those that are missing is said now, so that a dry run says it, too.
+        The expected cost of missing batches is reported here, so that a dry run reports it, too.
         """
         scene = self.scene(name)
         with ending_in_one_sentence():
@@ -109,38 +109,38 @@ class Scenes:
             paths = [str(path) for path in solutions.files(studies, self.cores)]
             lines, refusal = self._forecast(solutions)
         for line in filter(None, [*lines, refusal]):
-            self._tell(line)
+            self._report(line)
         return paths
 
     def _forecast(self, solutions: Solutions) -> tuple[list[str], str]:
         return forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
 
     def batch_label(self, wildcards: Any) -> str:
-        """What a batch holds, and what it will take."""
+        """The content of a batch, and its expected time."""
         with ending_in_one_sentence():
             return batch_label(self.results / wildcards.scene / "batches" / f"{wildcards.batch}.json")
 
     def kernels(self, wildcards: Any) -> list[str]:
-        """The files that say that the kernels of a scene are compiled."""
+        """The files that mark the kernels of a scene as compiled."""
         used = [find_method(name) for name in self.scene(wildcards.scene).layout.methods]
         return kernels_of(METHODS if any(method.runs_others for method in used) else used)
 
     def figure_digest(self, wildcards: Any) -> str:
-        """A digest of what a figure depends on, beside its curves."""
+        """A digest of the dependencies of a figure other than its curves."""
         scene = self.scene(wildcards.scene)
         figure = scene.figure(wildcards.figure)
         return digest([repr(figure), scene.digest_of_cases(*figure.studies), digest_of_program(*PICTURES)])
 
     def claims_digest(self, wildcards: Any) -> str:
-        """A digest of what the data and claims of a scene depend on, beside its curves."""
+        """A digest of the dependencies of the data and claims of a scene other than its curves."""
         return digest([self.scene(wildcards.scene).text, digest_of_program(*TABLES)])
 
     def page_digest(self, wildcards: Any) -> str:
-        """A digest of what the page of a scene depends on, beside its data and figures."""
+        """A digest of the dependencies of the page of a scene other than its data and figures."""
         return digest([repr(self.scene(wildcards.scene).figures), digest_of_program(*PICTURES)])
 
     def begin(self) -> None:
-        """Put files in order that a run before has left, and stop where a scene would take longer than it allows."""
+        """Clean up after earlier runs, and stop if a scene would take longer than it allows."""
         with ending_in_one_sentence():
             check_writable(self.results)
             remove_leftovers(self.results)
@@ -151,20 +151,20 @@ class Scenes:
                     raise ValueError(refusal)
 
     def finish(self) -> None:
-        """Remove what nobody needs any more, and say where the curves are."""
+        """Remove obsolete batches, and report where the curves are."""
         for name, solutions in self._solutions.items():
             solutions.tidy()
             data, page = self.results / name / "contact.nc", self.results / name / "page.html"
             how = f"`snakemake --cores 2 pages --config scenes={name}` makes a page of them"
             if data.exists():
-                tell(f"{name}: the curves are in {data}, {f'{page} shows them' if page.exists() else how}")
+                report(f"{name}: the curves are in {data}, {f'{page} shows them' if page.exists() else how}")
 
 
 def kernels_of(methods: Iterable[Method]) -> list[str]:
-    """The files that say that the kernels of these methods are compiled.
+    """The files that mark the kernels of these methods as compiled.
 
-    Those of closed forms take seconds, and no job of their own. There are none where nothing is compiled, or where
-    the cache takes no files: then each job compiles what it needs.
+    Closed forms compile in seconds and need no job of their own. The list is empty if kernels are not compiled or the
+    cache is not writable; each job then compiles its own kernels.
     """
     try:
         check_target(cache_folder() / "compiled" / "any")
@@ -174,9 +174,9 @@ def kernels_of(methods: Iterable[Method]) -> list[str]:
 
 
 def kernels_file(method: str) -> str:
-    """The file that says that a method is compiled: in the cache, so that it serves runs in all folders.
+    """The file that marks a method as compiled: in the cache, so that it serves runs in all folders.
 
-    Without a home directory there is no cache, and nothing asks for this file.
+    Without a home directory there is no cache, and the file is not used.
     """
     try:
         cache = cache_folder()
@@ -187,13 +187,13 @@ def kernels_file(method: str) -> str:
 
 @cache
 def batch_label(description: Path) -> str:
-    """What a batch holds, and what it will take."""
+    """The content of a batch, and its expected time."""
     batch = read_batch(description)
     return f"{batch.title}, in about {max(1, round(batch.seconds))} s"
 
 
 def check_packages(*names: str) -> None:
-    """End the run before its first job where these packages of developers are missing, not after its last one."""
+    """End the run before its first job if these packages of developers are missing."""
     if missing := [name for name in names if not find_spec(name)]:
         command = "pip install --require-hashes -r requirements/dev.txt"
         raise SystemExit(f"weier: the documentation needs {', '.join(missing)}: {command}")
@@ -201,9 +201,9 @@ def check_packages(*names: str) -> None:
 
 @contextmanager
 def ending_in_one_sentence() -> Iterator[None]:
-    """End the run with what is wrong with a scene or a folder, and at once where Ctrl-C comes.
+    """End the run with a message if a scene or a folder is invalid, and at once by Ctrl-C.
 
-    Snakemake's event loop would take note of Ctrl-C and go on until all is planned, which may take minutes.
+    The event loop of Snakemake would handle Ctrl-C only after its planning, which may take minutes.
     """
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.SIG_IGN:  # as in the background of a script
@@ -218,6 +218,6 @@ def ending_in_one_sentence() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def tell(line: str) -> None:
-    """Say something to people; the output is for what Snakemake prints."""
+def report(line: str) -> None:
+    """Print a line to standard error, since standard output belongs to Snakemake."""
     print(line, file=sys.stderr, flush=True)

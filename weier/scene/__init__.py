@@ -1,7 +1,7 @@
-"""Scenes: the files that say what to solve and to draw, and the cases that they stand for.
+"""Scenes: files that define what is solved and drawn, and the cases that follow from them.
 
-To read a file, call `weier.load_scene`, which reports all of its mistakes: `load` here knows none of figures and
-claims. May use methods, data, theory and kernels, and solves nothing itself.
+`weier.load_scene` reads a file and reports all of its mistakes; `load` here does not check figures and claims.
+Imports methods, data, theory and kernels only, and solves nothing itself.
 """
 
 from weier.scene.case import Case

@@ -20,13 +20,14 @@ from weier.theory.profile import Profile, RandomPhases, random_phases
 from weier.theory.trace import Trace
 from weier.theory.waves import Waves
 
-# The most that a scene or a command may ask for, so that a slip of the pen is refused before it costs a night.
-MAX_TERMS = 1000  # of a finite series: the closed forms add them one by one
-MAX_GAMMA = 10**6
-MAX_PHASE = 1e6  # radians: a float of more has lost the digits that matter
+# Limits of scenes and commands, so that a typing error is refused before it costs hours.
+MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
+MAX_GAMMA = 10**6  # Larger ratios are typing errors, since no surface has a spectrum of so many decades.
+MAX_PHASE = 1e6  # radians: larger floats have too few digits within one turn.
+# The parameters of a trace that are numbers.
 NUMBERS_OF_TRACE = ("shortest", "length", "missing_value")
-MAX_SOURCE = 200  # bytes of the name of a file in results, which has the line of a map behind it
-KEPT_TRACES = 16  # in memory: each method of a case reads its trace
+MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
+KEPT_TRACES = 16  # So many traces are kept in memory, since each method of a case reads its trace.
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Case:
 
     parameters : D, gamma, m, and phases or seed; or those of a trace, as `trace_parameters` gives them
     methods, settings : names of methods, and the settings of each
-    surface : the profile itself, where it was not made from the parameters
+    surface : the profile itself, unless it is made from the parameters
     """
 
     parameters: Mapping[str, Any]
@@ -45,29 +46,29 @@ class Case:
 
     @classmethod
     def of(cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
-        """The case of a surface, which it keeps: measured heights may stand in no file."""
+        """The case of a surface, which is kept, since measured heights may not be in a file."""
         return cls(surface.parameters, methods, settings, surface)
 
     @property
     def _identity(self) -> Mapping[str, Any]:
-        """The parameters, in short."""
+        """The parameters without those that do not change the surface."""
         return {name: identity(name, value) for name, value in self.parameters.items()}
 
     @cached_property
     def key(self) -> str:
-        """A digest of all that the numbers depend on but the loads: the same case has the same name in every file."""
+        """A digest of all dependencies of the numbers except the loads: a case has the same key in every file."""
         definition = json.dumps([self._identity, self.methods, self.settings], sort_keys=True)
         return hashlib.sha256(definition.encode()).hexdigest()[:12]
 
     @cached_property
     def curve_keys(self) -> dict[str, str]:
-        """By method, all that its curve depends on but the loads, as text."""
+        """By method, all dependencies of its curve except the loads, as text."""
         profile = json.dumps(self._identity, sort_keys=True)
         own = {method: json.dumps(self.settings.get(method, {}), sort_keys=True) for method in self.methods}
         return {method: f"{method} {settings} {profile}" for method, settings in own.items()}
 
     def with_methods(self, methods: tuple[str, ...]) -> Case:
-        """The case with some of its methods alone."""
+        """The case with only some of its methods."""
         settings = {name: own for name, own in self.settings.items() if name in methods}
         return Case(self.parameters, methods, settings, self.surface)
 
@@ -87,7 +88,7 @@ class Case:
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def check(self) -> None:
-        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it."""
+        """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it."""
         self.check_ranges()
         methods = [find_method(method) for method in self.methods]
         if any(method.numerical for method in methods) and math.isfinite(self.profile.m):
@@ -97,8 +98,8 @@ class Case:
                 method.check(self.profile, **self.settings.get(method.name, {}))
 
     def check_ranges(self) -> None:
-        """Refuse a series that no computer holds."""
-        if "trace" in self.parameters:  # whose waves were counted when it was made
+        """Refuse a series beyond the limits."""
+        if "trace" in self.parameters:  # The waves of a trace are counted when it is made.
             return
         profile = self.profile
         if profile.gamma > MAX_GAMMA:
@@ -107,21 +108,22 @@ class Case:
             return
         if profile.m > MAX_TERMS:
             raise ValueError(f"m must be at most {MAX_TERMS}, or inf, got {profile.m:g}")
-        drawn = isinstance(profile.phases, RandomPhases)  # within a turn, and slow to draw for each of 10^6 cases
+        # Random phases are within one turn, and slow to draw for each of 10^6 cases.
+        drawn = isinstance(profile.phases, RandomPhases)
         if not drawn and (largest := np.abs(profile.phase).max()) > MAX_PHASE:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
 def identity(name: str, value: Any) -> Any:
-    """What distinguishes a parameter from others: of a trace its name and content, not where its file is."""
+    """The value that identifies a parameter: of a trace its name and content, not the location of its file."""
     return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
 
 
 def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     """The traces of a file of a scene in this folder, as parameters of a case each: with digests of their heights.
 
-    There are several where all lines of a map are asked for. Their name is the file as the scene has it, so that two
-    files of one name in two folders are distinguished.
+    There are several if all lines of a map are wanted. They are named by the path of the file in the scene, which
+    distinguishes files of the same name in two folders.
     """
     numbers = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
     source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name
@@ -141,7 +143,7 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 @lru_cache(maxsize=KEPT_TRACES)
 def _kept_trace(parameters: tuple[tuple[str, Any], ...]) -> Trace:
-    """The trace of a file, which still holds what it did when its digest was taken."""
+    """The trace of a file; ValueError if the file has changed since its digest was computed."""
     known = dict(parameters)
     trace: Trace = Trace.read(**_arguments(known))
     if known["digest"] != trace.digest:

@@ -21,15 +21,15 @@ from weier.scene.study import CaseProduct, Study
 from weier.theory.limits import resolvable
 
 Item = TypeVar("Item")
-MAX_BATCH_CASES = 1000  # that are solved and written together: a process then takes 0.3 GB
+MAX_BATCH_CASES = 1000  # A process that solves and writes so many cases together takes 0.3 GB.
 
 
 class Layout(NamedTuple):
-    """What the arrays of some cases must hold.
+    """The sizes and variables of the arrays for some cases.
 
-    methods : of all of them, in order of appearance
+    methods : of all cases, in order of appearance
     terms : of the longest finite series
-    edges : of contact, at most, two for each of the finest waves in a period; 0 where they are not kept
+    edges : the most edges of contact, two for each of the finest waves in a period; 0 if they are not kept
     optional : variables that not all files have: those that the methods return, and the labels of traces
     """
 
@@ -40,7 +40,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
-    """What the arrays of some cases must hold, which is nothing that other cases need."""
+    """The sizes and variables of the arrays for these cases alone."""
     methods = dict.fromkeys(method for case in cases for method in case.methods)
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
     resolved = filter(resolvable, finite) if contact_edges else ()
@@ -54,12 +54,12 @@ def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
 class Scene:
     """A checked scene.
 
-    name, title : of the file and for people
+    name, title : of the file, and as a heading
     loads : mean pressures, shape (loads,), in p_0*
     studies : cases of each study, in the order of the file
     batch_size : most cases in one batch
     figures, claims : what is made from the studies
-    max_seconds : that solving it may take, as expected; None for a limit on plans alone
+    max_seconds : the longest expected time of its solution; None for a limit on plans alone
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
     """
@@ -82,7 +82,7 @@ class Scene:
 
     @cached_property
     def _distinct(self) -> tuple[Indices, list[tuple[str, ...]]]:
-        """Where each case stands first among all studies, shape (cases,), and the studies that it belongs to."""
+        """The first position of each case among all studies, shape (cases,), and the studies that contain it."""
         seen: dict[tuple[str, ...], int] = {}
         identities = itertools.chain.from_iterable(product.identities for product in self.products)
         number = np.array([seen.setdefault(identity, len(seen)) for identity in identities], int)
@@ -91,7 +91,7 @@ class Scene:
         member[number, study] = True
         homes, home = np.unique(member, axis=0, return_inverse=True)
         names = [tuple(itertools.compress(self.studies, row)) for row in homes]
-        return np.unique(number, return_index=True)[1], [names[each] for each in home.ravel().tolist()]
+        return np.unique(number, return_index=True)[1], [names[home_number] for home_number in home.ravel().tolist()]
 
     @cached_property
     def distinct(self) -> Study:
@@ -105,7 +105,7 @@ class Scene:
 
     @property
     def product_of_cases(self) -> Indices:
-        """The number of the product that each case stands in first, in order of appearance, shape (cases,)."""
+        """The number of the first product that contains each case, in order of appearance, shape (cases,)."""
         counts = [product.count for product in self.products]
         return np.repeat(np.arange(len(counts)), counts)[self._distinct[0]]
 
@@ -116,7 +116,7 @@ class Scene:
 
     @cached_property
     def layout(self) -> Layout:
-        """What the arrays of all cases must hold."""
+        """The sizes and variables of the arrays for all cases."""
         cases = [case for product in self.products for case in product.of_all_kinds("gamma", "m")]
         return layout_of(cases, self.contact_edges)
 
@@ -125,7 +125,7 @@ class Scene:
         return self._item("study", self.studies, name)
 
     def figure(self, name: str) -> Figure:
-        """What a figure draws; a SceneError if there is no such figure."""
+        """The description of a figure; SceneError if there is no such figure."""
         return self._item("figure", self.figures, name)
 
     def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
@@ -134,6 +134,6 @@ class Scene:
         return table[name]
 
     def digest_of_cases(self, *studies: str) -> str:
-        """A digest of which cases some studies have, and in which order."""
+        """A digest of the cases of some studies in their order."""
         cases = [[product.definition for product in self.study(study).products] for study in studies]
         return digest(cases)

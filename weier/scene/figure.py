@@ -1,4 +1,4 @@
-"""What a scene says of a figure: what it draws, from which studies, and how."""
+"""The description of a figure in a scene: its kind, its studies and its style."""
 
 from __future__ import annotations
 
@@ -7,18 +7,16 @@ from typing import NamedTuple
 
 from weier.theory.conduction import Interface
 
-PHASES = ("phases", "seed")  # names of what differs between profiles of the same D, gamma and m
-
-
-MAX_PANELS = 4  # in one column: more would not fit a page
+PHASES = ("phases", "seed")  # Profiles of the same D, gamma and m differ in one of these.
+MAX_PANELS = 4  # A column of more panels does not fit on a page.
 
 
 class Grouping(NamedTuple):
-    """Which parameters of a sweep a figure shows, and how; none where the figure chooses.
+    """The parameters of a sweep that a figure shows by colour, panel and median; empty for its default.
 
-    colour : the parameter that sets the colour
-    facet : the parameter that each panel has a value of, or two: that of each row of panels and of each column
-    median_over : over which a median is drawn, with a band that holds all curves
+    colour : the parameter shown by colour
+    facet : the parameter shown by panels, or two for the rows and the columns of panels
+    median_over : the parameters over which a median is drawn, in a band that contains all curves
     """
 
     colour: str = ""
@@ -26,11 +24,11 @@ class Grouping(NamedTuple):
     median_over: tuple[str, ...] = ()
 
     def of(self, cases: int) -> Grouping:
-        """By what so many cases are drawn: each has a panel, or more a median over phases, unless one is named."""
+        """The grouping for so many cases: by default a panel for each of few cases, or a median over phases."""
         return self if self != BY_DEFAULT else EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
 
     def hidden(self, varying: Iterable[str]) -> list[str]:
-        """Which of the parameters that vary among the curves no key shows; a method always has a line of its own."""
+        """The parameters that vary among the curves without being shown; each method always has its own line."""
         shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
@@ -51,7 +49,7 @@ EACH_CASE, MEDIAN_OVER_PHASES = Grouping(facet=("case",)), Grouping(median_over=
 
 
 class Axis(NamedTuple):
-    """The scale of an axis, "log" or "linear", and its ends; empty and None where the figure chooses."""
+    """The scale of an axis, "log" or "linear", and its ends; empty and None for the default of the figure."""
 
     scale: str = ""
     low: float | None = None
@@ -62,11 +60,11 @@ FREE = Axis()
 
 
 class Figure(NamedTuple):
-    """What a figure draws (a module of weier.figures), from which studies, and by which parameters.
+    """The kind of a figure (a module of weier.figures), its studies, and its parameters.
 
     x, y : its axes
-    size : width and height in inches; None where the figure chooses
-    interface : the bodies by which its axes are in SI units; None where they are normalised
+    size : width and height in inches; None for the default of the figure
+    interface : the bodies that convert its axes into SI units; None for normalised axes
     """
 
     draw: str

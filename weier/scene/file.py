@@ -38,28 +38,30 @@ from weier.theory.conduction import Interface
 from weier.theory.loads import check_range, listed_loads
 from weier.theory.profile import PARAMETERS, Profile
 
+# The names of scenes are names of files and parts of paths of Snakemake.
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-MAX_BATCH_BYTES = 4 * 2**30  # of one batch
-ONE_WAVE = Profile(1.5, 2, 1)  # words among the settings of a method are right or wrong on any profile
+MAX_BATCH_BYTES = 4 * 2**30  # A batch must fit into the memory of one core of a usual machine.
+# Settings that are words are checked on this profile, since they are valid for all profiles or for none.
+ONE_WAVE = Profile(1.5, 2, 1)
 
-Raw = Mapping[str, Any]  # of the file, as the schema has it
+Raw = Mapping[str, Any]  # The plain values of a file or a part of it.
 Check = Callable[[Scene], Iterable[Mistake]]
 
 
 def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
-    """Read a scene file, and check what it solves; `weier.load_scene` checks its figures and claims, too.
+    """Read a scene file and check its cases; `weier.load_scene` checks its figures and claims, too.
 
     Parameters
     ----------
     path : path
         The file.
     checks : sequence of callable, optional
-        What else to check, on what is sound of the scene.
+        Further checks of the valid parts of the scene.
 
     Raises
     ------
     SceneError
-        If the file is missing, is not YAML, has unknown keys, or values out of range: all of its mistakes.
+        If the file is missing, is not YAML, has unknown keys, or values out of range; the error lists all mistakes.
 
     """
     try:
@@ -110,7 +112,7 @@ def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
         mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
     wanted = {} if mistakes.within("max_cases") else known
     read = {study: _study(study, raw, plan, path.parent, mistakes) for study in wanted}
-    lines = sum(map(len, filter(None, read.values())))  # of maps, too, which are counted when they are read
+    lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
     mistakes.attempt(("max_cases",), partial(check_number, lines, int(most)), None)
     interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
     scene = Scene(
@@ -125,10 +127,10 @@ def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
         text=text,
     )
     _check_references(scene, known, mistakes)
-    asked = sound("batch", None)
+    most_cases = sound("batch", None)
     if mistakes:
         return scene
-    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, asked), 1))
+    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, most_cases), 1))
 
 
 def _mapping(raw: Raw, key: str) -> Raw:
@@ -146,7 +148,7 @@ def _loads(raw: Raw) -> Array:
 
 
 def _plan(raw: Raw) -> dict[str, Any]:
-    """Settings of the method that plans, for all studies of a scene with a tolerance; else none."""
+    """Settings of the planning method, for all studies of a scene with a tolerance; empty without one."""
     if "tolerance" not in raw:
         return {}
     quantity = {"quantity": raw["quantity"]} if "quantity" in raw else {}
@@ -154,7 +156,7 @@ def _plan(raw: Raw) -> dict[str, Any]:
 
 
 def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:
-    """Each setting of each method by itself."""
+    """Check each setting of each method separately."""
     if not isinstance(settings, dict) or mistakes.within(*keys):
         return
     for method, values in settings.items():
@@ -163,7 +165,7 @@ def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:
 
 
 def _check_setting(method: Method, name: str, value: Any) -> None:
-    """Refuse a setting that is wrong whatever the profile and the other settings are."""
+    """Refuse a setting that is invalid for every profile and all other settings."""
     checked_settings(method, {name: value})
     if isinstance(value, str):
         method.check(ONE_WAVE, **{name: value})
@@ -195,7 +197,7 @@ def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> 
 
 
 def _check_methods_of_trace(methods: Sequence[str]) -> None:
-    """Refuse methods that rest on the series, which a trace is not."""
+    """Refuse methods that apply to the Weierstrass series only."""
     others = [name for name in methods if not find_method(name).takes_traces]
     if others or not methods:
         takers = ", ".join(method.name for method in METHODS if method.takes_traces)
@@ -206,7 +208,7 @@ def _check_methods_of_trace(methods: Sequence[str]) -> None:
 
 
 def _check_methods(products: Sequence[CaseProduct]) -> None:
-    """Refuse a study without any profile to which one of its methods applies: nothing would be solved."""
+    """Refuse a study in which no method applies to any profile."""
     reasons: dict[str, str] = {}
     for product in products:
         for case in product.of_all_kinds(*PARAMETERS):
@@ -220,8 +222,8 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
 
 
 def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
-    """The values of each parameter, each sound by itself."""
-    if trace := product.get("trace"):  # whose file is found whatever else is wrong, and read where nothing is
+    """The values of each parameter, each checked separately."""
+    if trace := product.get("trace"):  # The file must exist in any case. It is read if the study has no mistake.
         mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
         wrong = mistakes.within(*keys[:2])  # in its study
         return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
@@ -236,7 +238,7 @@ def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[st
 
 
 def _interface(raw: Raw) -> Interface | None:
-    """The two bodies of a scene, if it has them, with the scale of its series: a trace has its own."""
+    """The two bodies of a scene, if it has them, with the scale of its series; traces have their own scale."""
     if "interface" not in raw:
         return None
     values = {name: number(name, value) for name, value in raw["interface"].items()}
@@ -247,7 +249,7 @@ def _interface(raw: Raw) -> Interface | None:
 
 
 def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes) -> Figure:
-    """What is sound of a figure."""
+    """A figure without the parts that have mistakes."""
     keys: Keys = ("figures", name)
     figure = _mapping(raw["figures"], name)
 
@@ -267,7 +269,7 @@ def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes
 
 
 def _bodies(figure: Raw, raw: Raw, interface: Interface | None) -> Interface | None:
-    """The bodies by which a figure is in SI units, if it is."""
+    """The bodies that convert a figure into SI units; None if it is normalised."""
     if "units" not in figure:
         return None
     if "interface" not in raw:
@@ -281,10 +283,10 @@ def _grouping(figure: Raw) -> Grouping:
         for key in ("facet", "median over")
     )
     grouping = Grouping(figure.get("colour", ""), facet, over)
-    given = [each for each in (grouping.colour, *facet, *over) if each]
-    for each in given:
-        if given.count(each) > 1:
-            raise ValueError(f"{each} can be the colour, the facet or one to take the median over, not two")
+    given = [parameter for parameter in (grouping.colour, *facet, *over) if parameter]
+    for parameter in given:
+        if given.count(parameter) > 1:
+            raise ValueError(f"{parameter} can be the colour, the facet or one to take the median over, not two")
     return grouping
 
 
@@ -301,7 +303,7 @@ def _axis(given: str | Raw) -> Axis:
 
 
 def _check_references(scene: Scene, studies: Raw, mistakes: Mistakes) -> None:
-    """Refuse figures and claims of studies that are not there."""
+    """Refuse figures and claims of unknown studies."""
     lists: dict[Keys, Sequence[str]] = {("claims", name): of for name, of in scene.claims.items()}
     lists |= {("figures", name, "studies"): figure.studies for name, figure in scene.figures.items()}
     for keys, listed in lists.items():
@@ -311,15 +313,15 @@ def _check_references(scene: Scene, studies: Raw, mistakes: Mistakes) -> None:
                 mistakes.add([Mistake((*keys, position), f"{what}{suggestion(study, studies)}")])
 
 
-def _batch_size(scene: Scene, asked: int | None) -> int:
+def _batch_size(scene: Scene, wanted: int | None) -> int:
     """The most cases in a batch, which must fit into memory."""
     methods, _, edges, optional = scene.layout
     variables = len(of_curves(optional, edges=False))
     case = 8 * scene.loads.size * (len(methods) * variables + edges)
-    needed = case * int(asked or 1)
+    needed = case * int(wanted or 1)
     if needed > MAX_BATCH_BYTES:
         raise ValueError(
             f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
             "fewer loads, or contact_edges: false"
         )
-    return int(asked) if asked else min(MAX_BATCH_CASES, MAX_BATCH_BYTES // case)
+    return int(wanted) if wanted else min(MAX_BATCH_CASES, MAX_BATCH_BYTES // case)

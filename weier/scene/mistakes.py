@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 from weier.data.yaml import Document
 from weier.theory.arguments import MAX_SHOWN
 
-MAX_TOLD = 30  # mistakes in one message
+MAX_LISTED = 30  # A message lists at most so many mistakes, to fit on a screen.
 
 Value = TypeVar("Value")
 Other = TypeVar("Other")
@@ -21,27 +21,27 @@ class SceneError(ValueError):
 
 
 class Mistake(NamedTuple):
-    """What is wrong, in words, at the place that these keys lead to."""
+    """A mistake in words, at the place of these keys."""
 
     keys: Keys
     text: str
 
 
 class Mistakes(dict[Keys, str]):
-    """The mistakes that are found while a scene is read, one at each place."""
+    """The mistakes found in a scene, at most one at each place."""
 
     def add(self, found: Iterable[Mistake]) -> None:
-        """Add some, but for parts of the file that have one: it may be the cause of the others."""
+        """Add mistakes, except in parts of the file that have one, which may be their cause."""
         for keys, text in found:
             if not self.within(*keys):
                 self[keys] = text
 
     def within(self, *keys: str | int) -> bool:
-        """Whether there are any in the part of the file that these keys lead to."""
+        """Whether there are mistakes in the part of the file at these keys."""
         return any(place[: len(keys)] == keys for place in self)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
-        """What `read` finds there, or another value where there is a mistake: a ValueError or OSError reports it."""
+        """The result of `read`, or `instead` after a mistake, which `read` reports by a ValueError or OSError."""
         if self.within(*keys):
             return instead
         try:
@@ -51,16 +51,16 @@ class Mistakes(dict[Keys, str]):
             return instead
 
     def error(self, path: Path, document: Document) -> SceneError:
-        """All of them as one error, in the order of their lines: a line for one, a list of lines for several."""
-        ordered = sorted((document.line(keys), _told(keys, text)) for keys, text in self.items())
-        listed = [f"line {line}: {text}" for line, text in ordered[:MAX_TOLD]]
+        """All mistakes as one error, in the order of their lines; several are listed one per line."""
+        ordered = sorted((document.line(keys), _described(keys, text)) for keys, text in self.items())
+        listed = [f"line {line}: {text}" for line, text in ordered[:MAX_LISTED]]
         if len(ordered) == 1:
             return SceneError(f"{path}, {listed[0]}")
-        more = [f"and {len(ordered) - MAX_TOLD} more"] if len(ordered) > MAX_TOLD else []
+        more = [f"and {len(ordered) - MAX_LISTED} more"] if len(ordered) > MAX_LISTED else []
         return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *listed, *more]))
 
 
-def _told(keys: Keys, text: str) -> str:
+def _described(keys: Keys, text: str) -> str:
     where = ".".join(one_line(key)[:MAX_SHOWN] for key in keys)
     return f"{where}: {one_line(text)}" if where else one_line(text)
 

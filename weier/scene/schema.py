@@ -1,4 +1,4 @@
-"""Whether a scene file has the keys and kinds of values that `schema.json` says, in words for people."""
+"""Validation of scene files by `schema.json`, with messages in plain words."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from weier.theory.units import UNITS
 if TYPE_CHECKING:
     from jsonschema import ValidationError
 
+# The types of JSON schema in plain words.
 KINDS = {
     "string": "a text",
     "object": "a mapping",
@@ -26,10 +27,11 @@ KINDS = {
     "number": "a number",
     "boolean": "true or false",
 }
+# The limits of JSON schema in plain words.
 LIMITS = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "more than"}
-# What numpy.linspace and others call the keys of a range.
+# The names of numpy.linspace and others for the keys of a range.
 SYNONYMS = {"n": "count", "num": "count", "start": "from", "min": "from", "stop": "to", "end": "to", "max": "to"}
-SAME_WORD = 0.8  # similarity of a key that stands for one that is missing
+SAME_WORD = 0.8  # A key of this similarity (difflib) is taken for a missing key, misspelt.
 
 
 def schema() -> dict[str, Any]:
@@ -42,8 +44,8 @@ def schema() -> dict[str, Any]:
 
 
 def mistakes_of_form(raw: Any) -> list[Mistake]:
-    """What the schema does not allow of a file, as plain values, each with the keys that lead there."""
-    import jsonschema  # takes longer than the rest of a scene, and nothing else needs it
+    """The violations of the schema by the plain values of a file, each with its keys."""
+    import jsonschema  # The import takes longer than the rest of a scene.
 
     known = schema()
     errors = jsonschema.Draft202012Validator(known).iter_errors(raw)
@@ -69,28 +71,28 @@ def _mistakes(error: ValidationError, known: Mapping[str, Any]) -> Iterator[Mist
 
 
 def _missing(error: ValidationError, keys: Keys, known: Mapping[str, Any]) -> Iterator[Mistake]:
-    """The keys that are missing, but for one that is there misspelt or by another word, which is a mistake itself."""
+    """The missing keys, except those that are misspelt or have a synonym, which is a mistake by itself."""
     of_all = error.schema.get("properties", known["properties"])
     for key in error.validator_value:
-        given = [*error.instance, *(SYNONYMS[each] for each in error.instance if each in SYNONYMS)]
+        given = [*error.instance, *(SYNONYMS[key] for key in error.instance if key in SYNONYMS)]
         if not get_close_matches(key, given, cutoff=SAME_WORD):
             yield Mistake((*keys, key), f"this key is missing: {of_all[key]['description']}")
 
 
 def _of_alternatives(error: ValidationError, keys: Keys, known: Mapping[str, Any]) -> Iterator[Mistake]:
-    """What is wrong by the alternative whose type the value has, or else what all of them are."""
-    by_alternative = groupby(error.context, lambda each: each.schema_path[0])
+    """The mistakes by the alternative whose type the value has, or else a list of all alternatives."""
+    by_alternative = groupby(error.context, lambda cause: cause.schema_path[0])
     causes = [list(group) for _, group in by_alternative]
-    fitting = [group for group in causes if not any(each.validator == "type" and not each.path for each in group)]
+    fitting = [group for group in causes if not any(cause.validator == "type" and not cause.path for cause in group)]
     if fitting:
-        for each in min(fitting, key=len):
-            yield from _mistakes(each, known)
+        for cause in min(fitting, key=len):
+            yield from _mistakes(cause, known)
     else:
         yield Mistake(keys, f"this must be {kind_of(error.schema, known)}, got {shown(error.instance)}")
 
 
 def _words(error: ValidationError) -> str:
-    """What a value must be, and what came."""
+    """The condition on a value, and the given value."""
     wanted, value = error.validator_value, error.instance
     match error.validator:
         case "enum":
@@ -109,7 +111,7 @@ def _words(error: ValidationError) -> str:
         case "pattern" | "maxLength":
             return f"this must be {error.schema['description']}, got {shown(value)}"
         case "oneOf":
-            choices = [each["required"][0] for each in wanted]
+            choices = [choice["required"][0] for choice in wanted]
             given = " and ".join(choice for choice in choices if isinstance(value, dict) and choice in value)
             return f"one of {', '.join(choices)} must be given, and not {given or 'none'}"
         case "not":
@@ -120,7 +122,7 @@ def _words(error: ValidationError) -> str:
 
 
 def kind_of(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
-    """What a value may be by a part of the schema, in words."""
+    """The values that a part of the schema allows, in words."""
     if "$ref" in part:
         of = known["$defs"][part["$ref"].rpartition("/")[2]]
         return of.get("title") or kind_of(of, known)
@@ -129,7 +131,7 @@ def kind_of(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
     if "enum" in part:
         return ", ".join(part["enum"])
     if "anyOf" in part:
-        return " or ".join(dict.fromkeys(kind_of(each, known) for each in part["anyOf"]))
+        return " or ".join(dict.fromkeys(kind_of(alternative, known) for alternative in part["anyOf"]))
     if part.get("type") == "array":
         return "a list of " + re.sub(r"^a (\w+)$", r"\1s", kind_of(part["items"], known))
     kinds = part.get("type", "object")

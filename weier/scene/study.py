@@ -1,6 +1,6 @@
-"""The products of a study: the numbers, lists and ranges that each parameter takes, and the cases that they make.
+"""The products of a study: the values of each parameter, and the cases that combine them.
 
-Each case is made when it is asked for: a study of a million takes no more memory than its axes.
+Each case is made on access, so that a study of a million cases takes no more memory than its axes.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from weier.kernels.arrays import Indices
 from weier.scene.case import Case, identity
 from weier.theory.profile import random_phases
 
-MAX_CASES = 10_000  # by default
-MAX_RANGE_VALUES = 10**6
+MAX_CASES = 10_000  # By default, more cases are refused, since a typing error would take hours.
+MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.
 
 Product = Mapping[str, Any]
 
 
 def products(study: Mapping[str, Any]) -> list[tuple[tuple[str | int, ...], Product]]:
-    """The products of a study that are mappings, each with the keys that lead to it."""
+    """The products of a study that are mappings, each with its keys in the file."""
     cases = study.get("cases")
-    listed = [(("cases", number), each) for number, each in enumerate(cases if isinstance(cases, list) else [])]
+    listed = [(("cases", number), product) for number, product in enumerate(cases if isinstance(cases, list) else [])]
     every = [(("product",), study.get("product")), *listed, *_traces(study.get("trace"))]
     return [(keys, product) for keys, product in every if isinstance(product, dict)]
 
@@ -51,13 +51,13 @@ def distinct_values(name: str, values: Any) -> list[Any]:
 
 
 def check_count(studies: Mapping[str, Any], most: int) -> None:
-    """Refuse too many cases, before any is made."""
+    """Refuse too many cases before any is made."""
     every = [product for study in studies.values() for _, product in products(study)]
     check_number(sum(math.prod(_count(name, values) for name, values in product.items()) for product in every), most)
 
 
 def check_number(count: int, most: int) -> None:
-    """Refuse so many cases, if they are too many."""
+    """Refuse a number of cases above the limit."""
     if count > most:
         raise ValueError(
             f"a scene must have at most {most} cases, got {count}: say max_cases: {count} if you mean it"
@@ -67,7 +67,7 @@ def check_number(count: int, most: int) -> None:
 def axis(values: Any) -> list[Any]:
     """A number, a list of numbers and ranges, or a range, as a list."""
     if isinstance(values, list):
-        return [value for each in values for value in axis(each)]
+        return [value for part in values for value in axis(part)]
     if not isinstance(values, dict):
         return [values]
     if values["count"] > MAX_RANGE_VALUES:
@@ -109,11 +109,11 @@ class CaseProduct:
 
     @property
     def definition(self) -> list[Any]:
-        """All that the cases and their order follow from, as plain values."""
+        """The definition of the cases and their order, as plain values."""
         return [list(self.axes.items()), self.methods, self.settings]
 
     def case(self, position: int) -> Case:
-        """The case that stands there."""
+        """The case at this position."""
         chosen = {}
         for name, values in reversed(list(self.axes.items())):
             position, index = divmod(position, len(values))
@@ -122,7 +122,7 @@ class CaseProduct:
 
     @property
     def identities(self) -> Iterator[tuple[str, ...]]:
-        """What distinguishes each case from others, in turn: parameters, methods and settings, as texts."""
+        """The identity of each case in turn: its parameters, methods and settings, as texts."""
         solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
         texts = [
             [json.dumps([name, identity(name, value)]) for value in values] for name, values in self.axes.items()
@@ -136,10 +136,10 @@ class CaseProduct:
         return map(product.case, range(product.count))
 
     def check(self) -> None:
-        """Refuse a series that no computer holds or a method cannot resolve, and settings that do not fit it.
+        """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it.
 
-        The values of D and of seeds are sound by themselves (`check_value`); gamma and phases are with m. So this
-        does not make every case.
+        The limits of D and of seeds do not depend on other parameters (`check_value`), and those of gamma and phases
+        depend on m alone. So not every case is made.
         """
         for names in (("D",), ("gamma", "m"), ("phases", "m")):
             for case in self.of_all_kinds(*names):
@@ -147,7 +147,7 @@ class CaseProduct:
 
 
 def check_value(name: str, value: Any) -> None:
-    """Refuse a value of a parameter that no profile can have, whatever the other parameters are."""
+    """Refuse a value of a parameter that is invalid for all values of the others."""
     if name == "seed":
         random_phases(value)
         return
@@ -156,14 +156,14 @@ def check_value(name: str, value: Any) -> None:
 
 
 class Study(Sequence[Case]):
-    """The cases of some products, one product after the other, or those that stand at some positions among them.
+    """The cases of some products, one product after the other, or a selection of them.
 
     Parameters
     ----------
     products : sequence of CaseProduct
-        Whose cases these are. A case of several products is there several times.
+        The products. A case of several products occurs several times.
     positions : ndarray of int, shape (cases,), or range, optional
-        Where its cases stand among all.
+        Positions of the selected cases among all.
     """
 
     def __init__(self, products: Sequence[CaseProduct], positions: Indices | range | None = None) -> None:
@@ -176,7 +176,7 @@ class Study(Sequence[Case]):
         return len(self._positions)
 
     def __getitem__(self, position: Any) -> Any:
-        """The case that stands there, or those."""
+        """The case at a position, or the study of a slice."""
         if isinstance(position, slice):
             return Study(self.products, self._positions[position])
         chosen = int(self._positions[position])

@@ -1,8 +1,8 @@
-"""What enters from outside: numbers, arrays of numbers, words, and yes or no.
+"""Checks of arguments: numbers, arrays of numbers, words and flags.
 
-Each check returns what Python or NumPy itself has for it, or refuses in one sentence with the name, what is allowed,
-and what came. Texts, booleans, bytes, complex numbers and masked values are no numbers here, although NumPy may take
-them for some.
+Each check returns the value in the type of Python or NumPy, or raises an error with one sentence that has the name of
+the argument, the allowed values and the given value. Texts, booleans, bytes, complex numbers and masked values are
+not accepted as numbers, although NumPy converts some of them.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags
 
-MAX_SHOWN = 60  # characters of a value in a message
-MAX_DIGITS = 40  # of an integer in a message
-ALL_CORES = -1  # of `workers`, as in SciPy
+MAX_SHOWN = 60  # A message shows at most so many characters of a value, to stay in one line.
+MAX_DIGITS = 40  # A message shows no integer with more digits, for the same reason.
+ALL_CORES = -1  # This value of `workers` stands for all cores, as in SciPy.
 
-# What people call an argument that has another name.
+# Names that users give to arguments by mistake, and the right names.
 MEANT = dict.fromkeys(("loads", "load", "pressures", "pressure", "p"), "mean_pressure") | {"scene": "subject"}
 
 Condition = Callable[[Any], Any]
@@ -36,7 +36,7 @@ Result = TypeVar("Result")
 
 
 def hinting(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """A function whose TypeError, where it is called by the wrong name of an argument, says the right one."""
+    """Wrap a function so that its TypeError for an unknown argument name suggests the right name."""
     signature = inspect.signature(function)
 
     @wraps(function)
@@ -59,29 +59,29 @@ def checked_number(name: str, value: Any, condition: str = "be a number", holds:
     Parameters
     ----------
     name : str
-        Of the argument.
+        Name of the argument.
     value : object
-        What came.
+        The given value.
     condition : str
-        What a number must do, in words that follow "must", such as "be positive".
+        The condition on the number, in words that follow "must", such as "be positive".
     holds : callable
-        The same of a float.
+        Whether a float meets the condition.
 
     Raises
     ------
     ValueError
-        If it is no number, or not such a one.
+        If the value is not a number, or does not meet the condition.
     """
     number = _number(value)
     if number is None or not holds(number):
-        raise ValueError(f"{name} must {condition}, got {_what_came(value)}")
+        raise ValueError(f"{name} must {condition}, got {_described(value)}")
     return number
 
 
 def checked_numbers(name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal) -> Array:
     """A number, or an array or nested list of numbers, as an array of floats of the same shape; see `checked_number`.
 
-    NaN is a number that `holds`, for a whole array, may refuse.
+    NaN counts as a number unless `holds`, which takes the whole array, refuses it.
     """
     numbers = _numbers(name, values)
     failing: Flags = ~np.asarray(holds(numbers), bool)
@@ -126,13 +126,13 @@ def checked_word(name: str, value: Any, choices: Collection[str], where: str = "
 
 
 def suggestion(value: Any, choices: Iterable[str]) -> str:
-    """The choice that a mistyped word is nearest to, as the end of a message; empty where none is near."""
+    """The end of a message that suggests the choice nearest to a mistyped word; empty if none is near."""
     near = nearest(value, choices)
     return f": did you mean {near!r}?" if near else ""
 
 
 def nearest(value: Any, choices: Iterable[str]) -> str:
-    """The choice that a mistyped word is nearest to, whatever its capitals; empty where none is near."""
+    """The choice nearest to a mistyped word, regardless of case; empty if none is near."""
     if not isinstance(value, str):
         return ""
     folded = {choice.casefold(): choice for choice in choices}
@@ -141,7 +141,7 @@ def nearest(value: Any, choices: Iterable[str]) -> str:
 
 
 def checked_flag(name: str, value: Any) -> bool:
-    """True or false: no word, number or None that Python counts as one of them."""
+    """A flag as a bool; words, numbers and None are refused, although Python converts them."""
     if not isinstance(value, bool | np.bool_):
         raise ValueError(f"{name} must be true or false, got {shown(value)}")
     return bool(value)
@@ -175,13 +175,13 @@ def checked_file(path: Any) -> Path:
     return file
 
 
-def _what_came(value: Any) -> str:
-    """What came where a number was wanted, told from a text that looks like one."""
+def _described(value: Any) -> str:
+    """A value in a message about a number: a text that looks like a number is named as a text."""
     return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
 
 
 def _number(value: Any) -> float | None:
-    """A number as a float; None for whatever else, and for an integer or fraction too large for a float."""
+    """A number as a float; None for other types, and for an integer or fraction too large for a float."""
     if hasattr(value, "__array__") and getattr(value, "shape", None) == ():
         value = np.asanyarray(value)
         value = None if np.ma.is_masked(value) or value.dtype.kind not in "iufO" else value.item()
@@ -194,10 +194,10 @@ def _number(value: Any) -> float | None:
 
 
 def _numbers(name: str, values: Any) -> Array:
-    """An array of floats of the shape of what came."""
+    """The values as an array of floats of the same shape."""
     array = _array(values)
     if array is None or array.dtype.kind not in "iufO":
-        raise ValueError(f"{name} must be a number or an array of numbers, got {_what_came(values)}")
+        raise ValueError(f"{name} must be a number or an array of numbers, got {_described(values)}")
     if np.ma.is_masked(array):
         at = int(np.ma.getmaskarray(array).ravel().argmax())
         raise ValueError(f"{name} must have all its values, got a masked one at position {at}: leave it out")
@@ -207,13 +207,13 @@ def _numbers(name: str, values: Any) -> Array:
     numbers = [_number(value) for value in array.ravel().tolist()]
     if None in numbers:
         at = numbers.index(None)
-        what = f"got {_what_came(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")
+        what = f"got {_described(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")
         raise ValueError(f"{name} must be a number or an array of numbers, {what}")
     return np.array(numbers, float).reshape(array.shape)
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """What came as an array that hides no type of its elements; None if it is none, or holds bytes."""
+    """The values as an array that keeps the types of its elements; None if they form none, or hold bytes."""
     try:
         if hasattr(values, "__array__"):
             return np.asanyarray(values)

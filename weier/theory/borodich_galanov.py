@@ -74,7 +74,7 @@ def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
 
     Notes
     -----
-    The difference 4 x^6 - (3 x^2 - 1)^2 in (B.19) is (x^2 - 1)^2 (4 x^2 - 1): no digit is lost near x = 1.
+    The difference 4 x^6 - (3 x^2 - 1)^2 in (B.19) is (x^2 - 1)^2 (4 x^2 - 1): there is no cancellation near x = 1.
     With (B.18), 1 - epsilon = (1 + epsilon) lambda^2.
     """
     x = np.asarray(x, float)

@@ -1,4 +1,4 @@
-"""Barber's bounds on what the terms left out of a series can change, Section 5.5.
+"""Barber's bounds on the effect of the terms left out of a series, Section 5.5.
 
 Roughness within a band of half-height G moves the mean gap at a given load by at most G (27). So the complete curve H
 lies within G of the truncated one, h, when both count from the same mean plane. As H is concave, its slope at p is no
@@ -57,7 +57,7 @@ def complete_bounds(
     full_contact : array_like
         Compliance of the complete series at full contact, the sum of all g_n, which it never exceeds.
     error : array_like
-        How far h may be off.
+        Bound on the error of h.
 
     Returns
     -------
@@ -92,19 +92,18 @@ def resistance_bounds(
     first_contact : array_like, shape (...), optional
         Compliance of the truncated series at p = 0, sum g_n - max z: it tightens the upper bound at light loads.
     error : array_like, shape (..., loads)
-        How far each h may be off. A load that is far off widens its own bounds, and no others.
+        Bound on the error of each h. A large error at one load widens the bounds at that load alone.
 
     Returns
     -------
     lower, upper : ndarray, shape (..., loads)
-        0 and inf where no load above or below says more. NaN where an input is NaN; the loads around it
-        keep bounds that hold.
+        0 and inf where no load above or below gives a bound. NaN where an input is NaN; the bounds at the loads
+        around it remain valid.
 
     Notes
     -----
-    Each p' gives a bound that holds, so the best of the tabulated ones holds, too: it exceeds the best of all p' by
-    what a finer table would gain. Nothing is assumed of the curve beyond the last load. Work and memory grow with
-    loads^2.
+    Each p' gives a valid bound, and so does the best of the tabulated p'. A finer table of loads gives tighter
+    bounds. Nothing is assumed of the curve beyond the last load. Work and memory grow with loads^2.
 
     Examples
     --------
@@ -136,27 +135,27 @@ def resistance_bounds(
 def chord_bounds(
     mean_pressure: ArrayLike, compliance: ArrayLike, error: ArrayLike, other: ArrayLike, others: ArrayLike
 ) -> tuple[Array, Array]:
-    """Bounds on dh/dp of a concave curve at loads of which each has other loads of its own.
+    """Bounds on dh/dp of a concave curve at loads that each have their own neighbouring loads.
 
-    As `resistance_bounds`, but a bound at one load rests on no load of another, and each compliance has an error of
-    its own. The curve begins at h >= 0: no crest is higher than all waves together.
+    As `resistance_bounds`, but the bound at one load does not depend on the neighbours of another, and each
+    compliance has its own error. The curve begins at h >= 0: no crest is higher than the sum of all amplitudes.
 
     Parameters
     ----------
     mean_pressure : array_like, shape (loads,)
         Mean pressures p > 0.
     compliance, error : array_like, shape (loads,)
-        Compliance h, and how far it may be off above or below.
+        Compliance h, and the bound on its error.
     other : array_like, shape (loads, others)
-        Other loads p' > 0 of each, above or below it.
+        The neighbouring loads p' > 0, above or below each load.
     others : array_like, shape (2, loads, others)
-        Compliance there, and how far it may be off.
+        Compliance at these loads, and the bound on its error.
 
     Returns
     -------
     lower, upper : ndarray, shape (loads,)
-        R >= [h(p') - h(p)]/(p' - p) for every p' > p, and R <= [h(p) - h(p')]/(p - p') for every p' < p, at the worst
-        that the errors allow.
+        R >= [h(p') - h(p)]/(p' - p) for every p' > p, and R <= [h(p) - h(p')]/(p - p') for every p' < p, with the
+        errors of both compliances in the unfavourable direction.
     """
     p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
     there, (h, margin) = np.asarray(other, float), np.asarray(others, float)
@@ -177,8 +176,8 @@ def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
 def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: ArrayLike) -> dict[str, Array]:
     """Bounds on both curves of the infinite series, by the names of their variables.
 
-    From the compliance of the terms of a profile, in g_0, and the error that it may have at each load, in g_0.
-    `weier.methods.hybrid.truncation_bounds.bounds` says which part of them is proved and which is measured.
+    They follow from the compliance of the terms of a profile, in g_0, and the bound on its error at each load, in
+    g_0. `weier.methods.hybrid.truncation_bounds.bounds` explains which part of them is proved and which is measured.
     """
     total, tail = profile.total_amplitude, profile.tail_amplitude
     lower, upper = complete_bounds(compliance, tail, total + tail, error)

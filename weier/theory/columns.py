@@ -16,15 +16,18 @@ from weier.theory.heights import MAX_HEIGHTS
 from weier.theory.line import Line
 from weier.theory.units import units_in
 
-HEAD = 2**16  # bytes from which the kind and the encoding of a file are recognised
-UNEVEN = 0.01  # of a step: the digits that files give of positions
-MOST_DIGITS = 9  # behind the point, of positions that may have been rounded
+HEAD = 2**16  # The kind and the encoding of a file are recognised from so many bytes.
+UNEVEN = 0.01  # Positions in files are rounded, so that equal steps may differ by this part of a step.
+MOST_DIGITS = 9  # Positions that are rounded have at most so many decimals: instruments write no more.
+# Words and signs that programs write in place of a missing height.
 NO_NUMBER = {"na", "n/a", "#n/a", "null", "none", "-", "--", "---", "bad", "*", "***", "1.#qnan", "-1.#ind", "1.#ind"}
+# Numbers with a decimal comma beside another number.
 DECIMAL_COMMA = re.compile(r"\d,\d+\s*[;\t ]\s*-?\d|;\s*-?\d+,\d")
+# Comments that head a column of heights, and headings that are about positions.
 OF_HEIGHTS = re.compile(r"#\s*(z|y|heights?|values?|profile|roughness|data|depth|elevation)\b|#\s*\W?\w+\W?$", re.I)
 OF_POSITIONS = re.compile(r"\b(x|lateral|positions?|distance|length)\b", re.IGNORECASE)
 
-# What the first bytes of a file say, with what to do about it.
+# Kinds of files that cannot be read as text by their first bytes, and the remedy for each.
 SAVE_AS_TEXT = "save the heights as text, one or two columns"
 SIGNATURES = {
     b"\xff\xfe\0\0": ("UTF-32 text", "save it as UTF-8"),
@@ -48,7 +51,7 @@ SIGNATURES = {
     b"\x93NUMPY": ("an array of NumPy", "take weier.Trace of what numpy.load returns"),
     b"MATLAB 5.0 MAT-file": ("a file of MATLAB", SAVE_AS_TEXT),
 }
-# The members of zip archives that tell what they are.
+# Kinds of zip archives by a member that only they have, and the remedy for each.
 ARCHIVES = {
     "xl/workbook.xml": ("a workbook (.xlsx)", "save its sheet as text, one or two columns"),
     "content.xml": ("a workbook or document of OpenDocument (.ods)", "save its sheet as text, one or two columns"),
@@ -70,7 +73,7 @@ def read_columns(path: Path) -> Line:
     Raises
     ------
     NoTableError
-        If the file is no text, or no table of one or two columns: the message says what it is instead.
+        If the file is no text, or no table of one or two columns: the message names the kind of the file.
     ValueError
         If it is text in an encoding or with decimals that are not read.
     """

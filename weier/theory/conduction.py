@@ -18,7 +18,7 @@ from weier.kernels.arrays import Array
 from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
 from weier.theory.tables import html_table
 
-beyond_floats = np.errstate(over="ignore")  # what is larger than the largest float is inf
+beyond_floats = np.errstate(over="ignore")  # Values larger than the largest float become inf.
 
 
 @beyond_floats
@@ -116,7 +116,7 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     return np.asarray(_checked("rho_1", rho_1) + _checked("rho_2", rho_2))
 
 
-# What the values of a quantity must do, and whether they do.
+# The condition on each quantity, in words that follow "must" and as a function.
 RANGES: dict[str, tuple[str, Condition]] = {
     **dict.fromkeys(
         ("mu_1", "mu_2", "E_1", "E_2", "modulus"), ("be positive (inf for a rigid body)", lambda mu: mu > 0)
@@ -126,10 +126,13 @@ RANGES: dict[str, tuple[str, Condition]] = {
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf))),
     **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0)),
 }
-SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}  # of what is multiplied by more than a unit
-SCALE_TOLERANCE = 1e-6  # relative: a scale that a person copies has six digits and more
-OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}  # coordinates of curves, in m
-SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}  # of `weier.fields`, which are attributes
+# The symbol changes where the conversion includes more than a unit, here M and the resistivities.
+SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
+SCALE_TOLERANCE = 1e-6  # Lengths that differ by less, relative, are the same: people copy six or seven digits.
+# The coordinates of curves that hold the scale of a trace, in m.
+OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
+# The units of the scalars of `weier.fields`, which are attributes.
+SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 
 
 def _checked(name: str, values: ArrayLike) -> Array:
@@ -185,7 +188,7 @@ class Interface:
             "mu_2": _shear_modulus(2, self.mu_2, E_2, self.nu_2),
         }
         vars(self).update(moduli)
-        # NumPy's own scalars would overflow, or keep all that is made of them to the digits of their type.
+        # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
         vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in vars(self).items()})
         if not 0 < self.full_contact_pressure < math.inf:  # which refuses two rigid bodies
             raise ValueError(
@@ -282,7 +285,7 @@ class Interface:
 
     @property
     def _units(self) -> dict[str, tuple[float, str]]:
-        """What each unit of normalised values is in SI units."""
+        """The value of each normalised unit in SI units."""
         p = self.full_contact_pressure
         slope = specific_resistance(self.g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
         return {
@@ -328,6 +331,6 @@ def _scaled(normalised: ArrayLike, unit: float) -> Array:
 
 
 def at_scale_of(curves: Any, bodies: Interface) -> Interface:
-    """Two bodies at the length and height of the trace that the curves of one case are of, if it is one."""
+    """Two bodies at the length and height of the trace whose curves these are, or as they are for a series."""
     own = {name: float(np.squeeze(curves.coords.get(of_trace, math.nan))) for name, of_trace in OF_TRACE.items()}
     return replace(bodies, **own) if math.isfinite(own["g_0"]) else bodies

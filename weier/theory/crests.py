@@ -29,26 +29,32 @@ from weier.theory.expansions import (
     values,
 )
 
-SAMPLES_PER_WAVE = 16  # of the finest; where crests may stand closer together, `_separated` finds each of them
-SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)  # of these from a node, in steps
-MAX_SAMPLES = 2**17  # of a period, where its crests are looked for before anything is solved
-MAX_NEWTON_STEPS = 40  # from 1/16 wave away; 6 reach rounding, and 25 where the curvature vanishes, too
-SUBDIVISIONS = 31  # of the two samples about a top, where crests may stand side by side; odd, for symmetry
-MIN_SEPARATION = 1e-5  # of the finest wave: crests closer together than this are one to rounding
-MAX_SAMPLED_WAVES = 10**6  # of the finest in a period, whose crests are looked for among samples: 128 MB
-MAX_DIRECT_TERMS = 32  # of a sum that is taken term by term; a Fourier transform takes less time for more
-MAX_TERMS = 64  # the search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits
-CELLS_PER_WAVE = 32  # of the finest wave so far, when the search goes on to the next one
-# Cells that are kept by a first search, for a height that the second has to reach; and at most by that one, which
-# takes 50 MB for 12 terms.
+SAMPLES_PER_WAVE = 16  # So many samples of the finest wave resolve every crest.
+# The offsets of the samples from the nearest node, in steps between nodes.
+SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)
+MAX_SAMPLES = 2**17  # All crests of a period are located before a solution if it has at most so many samples.
+# Newton's method starts at most 1/16 of the finest wave away. It reaches rounding in 6 steps, and in 25 where the
+# curvature vanishes as well.
+MAX_NEWTON_STEPS = 40
+# The interval of two samples about a sampled maximum is divided into so many parts if it may hold several crests. The
+# number is odd, so that the parts are symmetric about the maximum.
+SUBDIVISIONS = 31
+MIN_SEPARATION = 1e-5  # Crests closer together than this part of the finest wave are one to rounding.
+MAX_SAMPLED_WAVES = 10**6  # The samples of so many of the finest waves take 128 MB.
+MAX_DIRECT_TERMS = 32  # A Fourier transform takes less time than a direct sum of more terms.
+MAX_TERMS = 64  # The search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits.
+CELLS_PER_WAVE = 32  # The search for the highest of very many crests divides a wave into so many cells.
+# A first search keeps the best BEAM_WIDTH places and gives a lower bound on the height. The second one keeps at most
+# MAX_CELLS, which take 50 MB for 12 terms.
 BEAM_WIDTH, MAX_CELLS = 256, 2**17
-HEIGHT_ROUNDING = 1e-13  # of the sum of amplitudes
-# Steps of Newton's method from a 64th of the finest wave away: 6 reach rounding but for crests that are nearly flat.
+HEIGHT_ROUNDING = 1e-13  # Rounding of a height, over the sum of the amplitudes.
+# Newton's method starts at most 1/64 of the finest wave away. It reaches rounding in 6 steps unless a crest is nearly
+# flat.
 MAX_POLISH_STEPS = 16
 
 
 def countable(waves: int) -> bool:
-    """Whether all crests of a series with so many of the finest waves in a period can be found beforehand."""
+    """Whether all crests of a series with so many of the finest waves in a period are located before a solution."""
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
@@ -106,7 +112,7 @@ def _sampled_tops(z: Array) -> Indices:
 def _crests_nearby(
     expansion: Expansions, t: Array, width: float, slope_scale: float, finest: float
 ) -> tuple[Indices, Array]:
-    """The crests by sampled tops, one or several within this width on either side: of which row each is, and where.
+    """The crests within this width of each sampled maximum: the row of the maximum, and the position of each crest.
 
     t, width : in steps, shape (tops,)
     slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
@@ -126,7 +132,7 @@ def _crests_nearby(
 
 
 def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
-    """Rows and positions next to each crest, of sampled tops with one or several within this width on either side.
+    """Starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
 
     Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
     Then the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
@@ -175,7 +181,7 @@ def highest_crest(
 def _highest_sampled(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """The highest crest among samples, of those tops that may be it.
+    """The highest crest, from those sampled maxima that may be it.
 
     A crest is half a step from the nearest sample at most, and so higher by an eighth of the largest curvature, in
     steps, at most.
@@ -194,7 +200,7 @@ def _highest_sampled(
 def crest_heights(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, position: Array
 ) -> list[Any]:
-    """Heights of crests in 40 digits, of those floats that the series is given as, near these positions.
+    """Heights of the crests near these positions in 40 digits, for the parameters of the series as floats.
 
     Twin crests may differ by so little that the heights of both, as floats, do not show it. A position that is off
     by slope/curvature, to rounding of a float, is corrected by slope^2/(2 curvature).

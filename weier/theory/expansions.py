@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 
-NODES_PER_WAVE = 4  # of the finest, at least: so that kappa_n <= pi/2
-ORDER = 22  # q, of the last power of t: the least for which the remainder is below rounding
+NODES_PER_WAVE = 4  # So many nodes for each of the finest waves make kappa_n <= pi/2.
+ORDER = 22  # This order leaves a remainder of 3e-16, as shown above.
+# Degrees of the terms of a polynomial, and binomial coefficients for its translation.
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
 

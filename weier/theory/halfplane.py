@@ -1,4 +1,4 @@
-"""The elastic half-plane under periodic pressure: what elements of it, and forces on lines, do to the surface.
+"""The elastic half-plane under periodic pressure: displacements under elements of pressure and line forces.
 
 The formulas are those of docs/bem.md, "The discrete problem", and of docs/patches.md, "Contacts and gaps".
 
@@ -17,7 +17,7 @@ from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
-import scipy  # its parts load when they are used
+import scipy  # Its submodules are loaded on first use.
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
@@ -26,8 +26,8 @@ Number = TypeVar("Number", float, Array)
 
 # 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2, the next term is below 1e-16 of the whole.
 SINE = tuple(float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11))
-MANTISSA_BITS = 52  # of a double, behind those of its exponent
-ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # its bits as an integer
+MANTISSA_BITS = 52  # A double has so many bits after those of its exponent (IEEE 754).
+ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # These are the bits of 1/sqrt(2) as an integer.
 LN_2 = float(np.log(2.0))
 
 
@@ -101,7 +101,7 @@ def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.
 
     With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The bits
-    of x as an integer tell k: they are those of m and, before the bits of its mantissa, k more.
+    of x as an integer are those of m plus k in the bits of the exponent, which gives k.
     """
     power, m = np.empty(x.size), np.empty(x.size)
     bits_of_x, bits_of_m = x.view(np.int64), m.view(np.int64)

@@ -1,4 +1,4 @@
-"""Measured heights before they become waves: what is missing, what is no roughness, and their tilt and form.
+"""Checks of measured heights: missing values, jumps that are not roughness, tilt and form.
 
 docs/measured.rst, "What an instrument leaves", says what is refused and what is filled. Each height is judged by the
 rest of the line. Standard deviations are estimated from medians and quartiles, as those of a normal distribution
@@ -19,36 +19,35 @@ from numpy.lib.stride_tricks import sliding_window_view
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_count, checked_number, checked_numbers, checked_word
 
+# Fewer heights say too little about a spectrum. The upper limit bounds time and memory.
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
-DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # of the polynomial that is removed
-MAX_GAP = 5  # heights beside each other that are filled by default
-# The median magnitude of a normal distribution, and half the distance of its quartiles, in standard deviations.
-NORMAL_MEDIAN = 0.6745
-# A value that stands for missing heights recurs exactly, is so many standard deviations from the median of all
-# values, and no other value is within this part of that distance: in a groove, its flanks are.
+DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # The degree of the polynomial that each of these removes.
+MAX_GAP = 5  # By default, at most so many adjacent missing heights are interpolated.
+NORMAL_MEDIAN = 0.6745  # The median of the magnitudes of a normal distribution, in standard deviations.
+# A value that stands for a missing height recurs exactly and is ten standard deviations from the median of all
+# values. No other value lies within 0.6 of this distance from it, unlike in a groove with its flanks.
 SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
-# Or it recurs at least so many times, among heights of which at least this part do not recur, and is so many standard
-# deviations of their changes off the line through the heights beside it. Of the values that recur, so many are tried,
-# those that do most often.
+# Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
+# by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
 MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS, MAX_SENTINELS = 3, 0.9, 3.0, 8
-# From one height to the next, normal roughness changes by at most five standard deviations: in 10^6 changes there is
-# one beyond that. Six are abrupt. Unless it is a jump, such a change has a neighbour in the same direction that is
-# alike within a factor of three, as on the flank of a groove.
-ABRUPT_DEVIATIONS, FLANK_RATIO = 6.0, 3.0
-# A jump is more than a tenth of the range of heights, too, and twice as large as all changes that are no jumps.
-JUMP_FRACTION, JUMP_OUTLIER = 0.1, 2.0
-MAX_SPIKE_WIDTH = 10  # heights within which a jump must come back to be a spike, and no step
-# Within one to three steps, a jump is also what is five times as large as the three differences on either side, and
-# has one that is twice as large as all outside jumps: roughness has none, with D near 2 and with flat tops, either.
+# From one height to the next, normal roughness changes by at most five standard deviations. A larger change on the
+# flank of a groove has a neighbour of the same sign that is alike within a factor of three. Any other is a jump if it
+# exceeds a tenth of the range of heights and twice every other change.
+ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
+MAX_SPIKE_WIDTH = 10  # A jump is a spike if the heights return within so many steps.
+# Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
+# side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
+# for D near 2 or with flat crests.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
-SAME_HEIGHT = 1e-6  # of the range of heights: values that differ by less, as written numbers do, are the same
-DOMINANT_FORM = 5.0  # root mean square of a form over that of the roughness, from which on it is mentioned
+# A period that repeats its first height at its end does so to this part of the range of heights.
+SAME_HEIGHT = 1e-6
+DOMINANT_FORM = 5.0  # A form gives a warning if it is so many times as high as the roughness, root mean square.
 
 
 class Filled(NamedTuple):
-    """What became of missing heights: how many were interpolated, at most how many beside each other, and cut off."""
+    """Missing heights: the number interpolated, the longest run of them, and the number cut off at the ends."""
 
     heights: int = 0
     longest: int = 0
@@ -80,15 +79,15 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
 
 
 def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tuple[Array, Filled]:
-    """The heights with short runs of missing ones interpolated on straight lines, and what was filled.
+    """The heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
 
-    Missing heights at the ends have nothing beyond them: there, the trace is cut off.
+    The trace is cut off where heights at its ends are missing.
 
     Raises
     ------
     ValueError
-        If some are missing and `missing` is "refuse", or if more than `max_gap` are missing beside each other inside
-        the trace: the message has their number, the longest run, and what to do.
+        If some are missing and `missing` is "refuse", or if more than `max_gap` adjacent heights are missing inside
+        the trace. The message has their number, the longest run, and the remedy.
     """
     checked_word("missing", missing, MISSING)
     checked_count("max_gap", max_gap, 1)
@@ -120,7 +119,7 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly where it does not belong: it stands for heights that are missing."""
+    """Refuse a value that recurs exactly as an outlier, since it stands for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
     for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:MAX_SENTINELS].tolist():
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
@@ -132,7 +131,7 @@ def check_sentinels(z: Array) -> None:
 
 
 def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
-    """Whether a value is far from all others, with nothing between, as they are or without the tilt of the line."""
+    """Whether a value is separated by a gap from all others, with or without the tilt of the line."""
     for heights in (values, values - tilt * first):
         low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
         distance = abs(heights[at] - middle)
@@ -156,7 +155,7 @@ def _is_out_of_line(z: Array, value: float, count: int) -> bool:
 
 
 def check_jumps(z: Array, step: float) -> None:
-    """Refuse heights with steps and spikes, where waves overshoot and contact would begin at what is no roughness.
+    """Refuse heights with steps and spikes: waves overshoot there, and contact would begin at an artefact.
 
     `z` is in m, and so is the step along x.
     """
@@ -222,10 +221,10 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
 
 
 def check_end_of_period(z: Array) -> None:
-    """Refuse a period whose last height is the first one again.
+    """Refuse a period whose last height repeats the first one.
 
-    A crest between two heights, or a flat one, repeats the height, too. There the third differences across the ends
-    are smaller with both heights than without one of them.
+    Two equal heights may also lie on both sides of a crest, or on a flat one. The third differences across the ends
+    are then smaller with both heights than without one of them.
     """
     if abs(z[-1] - z[0]) > SAME_HEIGHT * np.ptp(z):
         return

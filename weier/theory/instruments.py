@@ -1,4 +1,4 @@
-"""Files of instruments, and the objects that SurfaceTopography makes of them: lines of heights with their units.
+"""Lines of heights with their units, from files of instruments and from objects of SurfaceTopography.
 
 SurfaceTopography reads some forty formats. It is an extra, which is imported when the first such file is read.
 """
@@ -19,11 +19,11 @@ from weier.theory.line import Line
 from weier.theory.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
-AXES = ("x", "y")
+AXES = ("x", "y")  # The axes of a map, in the order of its array.
 
 
 def read_lines(path: Path, line: int | None, across: str | None, channel: int | str | None) -> list[Line]:
-    """The lines of a file: one of a table of text, or those that are asked for of what an instrument wrote."""
+    """The lines of a file: the one of a table of text, or the chosen lines of an instrument's file."""
     why_not_text = f"{path} is to be read by its lines or channels"
     if line is None and across is None and channel is None:
         try:
@@ -39,7 +39,7 @@ class ChannelError(ValueError):
 
 
 def read_topography(path: Path, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
-    """What SurfaceTopography reads from a file, one channel of heights, and whether the file says how large it is.
+    """One channel of heights that SurfaceTopography reads from a file, and whether the file has its lateral size.
 
     Raises
     ------
@@ -64,13 +64,13 @@ def read_topography(path: Path, channel: int | str | None, why_not_text: str) ->
         ) from None
 
 
-@lru_cache(maxsize=1)  # each line of a map is asked for by itself
+@lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
 def _read_once(path: Path, changed: int, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
     return read_topography(path, channel, why_not_text)
 
 
 def lines_of(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
-    """Lines of heights of a topography: its only one, the one that is asked for, or all that run along an axis.
+    """Lines of heights of a topography: its only line, the chosen one, or all that run along an axis.
 
     Parameters
     ----------
@@ -78,9 +78,9 @@ def lines_of(topography: Any, line: int | None, across: str | None, sized: bool 
         With `heights`, `physical_sizes`, `unit`, `is_periodic` and, where it is not uniform, `positions`, as those of
         SurfaceTopography.
     line : int, optional
-        Of a map: which of the lines, from 0.
+        Number of the line of a map, from 0.
     across : "x" or "y", optional
-        Of a map: the axis along which the lines run, across the grooves; without `line`, all lines.
+        Axis along which the lines of a map run, across the grooves; without `line`, all lines.
     sized : bool
         Whether the sizes of the topography are known.
 

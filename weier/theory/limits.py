@@ -1,4 +1,4 @@
-"""What the solvers can hold: waves of a period, and nodes of a grid."""
+"""Limits of the solvers: the number of waves in a period, and of nodes of a grid."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from weier.theory.arguments import shown
 from weier.theory.profile import Profile
 from weier.theory.waves import MAX_POINTS, Waves
 
-MAX_WAVES = 100_000  # of the finest wave in one period: 6.4 million nodes by default, 1.2 gigabytes
-NEARBY = 0.01  # relative: a ratio that stands in for one that has no period, or too long a one
-NEARBY_DENOMINATOR = 99
-MAX_DENSE_POINTS = 10_000  # nodes of a dense matrix, which takes 0.8 GB, and its factors as much
+MAX_WAVES = 100_000  # So many of the finest waves in a period take 6.4 million nodes by default, and 1.2 GB.
+# A message suggests a gamma of small numbers that differs by at most this from the given one, relative.
+NEARBY = 0.01
+NEARBY_DENOMINATOR = 99  # The suggestion has at most two digits in its denominator, to be easy to type.
+MAX_DENSE_POINTS = 10_000  # A dense matrix of so many nodes takes 0.8 GB, and its factors as much.
 
 
 def resolvable(profile: Waves) -> bool:
@@ -36,10 +37,10 @@ def check_points(points: float, dense: bool = False) -> None:
 
 
 def _nearby_ratio(profile: Waves) -> str:
-    """Advice where a gamma near to the one asked for has a period that can be held: its first few digits do."""
-    if not isinstance(profile, Profile):  # a trace has a ratio of no waves, and never too many of them
+    """Advice to take a rational gamma close to the given one, if its period is short enough."""
+    if not isinstance(profile, Profile):  # A trace has no gamma, and its waves are counted when it is made.
         return ""
-    most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # numerator, whose power is a whole number
+    most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # of the numerator
     denominator = int(most / float(profile.gamma))
     if denominator < 1:
         return ""

@@ -1,4 +1,4 @@
-"""One line of measured heights, as a file, an array or a topography has it."""
+"""One line of measured heights, from a file, an array or a topography."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from weier.theory.units import length_unit, unit_of
 
 
 class Line(NamedTuple):
-    """Heights, and what is known of their places and units.
+    """Heights, with their positions and units as far as they are known.
 
     heights : array, shape (samples,); masked, NaN or None where one is missing
     positions : array, shape (samples,), along the line; None if it has none
@@ -36,7 +36,7 @@ class Line(NamedTuple):
 def line_of_array(heights: Any, with_positions: bool) -> Line:
     """The line of an array: one of xarray may have units, and a coordinate with positions.
 
-    A coordinate that has no unit just numbers the heights, unless `with_positions`.
+    A coordinate without a unit is taken for a mere number of each height unless `with_positions`.
     """
     height_units = _units(heights)
     dims: tuple[Any, ...] = getattr(heights, "dims", ())

@@ -1,4 +1,4 @@
-"""What a list of loads must be: anywhere, and in a scene or a command."""
+"""Checks of loads: in all calls, and the narrower ones of scenes and commands."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from weier.kernels.arrays import Array, Indices
 from weier.theory.arguments import checked_number, checked_numbers
 from weier.theory.waves import Waves
 
-MAX_LOADS = 10_000  # of a scene or a command
-LOAD_RANGE = 1e-12, 1e12  # p_0*
-MAX_PASCAL = 1e13  # more is no pressure of a contact in Pa
-FAR_BEYOND = 100.0  # times full contact: where all loads are as heavy, they are Pa by mistake
+MAX_LOADS = 10_000  # A scene or a command has at most so many loads, so that a typing error does not fill the memory.
+LOAD_RANGE = 1e-12, 1e12  # p_0*: rounding leaves few digits of the compliance beyond this range.
+MAX_PASCAL = 1e13  # Larger values cannot be contact pressures in Pa, since no modulus is as large.
+FAR_BEYOND = 100.0  # Loads that all exceed full contact by this factor are probably in Pa.
 
 
 def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
-    """Loads in any order, if they are positive and finite: each once and increasing, and where each is among them."""
+    """The distinct loads in increasing order, and the position of each given load among them.
+
+    ValueError is raised unless the loads, in any order, are positive and finite.
+    """
     loads, position = np.unique(positive_loads(mean_pressure), return_inverse=True)
     return loads, position
 
@@ -47,15 +50,15 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
-    """The load, if there is only one and it is positive and finite."""
+    """One load; ValueError unless it is positive and finite."""
     return checked_number(name, mean_pressure, "be one load, positive and finite", lambda load: 0 < load < np.inf)
 
 
 def unit_doubt(profile: Waves, loads: Array) -> str:
-    """Why the loads may be in another unit than p_0*, if all of them lie far beyond full contact; empty if not."""
+    """A warning that the loads may not be in p_0*, if all of them lie far beyond full contact; empty if not."""
     if math.isinf(profile.m):
         return ""
-    with np.errstate(over="ignore"):  # of a series without end, nearly
+    with np.errstate(over="ignore"):  # of a series of very many terms
         full = float(np.sum(profile.full_contact_pressure))  # at most
     if loads.min() <= FAR_BEYOND * full or loads.max() > MAX_PASCAL:
         return ""

@@ -24,18 +24,19 @@ from weier.theory.arguments import checked_count, checked_number, checked_number
 from weier.theory.tables import html_table
 from weier.theory.waves import Waves
 
-# What tells one series from others beside its phases: fields of a profile, and coordinates of data.
+# The parameters that define a series beside its phases: fields of a profile, and coordinates of data.
 PARAMETERS = ("D", "gamma", "m")
-MAX_PHASES_DESCRIBED = 8  # phases in a line
-MAX_DEGREES = 3600  # as which phases in degrees may be given by mistake
-MAX_PHASES_LISTED = 1000  # of random ones, which the seed gives as well
-MAX_TERMS_SHOWN = 12  # rows of a notebook's table
-MAX_DENOMINATOR = 10**6  # of a gamma given as a float: 1.1 is 11/10, and pi is no ratio
+MAX_PHASES_DESCRIBED = 8  # A description lists at most so many phases, to stay in one line.
+MAX_DEGREES = 3600  # Phases from 2 pi to this value, ten turns, are probably in degrees.
+MAX_PHASES_LISTED = 1000  # Of random phases, labels list at most so many, since the seed defines them.
+MAX_TERMS_SHOWN = 12  # A table in a notebook has at most so many rows.
+# A gamma given as a float is a ratio of numbers up to this: 1.1 is 11/10, and pi is no ratio.
+MAX_DENOMINATOR = 10**6
 
 
 @dataclass(frozen=True)
 class RandomPhases:
-    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of one sequence without end."""
+    """Independent phases, uniform in [0, 2 pi): `first(m)` are the first m of an infinite sequence."""
 
     seed: int
 
@@ -87,7 +88,7 @@ class Profile(Waves):
     Raises
     ------
     ValueError
-        If a parameter lies outside its range; the message says what would do.
+        If a parameter lies outside its range; the message names the range.
 
     Examples
     --------
@@ -102,7 +103,7 @@ class Profile(Waves):
     m: float
     phases: Phases = 0.0
 
-    # Its own, since it takes more types than the fields keep.
+    # The generated one would accept only the types that the fields have.
     def __init__(
         self,
         D: float,
@@ -118,7 +119,8 @@ class Profile(Waves):
             phases = random_phases(seed)
         m = series.checked_terms(m)
         fields = {"D": series.checked_dimension(D), "gamma": checked_ratio(gamma), "m": m}
-        vars(self).update(fields, phases=checked_phases(phases, m))  # which a frozen dataclass lets nobody assign
+        # In place of assignments, which a frozen dataclass refuses.
+        vars(self).update(fields, phases=checked_phases(phases, m))
 
     @property
     def terms(self) -> int:
@@ -168,7 +170,7 @@ class Profile(Waves):
         """The first `terms` of the series, as a profile."""
         terms = checked_count("terms", terms, 1, self.m)
         phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
-        shorter = object.__new__(Profile)  # of parts that are sound already, and doubted once
+        shorter = object.__new__(Profile)  # without __init__, whose checks and warnings have run for the whole series
         vars(shorter).update(D=self.D, gamma=self.gamma, m=terms, phases=phases)
         return shorter
 
@@ -198,20 +200,20 @@ class Profile(Waves):
 
     @property
     def listed_phases(self) -> Array:
-        """Phases that results list, in radians: of the infinite series those of two terms, unless they are random."""
+        """Phases that results list, in radians; of the infinite series those of two terms, unless they are random."""
         if math.isfinite(self.m):
             return self.phase
         return np.full(1, np.nan) if isinstance(self.phases, RandomPhases) else np.array([0.0, self.phases])
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What a scene says of this series: see `Profile`."""
+        """The parameters of this series as a scene has them: see `Profile`."""
         phases = {"seed": self.phases.seed} if isinstance(self.phases, RandomPhases) else {"phases": self.phases}
         return {"D": self.D, "m": self.m, "gamma": str(self.gamma), **phases}
 
     @property
     def labels(self) -> dict[str, Any]:
-        """What tells this series from others, by the names of coordinates: the seed is NaN where there is none."""
+        """The labels that distinguish this series, by the names of coordinates; NaN if there is no seed."""
         seed: float = math.nan
         phases: Any = self.phases
         if isinstance(self.phases, RandomPhases):
@@ -248,7 +250,7 @@ class Profile(Waves):
 
 
 def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: float) -> Phases:
-    """The phases, if they are finite, and one for all terms or one for each of m."""
+    """The phases; ValueError unless they are finite, and one for all terms or one for each of m."""
     if isinstance(phases, RandomPhases):
         return phases
     values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite)
@@ -271,7 +273,7 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
 
 
 def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
-    """The ratio of successive wavelengths, if it is one: see `Profile`."""
+    """The ratio of successive wavelengths as a fraction; ValueError if it is none: see `Profile`."""
     ratio = _ratio(gamma)
     if ratio is None:
         raise ValueError(f'gamma must be a finite number or a fraction such as "5/2", got {shown(gamma)}')
@@ -281,26 +283,26 @@ def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
 
 
 def _ratio(gamma: Any) -> Fraction | None:
-    """The ratio that is meant, exactly; for a float, the one of small numbers that is the same float, if any is."""
+    """The exact ratio; for a float, the ratio of small numbers that rounds to the same float, if there is one."""
     if isinstance(gamma, np.floating):
         gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
     if isinstance(gamma, bool | np.bool_ | np.timedelta64) or not isinstance(gamma, str | Rational | float | Decimal):
         return None
     try:
         if isinstance(gamma, str) and "/" not in gamma and not math.isfinite(float(gamma)):
-            return None  # before a Fraction writes out all the digits of 1e999999999
+            return None  # A Fraction would expand all the digits of 1e999999999.
         given = Fraction(gamma)
         float(given)
     except (ValueError, OverflowError, ZeroDivisionError):
         return None
-    # A Fraction keeps the integers that it is made of, and NumPy's overflow in its powers without a word.
+    # A Fraction keeps integers of NumPy, whose powers overflow without a warning.
     ratio = Fraction(int(given.numerator), int(given.denominator))
     near = ratio.limit_denominator(MAX_DENOMINATOR)
     return near if isinstance(gamma, float) and float(near) == gamma else ratio
 
 
 def terms_within(profile: Profile, waves: float) -> int:
-    """How many terms, one at least, have finest waves of which so many at most fit into their period."""
+    """The number of terms, at least one, whose finest wave fits at most `waves` times into the period."""
     terms = 1
     while terms < profile.m and profile.gamma.numerator**terms <= waves:
         terms += 1

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_number
 
-INFINITE = ("inf", ".inf", "infinity")  # as Python and YAML write it
-MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
+INFINITE = ("inf", ".inf", "infinity")  # Python and YAML write infinity in these ways.
+MAX_TERMS = 10**6  # A finite series has at most so many terms, since its amplitudes are an array.
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
@@ -41,12 +41,12 @@ def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
 
 
 def checked_dimension(D: float) -> float:
-    """D, if it is a fractal dimension of a profile."""
+    """D as a float; ValueError unless it is a fractal dimension of a profile."""
     return checked_number("D", D, "lie in (1, 2)", lambda D: 1 < D < 2)
 
 
 def checked_terms(m: float | str) -> float:
-    """m, if it is a number of terms: an integer, or inf, also as a word."""
+    """The number of terms m; ValueError unless it is a positive integer or inf, also as a word."""
     condition = f"be a whole number of terms, from 1 to {MAX_TERMS}, or inf"
     if isinstance(m, str) and m.strip().casefold() in INFINITE:
         return math.inf

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import scipy  # its parts load when they are used
+import scipy  # Its submodules are loaded on first use.
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.theory.arguments import checked_number, shown
@@ -22,11 +22,11 @@ from weier.theory.series import amplitude
 from weier.theory.tables import html_table
 from weier.theory.trace import DECIMAL_ROUNDING, Trace
 
-WAVES_IN_LENGTH = 4  # of the longest that are compared by default: fewer say little about a surface
-MIN_RATIO = 4.0  # of the longest wavelength to the shortest one: the slope of less than two octaves is not known
-EMPTY = 0.01  # of the power that waves beside it let expect: there, nothing was measured
-AROUND = math.sqrt(2)  # times a wavelength on either side: an octave
-STEEPEST = 40.0  # of the exponents that are looked for; 1 to 3 are those of a series
+WAVES_IN_LENGTH = 4  # By default, the longest waves compared fit so many times into the trace: fewer are no sample.
+MIN_RATIO = 4.0  # The slope of a spectrum over less than two octaves is too uncertain.
+EMPTY = 0.01  # Waves with less than this part of the power of their neighbours were removed by a filter or stylus.
+AROUND = math.sqrt(2)  # This factor on either side of a wavelength gives an octave.
+STEEPEST = 40.0  # The exponent is sought between -40 and 40; a series has 1 to 3.
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Fit:
     D, D_error : float
         Fractal dimension, and its standard error.
     gamma : Fraction
-        Ratio of successive wavelengths, as it was asked for.
+        Ratio of successive wavelengths, as given to `fit`.
     m : int
         Number of waves from lambda_0 to the shortest wavelength compared.
     lambda_0 : float
@@ -59,7 +59,7 @@ class Fit:
         """A table with the standard errors, for notebooks."""
         rows = [
             ["fractal dimension D", f"{self.D:.6g}", f"{self.D_error:.1g}"],
-            ["ratio of wavelengths gamma", str(self.gamma), "as asked for"],
+            ["ratio of wavelengths gamma", str(self.gamma), "as given"],
             ["number of waves m", str(self.m), ""],
             ["wavelength lambda_0, m", f"{self.lambda_0:.6g}", ""],
             ["amplitude g_0, m", f"{self.g_0:.6g}", f"{self.g_0_error:.1g}"],
@@ -67,7 +67,7 @@ class Fit:
         return html_table("Weierstrass series with the spectrum of a trace", ["", "value", "standard error"], rows)
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
-        """The series, with these phases: a spectrum tells none. With another m it ends earlier or later, or never."""
+        """The series with these phases, which a spectrum does not determine; `m` gives it another number of terms."""
         return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
 
 
@@ -85,7 +85,7 @@ def fit(
         and the shortest that the trace has. Each wave of the series stands for those within the root of gamma around
         its own, so that lambda_0 is shorter than `longest` by this root.
     gamma : int, Fraction, str or float
-        Ratio of successive wavelengths. A spectrum without gaps does not tell it.
+        Ratio of successive wavelengths. It cannot be determined from a spectrum without gaps.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def fit(
 
     The standard errors are those of these sums for a random surface, whose waves are independent. On 20 wavelengths
     `longest` and more, D was off by at most 0.006 in the mean of 200 such surfaces, and by less than 0.01 on
-    Weierstrass series, for which the standard error is far too large: there is no chance in them.
+    Weierstrass series, for which the standard error is far too large, since they are not random.
 
     Examples
     --------
@@ -139,9 +139,9 @@ def fit(
             f"{last:g} m: take other wavelengths"
         )
     n = np.arange(m)
-    shares = amplitude(n, D, float(ratio)) ** 2
-    g_0 = math.sqrt(2 * power.sum() / shares.sum())
-    by_slope = math.log(ratio) * float(n @ shares) / shares.sum() * D_error  # ln g_0 by D
+    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
+    g_0 = math.sqrt(2 * power.sum() / variances.sum())
+    by_slope = math.log(ratio) * float(n @ variances) / variances.sum() * D_error  # d(ln g_0)/dD times its error
     by_variance = math.sqrt(power @ power) / power.sum() / 2
     return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * math.hypot(by_slope, by_variance))
 
@@ -149,7 +149,7 @@ def fit(
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
     """The longest wavelength that is compared, in m, and the waves down to the shortest one."""
     finest = trace.lambda_0 * trace.period / trace.finest
-    least = min(finest, trace.shortest)  # the second was asked for, and lies within a wave of the first
+    least = min(finest, trace.shortest)  # The second was given by the user, and is within one wave of the first.
     last = checked_number(
         "shortest",
         finest if shortest is None else shortest,
@@ -168,7 +168,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
 
 
 def _has_power(k: Indices, power: Array) -> Flags:
-    """Whether each wave has the power that others let expect, and no filter or tip of a stylus has removed it.
+    """Whether each wave has the power that its neighbours suggest, and was not removed by a filter or a stylus tip.
 
     The mean power of an octave around a wave may fall as k^-3 from that of longer waves, and be as low as that of
     shorter ones, but not a hundredth of these.
@@ -182,19 +182,19 @@ def _has_power(k: Indices, power: Array) -> Flags:
 
 
 def _check_power(k: Indices, known: Indices, period: float) -> None:
-    """Refuse a band at whose ends there are no waves: `known` are those that have power, also outside the band.
+    """Refuse a band without power at one of its ends; `known` are the waves with power, also outside the band.
 
-    A series has gaps between its waves, too: a gap at an end of the band must be wider than all others.
+    A series has gaps between its waves, so that only a gap at an end wider than all others is refused.
     """
-    told = "the spectrum must have power in the whole band, got none of waves"
+    problem = "the spectrum must have power in the whole band, got none of waves"
     within = known[(known >= k[0]) & (known <= k[-1])]
     widest = np.diff(np.log(within)).max(initial=math.log(1 + 1 / k[0]))
     if not within.size or math.log(k[-1] / within[-1]) > widest:
         last = period / (within if within.size else known)[-1] * AROUND
-        raise ValueError(f"{told} shorter than {last:.3g} m: take shortest={last:.3g}")
+        raise ValueError(f"{problem} shorter than {last:.3g} m: take shortest={last:.3g}")
     if math.log(within[0] / k[0]) > widest:
         first = period / within[0] / AROUND
-        raise ValueError(f"{told} longer than {first:.3g} m: take longest={first:.3g}")
+        raise ValueError(f"{problem} longer than {first:.3g} m: take longest={first:.3g}")
 
 
 def _exponent(k: Indices, power: Array) -> tuple[float, float]:
@@ -203,8 +203,8 @@ def _exponent(k: Indices, power: Array) -> tuple[float, float]:
     x = np.log(k)
     x = x - weight @ x / weight.sum()
     log_power = np.log(np.maximum(weight * power / power.max(), 1e-300))
-    softmax = scipy.special.softmax  # the shares w_k P_k k^beta of their sum, which may lie beyond the floats
+    softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
     beta = scipy.optimize.brentq(lambda beta: float(softmax(log_power + beta * x) @ x), -STEEPEST, STEEPEST)
-    share = softmax(log_power + beta * x)
-    scatter = x * (share - weight / weight.sum())
-    return beta, math.sqrt(scatter @ scatter) / float(share @ x**2)
+    fraction = softmax(log_power + beta * x)
+    scatter = x * (fraction - weight / weight.sum())
+    return beta, math.sqrt(scatter @ scatter) / float(fraction @ x**2)

@@ -1,4 +1,4 @@
-"""Numbers and tables of them for people: as lines of text, and as HTML for notebooks."""
+"""Numbers and tables for output: as lines of text, and as HTML for notebooks."""
 
 from __future__ import annotations
 

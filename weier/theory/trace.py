@@ -36,11 +36,12 @@ from weier.theory.units import UNITS, agreed_unit, known_unit
 from weier.theory.waves import Waves
 
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
-TAPER = 0.1  # of the length at each end, over which a tapered trace falls to its mean
-ROUNDING = 1e-14  # of g_0: lower waves are what rounding leaves of a smooth surface
-DECIMAL_ROUNDING = 1 + 1e-9  # Quotients of decimal numbers may be off by this factor before they are rounded down.
-LENGTH_TOLERANCE = 0.01  # relative: a length that is given beside that of the file may be rounded to two digits
-MAX_SLOPE = 10.0  # root mean square: a larger one is a wrong unit, since no instrument sees such flanks
+TAPER = 0.1  # A tapered trace falls to its mean over this part of its length at each end.
+ROUNDING = 1e-14  # Waves below this part of g_0 are rounding errors.
+# Comparisons of wavelengths allow for this factor, by which quotients of decimal numbers are rounded.
+DECIMAL_ROUNDING = 1 + 1e-9
+LENGTH_TOLERANCE = 0.01  # A given length and that of the file may differ by this part, as both may be rounded.
+MAX_SLOPE = 10.0  # A larger root mean square slope means a wrong unit, since no instrument measures such flanks.
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -54,21 +55,21 @@ class Trace(Waves):
     Parameters
     ----------
     heights : array_like, shape (samples,)
-        At equal steps, upwards out of the body. NaN, None and masked values are missing. An array of xarray with
-        `units` in its attributes says its unit itself, and one with a coordinate in some unit its positions, too.
+        At equal steps, upwards out of the body. NaN, None and masked values are missing. An array of xarray may name
+        its unit in the attribute `units`, and have the positions in a coordinate with a unit.
     length : float
-        Of the trace, as many steps as there are heights: in m, or in `x_unit` or `unit` where one is given.
+        Length of the trace, which is as many steps as heights, in m, or in `x_unit` or `unit` where one is given.
     shortest : float, optional
         The shortest wavelength that is kept, in m, which metrology calls lambda_s; by default two steps, so that all
         are.
     ends : "mirrored", "periodic" or "tapered"
-        How the surface goes on behind the ends: as a mirror image, so that the period is twice the length; from the
-        start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean over
-        the last tenth of the length at either end.
+        Continuation of the surface beyond the ends: as a mirror image, so that the period is twice the length; from
+        the start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean
+        over the last tenth of the length at either end.
     source : str
-        Where the heights come from: a name for the results.
+        Name of the origin of the heights, for the results.
     unit, x_unit, height_unit : str, optional
-        What length and heights are in, or one of them: "m", "cm", "mm", "um" (also with the letter mu), "nm", "pm",
+        Units of length and heights, or of one of them: "m", "cm", "mm", "um" (also with the letter mu), "nm", "pm",
         "angstrom", "inch", "mil" or "uin". Heights need one.
     detrend : "mean", "tilt" or "form", optional
         What least squares remove from the heights: their mean; a straight line, which is the default; or a parabola,
@@ -77,7 +78,7 @@ class Trace(Waves):
         What to do with missing heights: by default they are refused, with their number and the longest run. Else
         they are interpolated, and where they are at the ends, the trace is cut off.
     max_gap : int
-        The most heights beside each other that are interpolated, on a straight line.
+        The largest number of adjacent missing heights that are interpolated, on a straight line.
     missing_value : float, optional
         A number that stands for missing heights, such as -9999, in the unit of the heights.
 
@@ -86,7 +87,7 @@ class Trace(Waves):
     lambda_0, g_0 : float
         The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
     samples, digest : int, str
-        The number of heights, and twelve letters that differ where heights or waves do.
+        The number of heights, and twelve letters of a digest of the heights and of how they are processed.
     line : int or None
         Which line of a map this is.
     filled : Filled
@@ -100,13 +101,12 @@ class Trace(Waves):
     Raises
     ------
     ValueError
-        If the unit is unknown, or the heights are no roughness that waves can describe; the message says what would
-        do.
+        If the unit is unknown, or the heights are not roughness that waves can describe; the message names a remedy.
 
     Warns
     -----
     UserWarning
-        If a form is left that is far higher than the roughness.
+        If the remaining form is far higher than the roughness.
 
     Examples
     --------
@@ -173,7 +173,7 @@ class Trace(Waves):
         period, waves, coefficient = _waves(level, ends, length, shortest)
         g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         contents = repr([length, shortest, ends, detrend, *filled])
-        # Written at once, past the lock of a frozen dataclass.
+        # In place of assignments, which a frozen dataclass refuses.
         vars(self).update(
             lambda_0=length,
             g_0=g_0,
@@ -192,7 +192,7 @@ class Trace(Waves):
             _phase=np.angle(coefficient),
         )
 
-    # Copies, so that whoever changes one does not change the trace.
+    # The properties return copies, so that changes to an array do not change the trace.
 
     @property
     def amplitude(self) -> Array:
@@ -236,11 +236,11 @@ class Trace(Waves):
             SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
             and some thirty more formats.
         length : float, optional
-            Of the trace, if the file does not say it: in m, or in `x_unit` or `unit` where one is given.
+            Length of the trace, if it is not in the file: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
             As of a trace.
         x_unit, height_unit : str, optional
-            What the file has positions and heights in, if it does not say so itself; `unit` says it of both.
+            Units of positions and heights, if the file does not name them; `unit` is for both.
         line : int, optional
             Which line of a map, from 0.
         across : "x" or "y", optional
@@ -304,7 +304,7 @@ class Trace(Waves):
 
     @classmethod
     def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
-        """The trace of a line, or the list of those of several; the ones that are no roughness are left out of it."""
+        """The trace of one line, or a list for several lines; refused lines are left out of the list."""
         traces: list[Trace] = []
         refused: list[ValueError] = []
         for one in lines:
@@ -371,7 +371,7 @@ class Trace(Waves):
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:
-    """What is removed from heights, which of a periodic trace is its mean alone."""
+    """The polynomial to be removed from the heights: of a periodic trace, the mean only."""
     if detrend is None:
         return measured.MEAN if ends == PERIODIC else measured.TILT
     checked_word("detrend", detrend, measured.DETREND)
@@ -414,7 +414,7 @@ def _checked_shortest(shortest: float | None, length: float, samples: int) -> fl
 
 
 def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
-    """The heights without what is removed from them, in m, if they are roughness."""
+    """The detrended heights, in m; ValueError unless they are roughness."""
     level = measured.detrended(z, detrend)
     if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
         raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
@@ -448,7 +448,7 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
 
 
 def _check_slope(level: Array, step: float) -> None:
-    """Refuse heights that are far too steep for any instrument: a unit is wrong."""
+    """Refuse heights that are too steep for any instrument, since a unit must be wrong."""
     slope = float(np.sqrt(np.mean(np.diff(level) ** 2))) / step
     if slope > MAX_SLOPE:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Units of length: their names, and where a measurement says in which one it is."""
+"""Units of length: their names, and how files and arrays name them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UNITS = {
     "mil": 2.54e-5,
     "uin": 2.54e-8,
 }
-# Further names that files use. Names are compared in lower case, but for M, which no file means by a metre.
+# Further names in files. Names are compared in lower case, except for M, which never stands for a metre.
 SPELLINGS = {
     **{name: name for name in UNITS},
     **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
@@ -37,12 +37,14 @@ SPELLINGS = {
     **dict.fromkeys(("mils", "thou"), "mil"),
     **dict.fromkeys(("\u00b5in", "\u03bcin", "microinch", "microinches"), "uin"),
 }
-BRACKETED = {"in": "inch", "a": "angstrom"}  # units where they stand in brackets, and else words
+BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
+# Patterns of units in headings: in brackets, after a sign, or as the last word.
 _NAME = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
 _IN_BRACKETS = rf"[\[(]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])]"
 _BEHIND_A_SIGN = rf"[_/:=]\s*({_NAME})(?=\s|$)"
-_LAST_WORD = rf"(?:^|(?<![\d.])\s)({_NAME})$"  # but of a quantity with its value
+# The last word is a unit, unless it follows the value of a quantity.
+_LAST_WORD = rf"(?:^|(?<![\d.])\s)({_NAME})$"
 UNIT = re.compile(f"{_IN_BRACKETS}|{_BEHIND_A_SIGN}|{_LAST_WORD}", re.IGNORECASE)
 
 
@@ -60,7 +62,7 @@ def units_in(heading: str) -> list[str]:
 
 
 def unit_of(values: Any) -> str:
-    """The unit that an array names itself, as those of xarray, pandas, pint and astropy do; else none."""
+    """The unit that an array of xarray, pandas, pint or astropy has; empty if there is none."""
     attributes = getattr(values, "attrs", None)
     if isinstance(attributes, Mapping):
         named = attributes.get("units", attributes.get("unit"))
@@ -70,7 +72,7 @@ def unit_of(values: Any) -> str:
 
 
 def length_unit(name: str) -> str:
-    """The unit of length that a file or an array means by a name; a ValueError if it is none."""
+    """The unit of length for a name in a file or an array; ValueError if it is unknown."""
     known = _known(name.strip())
     if not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
@@ -78,7 +80,7 @@ def length_unit(name: str) -> str:
 
 
 def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """The one unit that a call and a file or an array name for something, or none; a ValueError if they disagree.
+    """The common unit that a call and a file or an array name, or none; ValueError if they disagree.
 
     Parameters
     ----------
@@ -100,7 +102,7 @@ def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> 
 
 
 def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """The unit that a call, a file or an array names for something, which must be known: see `agreed_unit`."""
+    """The unit that a call, a file or an array names; ValueError if none does: see `agreed_unit`."""
     if unit := agreed_unit(what, given, named):
         return unit
     raise ValueError(

@@ -1,4 +1,4 @@
-"""A surface that is a finite sum of waves: what the numerical methods ask of the Weierstrass series and of a trace.
+"""A surface that is a finite sum of waves: the common interface of the Weierstrass series and of a trace.
 
 Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0; each surface says what its
 lambda_0 and g_0 are.
@@ -18,8 +18,8 @@ from weier.kernels.arrays import Array
 from weier.theory.arguments import checked_count, checked_numbers, shown
 from weier.theory.crests import highest_crest, sample
 
-MAX_POINTS = 10**7  # of a sampled period, and so of a grid
-MAX_X = 1e15  # lambda_0: from here on a float does not tell the crest of a wave from its trough
+MAX_POINTS = 10**7  # A sampled period, and so a grid, has at most so many points, which take 80 MB.
+MAX_X = 1e15  # lambda_0: beyond it the rounding of a float is of the order of a wavelength.
 
 
 class Waves(ABC):
@@ -38,13 +38,13 @@ class Waves(ABC):
     period : int
         Length L after which the surface repeats, in lambda_0.
     total_amplitude : float
-        Height above the mean plane that the compliance counts from, in g_0: what it is at full contact.
+        Height of the datum of the compliance above the mean plane, in g_0; the compliance at full contact.
     tail_amplitude : float
-        Sum of the amplitudes of finer waves that are left out, in g_0; NaN where nobody knows it.
+        Sum of the amplitudes of finer waves that are left out, in g_0; NaN where it is unknown.
     parameters : dict
-        What a scene says of this surface, as plain values.
+        Parameters of this surface as a scene has them, as plain values.
     labels : dict
-        What tells this surface from others, by the names of coordinates.
+        Labels that distinguish this surface from others, by the names of coordinates.
     """
 
     m: float

@@ -50,5 +50,5 @@ def test_loads_stand_beside_and_around():
 def test_each_extreme_has_a_name_of_its_own_and_loads_that_increase(monkeypatch):
     monkeypatch.setattr(cases, "events", lambda *_: {"mean_pressure": xr.DataArray(USUAL)})
     found = list(extremes())
-    assert len({each.name for each in found}) == len(found) > 30
-    assert all((np.diff(each.loads) > 0).all() and each.variants for each in found)
+    assert len({comparison.name for comparison in found}) == len(found) > 30
+    assert all((np.diff(comparison.loads) > 0).all() and comparison.variants for comparison in found)

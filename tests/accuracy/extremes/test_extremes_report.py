@@ -1,4 +1,4 @@
-"""The extremes as measured, and the report that tells what is wrong."""
+"""The extremes as measured, and the report with their faults."""
 
 from importlib import import_module
 
@@ -50,7 +50,7 @@ def test_a_measurement_knows_what_was_run_and_how_well(measured):
     assert extremes.failures(measured) == []
 
 
-def test_a_fault_is_told(measured):
+def test_a_fault_is_reported(measured):
     bad = measured.copy(deep=True)
     bad["concave"].values[0, 0] = Check.no
     bad["without_warning"].values[1, 1] = Check.no

@@ -44,14 +44,14 @@ def test_compliance_converges_almost_as_the_square_of_the_grid():
     assert min(orders) >= 1.6
     assert np.mean(orders) >= 1.8
     by_grid = dict(zip(POINTS_PER_WAVE, np.max(worst, axis=0), strict=True))
-    assert f"{by_grid[64]:.1e}" == "6.2e-04"  # told in docs/numerics.md, as is the fifteenth
+    assert f"{by_grid[64]:.1e}" == "6.2e-04"  # as stated in docs/numerics.md, like the fifteenth
     assert by_grid[64] / by_grid[256] == pytest.approx(15, rel=0.1)
 
 
 def test_resistance_is_close_but_where_contacts_are_born():
     """The derivative of the discrete curve: edges move by whole nodes, so single loads may be far off.
 
-    Half of the errors are below 0.7 %, and the largest is 29 %: told in docs/numerics.md.
+    Half of the errors are below 0.7 %, and the largest is 29 %, as stated in docs/numerics.md.
     """
     relative = []
     for reference in REFERENCES:
@@ -194,7 +194,7 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
     assert caught.value.residual > 1e-30
 
 
-def test_a_resistance_that_was_missed_is_told_from_a_residual(monkeypatch):
+def test_a_missed_resistance_is_distinguished_from_a_residual(monkeypatch):
     monkeypatch.setattr(active_set.NestedSolver, "solve_tangent", lambda *_: np.inf)
     with pytest.raises(ConvergenceError, match=r"under 0\.1 p_0\* but not its derivative by the load"):
         curve(THREE_WAVES, np.array([0.1]), points=400)

@@ -49,7 +49,7 @@ def test_any_number_of_nodes_has_coarser_grids(points):
 
 
 def test_thousands_of_contacts_meet_the_contact_conditions(monkeypatch):
-    """Checked with NumPy's own transform, which shares nothing with the solver's but the eigenvalues.
+    """Checked with NumPy's own transform, which has only the eigenvalues in common with that of the solver.
 
     They are solved in parts, between which Ctrl-C may come.
     """

@@ -43,7 +43,7 @@ def test_the_accuracy_is_what_was_measured(per_wave, h, R):
 
 
 def test_without_its_staircase_a_grid_is_ten_times_as_accurate():
-    removed, kept = (errors_of_references(64, staircase=each) for each in ("removed", "kept"))
+    removed, kept = (errors_of_references(64, staircase=setting) for setting in ("removed", "kept"))
     assert np.median(removed[0]) < np.median(kept[0]) / 10
     assert np.median(removed[1]) < np.median(kept[1]) / 5
     assert removed[0].max() < kept[0].max()
@@ -112,14 +112,14 @@ def test_a_gap_of_a_node_that_the_continuum_has_not_is_closed():
     assert edge_deviation(profile, found.contact_edge[0], exact.contact_edge[0]) < 1e-2
 
 
-@pytest.mark.parametrize("share", [0.1, 0.4, 0.7])
+@pytest.mark.parametrize("fraction", [0.1, 0.4, 0.7])
 @pytest.mark.parametrize("shift", [0.0, 0.25])
-def test_a_contact_of_one_node_is_hertzs(share, shift):
-    """Width and middle, from a load that is this share of the one at which the next node touches."""
+def test_a_contact_of_one_node_is_hertzs(fraction, shift):
+    """Width and middle, from a load that is this fraction of the load at which the next node touches."""
     points = 64
     profile = Profile(1.25, 5, 1, (-2 * np.pi * shift / points,))
     grid = NestedSolver(profile, points, 1e-12)
-    load = share * np.pi**2 / (2 * np.log(2) * points**2) / 2
+    load = fraction * np.pi**2 / (2 * np.log(2) * points**2) / 2
     point = staircase.remove_staircase(grid.solve_discrete(load, True))
     assert point.first.tolist() == point.last.tolist() == [0]
     left, right = point.edge
@@ -162,7 +162,7 @@ def test_contact_is_full_or_has_a_resistance():
 
 def test_both_solvers_have_the_same_staircase():
     profile, loads = Profile(1.5, 3, 3, random_phases(4)), np.geomspace(1e-3, 3, 12)
-    found, other = (curve(profile, loads, points=288, solver=each) for each in ("direct", "fft"))
+    found, other = (curve(profile, loads, points=288, solver=solver) for solver in ("direct", "fft"))
     np.testing.assert_allclose(found.compliance, other.compliance, atol=1e-9)
     np.testing.assert_allclose(found.resistance, other.resistance, rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)

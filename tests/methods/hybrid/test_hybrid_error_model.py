@@ -20,7 +20,7 @@ def _random_phases(random: np.random.Generator) -> tuple[float, ...]:
 def test_error_at_light_loads_holds_for_random_phases():
     """A layer does not know where the crests of its waves are: they may all be troughs where the coarse ones peak."""
     random = np.random.default_rng(3)
-    shares = []
+    ratios = []
     for _ in range(SERIES):
         D, resolved = random.uniform(1.02, 1.3), int(random.integers(1, 4))
         series = Profile(D, 2, TERMS, _random_phases(random))
@@ -28,6 +28,6 @@ def test_error_at_light_loads_holds_for_random_phases():
         grid = SAMPLES * series.waves_per_period[-1]
         lower = kept.sampled_height(grid).max() - series.sampled_height(grid).max()
         error = abs(lower + series.total_amplitude - kept.total_amplitude)
-        shares.append(error / error_model.compliance_error(LIGHT_LOAD, kept)[0])
-    assert max(shares) <= 1
-    assert max(shares) > 0.7  # and is not far too wide
+        ratios.append(error / error_model.compliance_error(LIGHT_LOAD, kept)[0])
+    assert max(ratios) <= 1
+    assert max(ratios) > 0.7  # and is not far too wide

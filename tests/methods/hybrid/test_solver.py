@@ -1,4 +1,4 @@
-"""Resolved terms on the layer: the layer model where one is resolved, and closing in on it as the mesh does."""
+"""Resolved terms on the layer: the limit of one resolved term is the layer model, and the mesh converges."""
 
 import math
 from itertools import pairwise

@@ -122,7 +122,7 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
 
 @one_thread
 def test_fast_sums_that_are_off_are_noticed(monkeypatch):
-    """Closed forms at some of the points tell."""
+    """Closed forms at some of the points are the reference."""
     state = patches.solve_load(FOUR_WAVES, 1.5).state
     assert state.segments.centre.size > fields.MIN_SUM_SEGMENTS
     monkeypatch.setattr(inequalities, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))

@@ -10,7 +10,7 @@ from weier.methods.patches.error_model import error, loosest_tolerance, seconds
 def test_no_wanted_error_is_missed_by_rounding(quantity):
     """Else a plan says that it is out of reach: one in fifteen was, of a resistance."""
     wanted = 10.0 ** np.random.default_rng(0).uniform(-11, 0, 1000)
-    expected = np.array([error(loosest_tolerance(each, quantity), quantity) for each in wanted])
+    expected = np.array([error(loosest_tolerance(wanted_error, quantity), quantity) for wanted_error in wanted])
     assert np.all(expected <= wanted)
     np.testing.assert_allclose(expected, wanted, rtol=1e-14)
 
@@ -23,7 +23,7 @@ def test_looser_tolerances_are_expected_to_take_less_time_as_far_as_they_do():
     assert np.all(np.diff([loosest, middle, default, tightest], axis=0) > 0)
     np.testing.assert_array_equal(beyond, loosest)
     np.testing.assert_array_equal(seconds(125, contacts), default)
-    share = loosest / default
-    assert np.all(np.diff(share) < 0)
-    assert share[0] > 0.9  # as measured: a few contacts take hardly less, and hundreds three quarters
-    assert 0.7 < share[2] < 0.85
+    ratio = loosest / default
+    assert np.all(np.diff(ratio) < 0)
+    assert ratio[0] > 0.9  # as measured: a few contacts take hardly less, and hundreds three quarters
+    assert 0.7 < ratio[2] < 0.85

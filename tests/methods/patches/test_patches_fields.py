@@ -30,11 +30,11 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
 
 
 @pytest.mark.parametrize(
-    ("profile", "share", "dual"), [(THREE_WAVES, 0.1, False), (LONG_PERIOD, 0.1, False), (LONG_PERIOD, 0.9, True)]
+    ("profile", "fraction", "dual"), [(THREE_WAVES, 0.1, False), (LONG_PERIOD, 0.1, False), (LONG_PERIOD, 0.9, True)]
 )
-def test_fast_sums_are_the_closed_forms(profile, share, dual, monkeypatch):
+def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     """Far from the segments, near them, and as near as 1e-9 of their width to an edge."""
-    solution = patches.solve_load(profile, share * patches.solve_load(profile, 1.0).surface.full_contact_load)
+    solution = patches.solve_load(profile, fraction * patches.solve_load(profile, 1.0).surface.full_contact_load)
     assert solution.state.dual == dual
     left, right = solution.edges.T
     distance = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)

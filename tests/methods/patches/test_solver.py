@@ -219,8 +219,10 @@ def test_a_gap_too_narrow_to_be_solved_for_goes_on_as_wider_ones_do():
     """Below a merger, the gap's width squared is in proportion to the load that is missing, as its tension is."""
     profile, merger = Profile(1.4197054193913707, "5/2", 2, (6.120992375943766, 5.640274757851748)), 0.622008326568
     states = patches.solve_loads(profile, merger * (1 - np.array([10**-4.5, 10**-7.5])))
-    assert [len(each.state.cracks) for each in states] == [0, 1]
-    of_gap = [(each.edges[2, 0] - each.edges[1, 1], *each.edge_strength[[1, 2], [1, 0]]) for each in states]
+    assert [len(solution.state.cracks) for solution in states] == [0, 1]
+    of_gap = [
+        (solution.edges[2, 0] - solution.edges[1, 1], *solution.edge_strength[[1, 2], [1, 0]]) for solution in states
+    ]
     assert np.divide(*of_gap) == pytest.approx(10 ** np.array([1.5, 2.25, 2.25]), rel=1e-2)
 
 
@@ -235,10 +237,10 @@ def test_hard_places_against_boundary_elements(profile, loads, contacts):
 
 
 @hard_series("light_contacts")
-def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, share):
+def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, fraction):
     """Guesses have too many contacts or too few, so that residuals are small when the lightest is not yet known."""
     found = patches.curve(profile, [load])
-    assert abs(found.resistance[0] - R) < found.resistance_error[0] < share * R
+    assert abs(found.resistance[0] - R) < found.resistance_error[0] < fraction * R
 
 
 @pytest.mark.parametrize(("load", "dual"), [(0.01, False), (0.4, False), (2.4, True), (3.0, True)])

@@ -92,7 +92,7 @@ def test_crests_of_one_height_by_symmetry_need_no_more_digits(monkeypatch):
         assert np.sum(series.crest_offset == 0) == 2
 
 
-def test_twin_crests_are_told_apart_in_all_digits():
+def test_twin_crests_are_distinguished_in_all_digits():
     """A coarse wave that is off by 1e-12 lifts one of two crests of the fine one over the other."""
     profile = Profile(1.5, 2, 2, (1e-12, np.pi))
     heights = surface_of(profile).heights

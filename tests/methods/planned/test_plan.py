@@ -59,7 +59,7 @@ def test_each_load_takes_the_method_of_least_seconds_that_does():
             for number, name in enumerate("abc")
         ]
         least = [
-            min((each.seconds_load[load], each.method) for each in those if np.isfinite(each.truncation[load]))
+            min((part.seconds_load[load], part.method) for part in those if np.isfinite(part.truncation[load]))
             for load in range(5)
         ]
         parts = cheapest(those, 1e-3)

@@ -24,9 +24,10 @@ LOADS = np.geomspace(1e-3, 10, 12)
 def test_planned_curves_are_within_the_errors_they_expect():
     """All of 200 others did, by `python -m benchmarks.planned`: of 15, none may miss, nor of 2 infinite ones."""
     found = [*verify(15, seed=1), *verify_infinite(2, seed=1)]
-    assert {method for each in found for method in each.methods} >= {"full contact", "westergaard", "bem", "patches"}
-    assert {each.quantity for each in found} == {"compliance", "resistance"}
-    assert [each for each in found if not each.inside or not each.kept] == []
+    methods = {method for curve in found for method in curve.methods}
+    assert methods >= {"full contact", "westergaard", "bem", "patches"}
+    assert {curve.quantity for curve in found} == {"compliance", "resistance"}
+    assert [curve for curve in found if not curve.inside or not curve.kept] == []
 
 
 LIGHT_RESISTANCES = [
@@ -143,7 +144,7 @@ def test_full_contact_is_closed_form_and_exact():
 
 def test_the_resistance_of_a_plan_for_the_compliance_is_within_its_error():
     exact = patches.curve(THREE_WAVES, LOADS)
-    # Two terms and a closed form: only concavity tells the resistance.
+    # Two terms and a closed form: only concavity bounds the resistance.
     curve = solve(THREE_WAVES, LOADS, "planned", tolerance=0.1)
     off = np.abs(curve.resistance - exact.resistance)
     assert np.all(off <= curve.resistance_error)
@@ -214,7 +215,7 @@ def test_what_takes_far_longer_than_planned_is_stopped_with_the_next_best(monkey
 
 @pytest.mark.parametrize("method", ["bem", "patches", "hybrid"])
 def test_every_slow_method_can_be_stopped_between_two_loads(monkeypatch, method):
-    """Each tells of its loads: with no time at all it is stopped after the first."""
+    """Each method counts its loads, so that it is stopped after the first one when no time is left."""
     monkeypatch.setattr(planned, "MIN_OVERRUN_SECONDS", -1.0)
     monkeypatch.setattr(planned, "MAX_OVERRUN", 0.0)
     profile, tolerance = (Profile(1.1, 3, math.inf, 1.0), 0.02) if method == "hybrid" else (THREE_WAVES, 1e-5)

@@ -26,7 +26,7 @@ def test_terms_that_a_tolerance_does_not_need_are_left_out_within_the_bounds():
     low, high = compliance_bounds(kept + THREE_WAVES.amplitude_beyond(2), part.truncation[0])
     exact = patches.curve(THREE_WAVES, LOADS).compliance
     assert np.all((low <= exact) & (exact <= high))
-    # Once two terms are flat the third is told by half of its height, and no grid.
+    # Once two terms are flat, the third one follows from half of its height, without a grid.
     assert (flat.method, flat.terms) == ("full contact", 2)
     assert flat.truncation == pytest.approx(THREE_WAVES.amplitude[2] / 2)
     curve = planned.run(THREE_WAVES, (part, estimate, flat))

@@ -1,4 +1,4 @@
-"""Stability at the extremes: every method where digits are lost, examined load by load, as tables and a figure."""
+"""Stability at the extremes: all methods at the limits of floats, load by load, as tables and a figure."""
 
 from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.measurement import measure

@@ -1,4 +1,4 @@
-"""The extremes as a table: profiles, the loads at which each is hard, and the methods that are run on it."""
+"""The table of extremes: profiles with ill-conditioned loads, and the methods that are run on them."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ from weier.scene import Case
 from weier.theory.limits import resolvable
 from weier.theory.profile import Profile
 
-MAX_RUN_SECONDS = 60.0  # that a method may take for an extreme, as one curve and then once more, load by load
-MIN_NODES, MAX_NODES = 3, 2**20
-MAX_DENSE_NODES = 2000  # a solution takes a quarter of a second on them, and a curve some hundred solutions
-DISTANCES = (1e-12, 1e-8, 1e-4)  # of loads from an event, relative to it
-EVENT_STEP = 3  # of the births and merges, one in so many
+MAX_RUN_SECONDS = 60.0  # A method is left out if it takes longer for a curve and for its loads one by one.
+MIN_NODES, MAX_NODES = 3, 2**20  # The coarsest and the finest grid of the extremes.
+MAX_DENSE_NODES = 2000  # A dense solution then takes a quarter of a second, and a curve some hundred solutions.
+DISTANCES = (1e-12, 1e-8, 1e-4)  # The loads around an event are at these distances, relative to its load.
+EVENT_STEP = 3  # Every third birth or merger is examined, which bounds the time.
 
+# Loads for the whole range of floats, and usual ones.
 SWEEP = 10.0 ** np.array(
     [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), *np.arange(-3, 1.5, 0.5), 2, 6, 12, *range(50, 301, 50)]
 )
@@ -35,7 +36,7 @@ ONE_LOAD = np.array([0.1])
 
 
 def extremes() -> Iterator[Comparison]:
-    """All extremes, each with its loads and variants; the loads of some are looked up on the way."""
+    """All extremes with their loads and variants; some loads are those of events, which are computed here."""
     for name, case, chosen in EXTREMES:
         loads = chosen(case) if callable(chosen) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
@@ -69,18 +70,17 @@ def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     try:
         method.applies(profile)
-    except NotApplicableError:  # of a finite series for its size: to say so takes no time, and is what this is for
+    except NotApplicableError:  # of a series that is too large: the refusal takes no time and is itself examined
         return method.numerical and math.isfinite(profile.m)
-    each = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
-    return method.seconds(profile, loads) + each <= MAX_RUN_SECONDS
+    load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
+    return method.seconds(profile, loads) + load_by_load <= MAX_RUN_SECONDS
 
 
 def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
     """Each algorithm with all its settings: the default, and others where a reference for them is in reach.
 
-    Those may be slow, as dense matrices are, and their seconds are not known before: they have the coarsest of the
-    settings that the trade compares, and are left out where this has more nodes than a dense matrix solves in
-    time.
+    Those may be slow, as dense matrices are, and their cost is not modelled. They have the coarsest settings of the
+    tradeoff, and are left out if these have more than `MAX_DENSE_NODES` nodes.
     """
     default, *others = method.algorithms
     yield default, default
@@ -100,8 +100,8 @@ def _name(method: Method, algorithm: Settings) -> str:
 def around_events(case: Case, apart: float = 0.0) -> Array:
     """The loads around the births and merges of contacts, which `weier.methods.fields.events` finds.
 
-    Contacts that are born in pairs are looked up where the symmetry is broken, with the last phase `apart` from its
-    own, in rad.
+    The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
+    `apart`, in rad.
     """
     profile = case.profile
     phases = *profile.phase[:-1], profile.phase[-1] + apart
@@ -123,7 +123,7 @@ def _on_grid(grid: Settings) -> tuple[Variant, ...]:
 
 
 def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, Array]]:
-    """Series with D or gamma at one end of its range; a single load is for methods too slow for many."""
+    """Series with D or gamma at one end of its range; slow methods are run at a single load."""
     long = _case(D, gamma, 1000)
     yield f"{text}, m = 3", _case(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL
     yield f"{text}, m = inf", _case(D, gamma, math.inf), USUAL
@@ -137,7 +137,7 @@ EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("three waves, loads 1e-300 to 1e300", THREE_WAVES, SWEEP),
     ("m = inf, loads 1e-300 to 1e300", _case(1.25, "5", math.inf), SWEEP),
     ("one wave, xi one ulp from 1", ONE_WAVE, beside(1.0)),
-    # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4: numbers that a float has or rounds to.
+    # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4 are floats or round to one.
     ("p one ulp from p_n* and full contact", _case(1.5, "9", 2, [0.0, 0.0]), beside(1.0, 3.0, 4.0)),
     *_end_of_range("D = 1 + 1e-9", 1 + 1e-9, "5"),
     *_end_of_range("D = 2 - 1e-9", 2 - 1e-9, "5"),

@@ -1,8 +1,8 @@
-"""What every curve of compliance obeys.
+"""Checks that every curve of compliance must pass.
 
-A curve rises and is concave, its resistance falls and lies between the chords to either side, and it stays within
-the bounds that the first wave alone, in closed form, sets to all longer series (Section 5.5). A method that states
-the errors of its numbers stays within them.
+A curve rises and is concave, its resistance falls and lies between the chords on both sides, and both lie within the
+bounds that the closed form of the first wave gives for all longer series (Section 5.5). The errors stated by a method
+hold.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Stated(NamedTuple):
 
 
 def monotone(h: Array, noise: float, stated: Stated) -> bool:
-    """Whether h never falls by more than `noise`, a height, and what is stated of it."""
+    """Whether h never falls by more than `noise`, a height, and its stated errors."""
     return bool(np.all(np.diff(h) >= -noise - _both_ends(stated.compliance)))
 
 
@@ -55,7 +55,7 @@ def within_band(
 ) -> bool:
     """Whether compliance and resistance lie within the bounds of the first wave alone.
 
-    What the solution is off as a whole, in g_0, and the noise widen the band of the waves left out.
+    The error of the whole solution, in g_0, and the noise are added to the amplitude of the waves left out.
     """
     total = profile.total_amplitude
     band = total - 1 + solution_error + noise.height * total

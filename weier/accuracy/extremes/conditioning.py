@@ -1,4 +1,4 @@
-"""How well the equations of the boundary elements are conditioned, against the number of nodes."""
+"""Condition numbers of the equations of boundary elements against the number of nodes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from weier.data import variables
 from weier.data.variables import AUXILIARY, LABEL, Variable
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 
-NODES = np.array([3, *(2**k for k in range(2, 21))])
-MAX_DENSE = 1024  # nodes of a matrix that is decomposed: seconds
+NODES = np.array([3, *(2**k for k in range(2, 21))])  # From the coarsest grid to 2^20 nodes, in powers of two.
+MAX_DENSE = 1024  # The singular values of a matrix of more nodes take more than seconds.
 OWN = {
     "nodes": Variable(("nodes",), "nodes in one period", content=LABEL),
     **{
@@ -44,8 +44,8 @@ def system(points: int, contact: int) -> float:
 def conditioning() -> xr.Dataset:
     """Condition numbers over the dimension nodes; NaN where no matrix is decomposed."""
     values = {"nodes": NODES, "condition_operator": np.array([operator(n) for n in NODES])}
-    for name, share in (("full", 1), ("half", 2)):
-        of_systems = [system(n, -(-n // share)) if n <= MAX_DENSE else np.nan for n in NODES]
+    for name, divisor in (("full", 1), ("half", 2)):
+        of_systems = [system(n, -(-n // divisor)) if n <= MAX_DENSE else np.nan for n in NODES]
         values[f"condition_{name}"] = np.array(of_systems)
-    columns = {name: ("nodes", each, variables.attributes(name, OWN)) for name, each in values.items()}
+    columns = {name: ("nodes", column, variables.attributes(name, OWN)) for name, column in values.items()}
     return xr.Dataset(columns).set_coords("nodes")

@@ -1,4 +1,4 @@
-"""Every method on every extreme, as one dataset."""
+"""All methods on all extremes, in one dataset."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
 from weier.theory.profile import Profile
 
+# The checks of each curve, by the names of their variables.
 CHECKS = {
     "monotone": "whether the compliance never falls",
     "concave": "whether the resistance falls and lies between the chords to either side",
@@ -48,27 +49,27 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
     Returns
     -------
     Dataset
-        As the dataset of a scene, with extremes for cases, each at its own loads, and variants for methods.
-        `outcome` is the outcome at each load; `monotone`, `concave`, `within_band`, `within_stated_error`,
-        `one_curve` and `without_warning` are checks of the curve; `compliance_digits` and `resistance_digits` count
-        what is right, from 0 to 16, where a reference is known. Condition numbers of the boundary elements stand over
-        the dimension nodes.
+        As the dataset of a scene, with extremes for cases, each at its own loads, and variants for methods. `outcome`
+        is the outcome at each load; `monotone`, `concave`, `within_band`, `within_stated_error`, `one_curve` and
+        `without_warning` are checks of the curve; `compliance_digits` and `resistance_digits` are correct digits,
+        from 0 to 16, where a reference is known. Condition numbers of the boundary elements stand over the dimension
+        nodes.
 
     """
     cases = list(extremes() if cases is None else cases)
     data = comparison.blank(cases, variables_of_file(EXTREMES), OWN)
-    data["extreme"].values[:] = [each.name for each in cases]
+    data["extreme"].values[:] = [case.name for case in cases]
     for name in CHECKS:
         data[name].values[:] = Check.not_measured
     comparison.fill(data, cases, _examine)
     return data.merge(conditioning())
 
 
-def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
-    """The values of one run: its curve, what became of it, how far it is right, and the checks."""
-    method, profile = find_method(variant.method), each.case.profile
-    result = attempt(variant, profile, each.loads)
-    solved, right = result.outcome == Outcome.finite, find_reference(method, profile, each.loads, result)
+def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
+    """The values of one run: its curve, outcomes, errors and checks."""
+    method, profile = find_method(variant.method), compared.case.profile
+    result = attempt(variant, profile, compared.loads)
+    solved, right = result.outcome == Outcome.finite, find_reference(method, profile, compared.loads, result)
     h, R = (np.where(solved, values, np.nan) for values in (result.compliance, result.resistance))
     deviation = metrics.deviation(h, right.compliance), metrics.deviation(R, right.resistance)
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
@@ -89,14 +90,14 @@ def _examine(each: Comparison, variant: Variant) -> dict[str, Any]:
         "one_curve": Check(not result.message),
         "without_warning": Check(not result.warned),
         "within_stated_error": Check.of(checks.within_stated_error(*map(np.concatenate, both))),
-        **_check_curve(method, profile, each.loads[solved], h[solved], R[solved], stated, result.solution_error),
+        **_check_curve(method, profile, compared.loads[solved], h[solved], R[solved], stated, result.solution_error),
     }
 
 
 def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
 ) -> dict[str, Check]:
-    """The checks of a curve at the loads that were solved; those of its shape where there are two loads at least."""
+    """The checks of a curve at the solved loads; those of its shape need at least two loads."""
     found, noise, total = {}, method.noise, profile.total_amplitude
     if p.size > 0:
         found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))

@@ -15,12 +15,14 @@ from weier.accuracy.runner import Outcome
 from weier.data.markdown import plain, table
 from weier.data.variables import Check
 
+# The outcomes in words.
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
+# Outcomes that no method should have.
 FAULTS = (Outcome.unclear_error, Outcome.not_finite)
 
 
 def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write the faults, the worst of each method and of each method on each extreme, and errors of each kind."""
+    """Write the faults, the largest errors by method and by extreme, and an error message of each kind."""
     runs, faults = _runs(data), failures(data)
     of_method: dict[str, list[xr.Dataset]] = {}
     for run in runs:
@@ -44,7 +46,7 @@ def _list(texts: Iterable[str]) -> str:
 
 
 def _matrix(runs: Sequence[xr.Dataset], variants: Sequence[str]) -> str:
-    """A row for each extreme, with what is left of h by each variant."""
+    """A row for each extreme, with the least correct digits of h by each variant."""
     by_name = {(run["extreme"].item(), run["variant"].item()): run for run in runs}
     extremes = dict.fromkeys(extreme for extreme, _ in by_name)
     rows = (
@@ -74,7 +76,7 @@ def _count(runs: Sequence[xr.Dataset], refused: bool) -> str:
 
 
 def failures(data: xr.Dataset) -> list[str]:
-    """The faults of each run that has any, one line a run."""
+    """The faults, one line for each run that has any."""
     found = ((run, _faults(run)) for run in _runs(data))
     return [
         f"{run['extreme'].item()}, {run['variant'].item()}: {', '.join(faults)}" for run, faults in found if faults

@@ -35,24 +35,24 @@ def measure(scene: Scene) -> xr.Dataset:
     Parameters
     ----------
     scene : Scene
-        Its profiles and loads; its methods do not count. Finite series only.
+        Its profiles, of finite series, and its loads; its methods are ignored.
 
     Returns
     -------
     Dataset
         As the dataset of a scene, over variants instead of methods, with `seconds` of processor time for all loads.
         compliance_deviation and resistance_deviation are the distances from reference_compliance and
-        reference_resistance, compliance_error and resistance_error what a method states, NaN where it states nothing.
-        All are NaN where a variant would need too many points, or did not converge.
+        reference_resistance; compliance_error and resistance_error are errors stated by a method, NaN where it states
+        none. All are NaN where a variant would need too many points, or did not converge.
     """
     comparisons = [
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
         for case in scene.cases.values()
     ]
     data = comparison.blank(comparisons, variables_of_file(TRADEOFF), OWN)
-    for case, each in enumerate(comparisons):
-        print(f"reference {case + 1}/{len(comparisons)}: {each.name}", file=sys.stderr)
-        right = contact_reference(each.case.profile, tuple(each.loads.tolist()))
+    for case, compared in enumerate(comparisons):
+        print(f"reference {case + 1}/{len(comparisons)}: {compared.name}", file=sys.stderr)
+        right = contact_reference(compared.case.profile, tuple(compared.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)
         data["reference_resistance"].values[case] = np.array(right.resistance, float)
     comparison.fill(data, comparisons, _measure)
@@ -60,7 +60,7 @@ def measure(scene: Scene) -> xr.Dataset:
 
 
 def variants(profile: Profile) -> list[Variant]:
-    """All that can be run on a finite series."""
+    """All variants that can be run on a finite series."""
     if math.isinf(profile.m):
         raise ValueError(
             f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"
@@ -70,8 +70,8 @@ def variants(profile: Profile) -> list[Variant]:
     return [variant for method in applicable for variant in method.all_variants(profile)]
 
 
-def _measure(each: Comparison, variant: Variant) -> dict[str, Any]:
-    profile, loads = each.case.profile, each.loads
+def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
+    profile, loads = compared.case.profile, compared.loads
     try:
         result = median_run(variant, profile, loads)
     except ConvergenceError as error:

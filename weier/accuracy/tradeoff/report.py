@@ -16,11 +16,11 @@ from weier.methods.plan_part import QUANTITIES
 
 
 class Row(NamedTuple):
-    """One variant on the profiles that it was run on; arrays of shape (profiles,).
+    """The results of a variant; arrays of shape (profiles,).
 
     seconds : for one load
-    compliance, stated_compliance, resistance, stated_resistance : the largest errors over the loads, as they were
-        measured and as the method states them; NaN where it states none
+    compliance, stated_compliance, resistance, stated_resistance : the largest measured and stated errors over the
+        loads; NaN where the method states none
     """
 
     name: str
@@ -32,7 +32,7 @@ class Row(NamedTuple):
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write the trade as Markdown: a row for each variant."""
+    """Write the tradeoff as Markdown, with a row for each variant."""
     write_page(path, "tradeoff/page.md", title=title, variants=rows_as_table(COLUMNS, _rows(data)))
 
 

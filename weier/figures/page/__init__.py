@@ -1,6 +1,6 @@
 """The page of a scene: one HTML file with an explorer of its curves, figures, claims, errors, costs and provenance.
 
-Everything stands in that file, so that it can be read without a network. The same data give the same bytes.
+The file is self-contained, so that it can be read without a network. The same data give the same bytes.
 """
 
 from __future__ import annotations
@@ -37,26 +37,29 @@ from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_d
 from weier.scene import Scene
 from weier.theory.tables import largest, significant
 
+# Headings of the columns of errors.
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}
 PICTURES = (
-    "In the pictures, a dot is a profile, and the grey part of the line is too close to the limit to be called."
+    "In the pictures, a dot is a profile, and values in the grey part of the line are too close to the limit to "
+    "decide."
 )
 IN_SI = " Figures in Pa, m and ohm m^2 are of the scene's two bodies; each trace has its own lambda_0 and g_0."
-HELD_BY_CHORDS = (bem.METHOD.name, PLANNED)
-MIN_EXPLAINED = 0.1  # of the larger of R and 1: a smaller error astonishes nobody
+HELD_BY_CHORDS = (bem.METHOD.name, PLANNED)  # The stated error of the resistance is a bound by chords.
+MIN_EXPLAINED = 0.1  # Larger stated errors, over the larger of R and 1, are explained on the page.
 CHORDS = (
-    "Where R comes from a grid, its stated error is what the chords to the other loads leave open, since the "
-    "compliance is concave and known within an error of its own. R itself is mostly far more accurate, but only the "
-    "chords hold it where few nodes carry a light load; they say least there, and where the loads lie far apart."
+    "Where R comes from a grid, its stated error is a bound by chords to the other loads, since the compliance is "
+    "concave and has a bound on its own error. R itself is mostly far more accurate, but has no other bound where "
+    "few nodes carry a light load. The chords are least accurate there, and where the loads are far apart."
 )
-MAX_COLUMN = 1500  # pixels: a figure of one column has some 1050
+MAX_COLUMN = 1500  # pixels: wider figures span the page. A figure of one column has some 1050.
 EXPLORER_ID = ID("curves-explorer")
+# Attributes of the dataset in the section on provenance.
 VERSIONS = ("product_version", "python_version", "numpy_version", "numba_version")
 PROVENANCE = ("source", "git_commit", *VERSIONS, "date_created", "comment", "history", "references", "license")
 
 
 class Table(NamedTuple):
-    """A table; all columns but the first are set to the right if its kind is "numbers"."""
+    """A table; all columns but the first are aligned to the right if its kind is "numbers"."""
 
     header: Sequence[str]
     rows: Sequence[Sequence[object]]
@@ -64,7 +67,7 @@ class Table(NamedTuple):
 
 
 class ShownFigure(NamedTuple):
-    """A figure with its caption, as the page holds it: the picture is a part of the page, across it if it is wide."""
+    """A figure with its caption: the picture is embedded in the page, and spans it if it is wide."""
 
     anchor: str
     caption: Caption
@@ -73,11 +76,11 @@ class ShownFigure(NamedTuple):
 
 
 class Section(NamedTuple):
-    """A part of the page, named in its contents; what is empty is not on the page.
+    """A section of the page, listed in its contents; empty parts are left out.
 
     anchor, heading : the name of links to it, and its title
-    figures, claims : what it begins with, the claims by their names
-    texts, table : what follows
+    figures, claims : its first parts, the claims by their names
+    texts, table : its further parts
     scene : the text of a scene file
     """
 
@@ -91,12 +94,12 @@ class Section(NamedTuple):
 
 
 def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset, path: Path) -> None:
-    """Write the page of a scene, whole or not at all.
+    """Write the page of a scene atomically.
 
     Parameters
     ----------
     scene : Scene
-        What the figures show.
+        The scene.
     contact : path
         The dataset of the scene.
     figures : sequence of path
@@ -114,7 +117,7 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Dataset) -> str:
     count = data.sizes["case"]
     cases = f"the first {MAX_CASES} of {count} cases" if count > MAX_CASES else f"all {count} cases"
-    # Only what the explorer needs: the other parts of the library would double the file.
+    # Only the components of the explorer: the others would double the size of the file.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(curve_explorer(data.isel(case=slice(MAX_CASES)).load()), EXPLORER_ID))
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
@@ -168,7 +171,7 @@ def _claims(data: xr.Dataset) -> Section:
 
 
 def _traces(data: xr.Dataset) -> list[Section]:
-    """The section that describes the traces, where there are any: it has the units of their curves."""
+    """The section on the traces, if there are any, with the units of their curves."""
     columns = [name for name, entry in VARIABLES.items() if name in data.variables and name.startswith("trace")]
     header = [f"{VARIABLES[name].long_name}{', m' * (VARIABLES[name].unit == 'm')}" for name in columns]
     rows = zip(*([label_text(value) for value in data[name].values.tolist()] for name in columns), strict=True)
@@ -177,20 +180,20 @@ def _traces(data: xr.Dataset) -> list[Section]:
 
 
 def _errors(data: xr.Dataset) -> Table:
-    """How many cases each variant of a method solved or did not, and the largest residual and stated errors."""
+    """The numbers of cases by status for each variant of a method, and the largest residuals and stated errors."""
     columns = {name: heading for name, heading in ERRORS.items() if name in data and data[name].notnull().any()}
-    states = [each for each in Status if each != Status.not_requested]
+    states = [state for state in Status if state != Status.not_requested]
     rows = []
     for row, method in enumerate(data["solution_method"].values.tolist()):
         for variant, cases in _variants(data, row, method).items():
             status = data["status"].values[cases, row]
-            counts = [int((status == each).sum()) for each in states]
+            counts = [int((status == state).sum()) for state in states]
             rows.append([variant, *counts, *(largest(data[name].values[cases, row]) for name in columns)])
-    return Table(["method", *(each.name.replace("_", " ") for each in states), *columns.values()], rows, "numbers")
+    return Table(["method", *(state.name.replace("_", " ") for state in states), *columns.values()], rows, "numbers")
 
 
 def _about_errors(data: xr.Dataset) -> list[str]:
-    """Why the largest error of the resistance that chords hold is as large as it is, where it is."""
+    """An explanation of the largest stated error of the resistance, if it is a large bound by chords."""
     among = [name for name in HELD_BY_CHORDS if name in data["solution_method"].values]
     if not among or "resistance_error" not in data:
         return []
@@ -208,7 +211,7 @@ def _about_errors(data: xr.Dataset) -> list[str]:
 
 
 def _variants(data: xr.Dataset, row: int, method: str) -> dict[str, list[int]]:
-    """The cases that a method was asked for, by the method with those of its settings that differ between cases."""
+    """The cases of a method, by its name with those of its settings that differ between cases."""
     names = [str(name) for name in data.coords if str(name).startswith(f"{method}_") and data[name].dims == ("case",)]
     settings = {name.removeprefix(f"{method}_").replace("_", " "): data[name].values.tolist() for name in names}
     found: dict[str, list[int]] = {}
@@ -231,7 +234,7 @@ def _costs(cost: xr.Dataset) -> Table:
 
 
 def _plans(data: xr.Dataset, cost: xr.Dataset) -> list[Section]:
-    """The section that compares plans with what came of them, where something was planned."""
+    """The section that compares plans with the results, if there are plans."""
     rows = plans.rows(data, cost)
     table = Table(plans.HEADER, rows, "numbers")
     return [Section("plans", "Plan and cost", [plans.NOTE], table=table)] if rows else []

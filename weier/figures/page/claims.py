@@ -1,4 +1,4 @@
-"""What the picture of a claim's condition shows: a dot for each profile, in the colour of what it says."""
+"""The picture of a condition of a claim: a dot for each profile, in the colour of its result."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from weier.pipeline.claims.claim import Finding, written
 
 
 class Picture(NamedTuple):
-    """Places as shares of the width, and words.
+    """Positions as fractions of the width, and texts.
 
-    left, right : the part that is too close to the limit to be called
-    dots : what each profile says, its place and its value
+    left, right : the range that is too close to the limit to decide
+    dots : the result of each profile, its position and its value
     low, high : the values at both ends
     """
 

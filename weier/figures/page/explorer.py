@@ -20,28 +20,30 @@ from weier.figures.traces import names_of_traces
 from weier.methods.registry import numerical_names
 from weier.theory.profile import PARAMETERS
 
-MAX_CASES = 2000  # 40 loads by four methods take 1.7 MB of the page for each thousand cases
-# The last distinguishes what is left: studies and settings.
+MAX_CASES = 2000  # A thousand cases of 40 loads by four methods take 1.7 MB of the page.
+# Labels that select a case. The last one distinguishes cases by studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
-NONE = "-"  # what a trace or a series has no label for; a list of nothing else is hidden
+NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
+# Titles of lists that differ from their names.
 TITLES = {
     "gamma": "\N{GREEK SMALL LETTER GAMMA}",
     "phase": "phases, rad (one: of all n \N{GREATER-THAN OR EQUAL TO} 1)",
 }
-MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of the drop-down lists, in rem
+# Widths of the drop-down lists, in rem, for labels of usual length.
+MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}
 AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
 QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]
-MAX_POINTS = 30  # of a curve that is drawn as points
-LINE_WIDTH = 2  # pixels
+MAX_POINTS = 30  # More points of a curve would hide the line below them.
+LINE_WIDTH = 2  # The width of lines, in pixels.
 STRETCHED: dict[str, Any] = {"sizing_mode": "stretch_width"}
 WRAPPED: dict[str, Any] = {"styles": {"flex-wrap": "wrap", "gap": "0.5rem 1rem"}, **STRETCHED}
-# A legend so small that it stands beside the curves in a narrow window, too.
+# The legend is small enough for a narrow window.
 SMALL_LEGEND: dict[str, Any] = {"label_text_font_size": "12px", "label_height": 17, "glyph_height": 17, "spacing": 0}
 SMALL_LEGEND |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}
 
 
 def curve_explorer(data: xr.Dataset) -> Column:
-    """Two plots of one case, and the lists and boxes that choose it, which a script fills as the page opens.
+    """Two plots of one case, with lists and boxes for its choice; a script fills them when the page opens.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ def curve_explorer(data: xr.Dataset) -> Column:
     nothing = {"mean_pressure": loads, **dict.fromkeys(QUANTITIES, np.full(loads.size, np.nan))}
     sources = [ColumnDataSource(nothing, name=f"curve {method}") for method in methods]
     solved = np.isfinite(data["compliance"].values).any(axis=(0, 2))
-    # Beside the line of the most accurate numerical method others are points.
+    # All numerical methods but the most accurate one are drawn as points.
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
     plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
     selects = [_select(name) for name in LABELS]
@@ -100,7 +102,7 @@ def _select(name: str) -> Select:
 
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
-    """One label of each case, as text."""
+    """A label of each case as text."""
     if name == "case":
         return [text or name for text in case_names(data, but=(*LABELS, "phases", "seed", "trace_digest"))]
     if name == "trace" and name in data.variables:
@@ -116,7 +118,7 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
 
 
 def _texts(data: xr.Dataset, name: str) -> list[str]:
-    """What a coordinate says of each case; empty where the data have none of this name."""
+    """The values of a coordinate as texts; empty if the data do not have it."""
     return [label_text(value) for value in data[name].values] if name in data.variables else [""] * data.sizes["case"]
 
 
@@ -138,9 +140,9 @@ def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as
         (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
     code = _script("ticks.js")
     for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
-        # The program's own have no labels over two decades.
+        # The default ticker of bokeh has no labels over two decades.
         axis.update(ticker=CustomJSTicker(major_code=code, minor_code=code), major_label_policy=NoOverlap())
-    plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve goes
+    plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve is
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(**SMALL_LEGEND)
     return plot

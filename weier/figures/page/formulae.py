@@ -1,4 +1,4 @@
-"""The symbols of the paper, written in plain text everywhere else, as HTML: no font, script or network is needed."""
+"""The symbols of the paper as HTML, from plain text; no font, script or network is needed."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import re
 
 from markupsafe import Markup, escape
 
-# What a name is typeset as; a subscript and a star may follow it.
+# The names of Greek letters and their HTML; a subscript and a star may follow.
 LETTERS = {name: f"&{name};" for name in ("gamma", "lambda", "phi", "rho", "epsilon", "zeta", "xi")}
+# Symbols with subscripts, symbols alone before a relation, powers of ten, and words.
 SUBSCRIPTED = r"(?P<letter>gamma|lambda|phi|rho|epsilon|zeta|xi|\b[A-Za-z])_(?P<below>[0-9a-z](?![a-z]))(?P<star>\*?)"
 ALONE = r"\b(?P<greek>gamma|lambda|phi|epsilon)\b|\b(?P<symbol>[DmhkRpxG])(?= ?(?:=|&lt;|&gt;)| from \d)"
 POWER = r"(?<![\w.])(?P<number>[-+]?\d+(?:\.\d+)?)e(?P<sign>[-+])0*(?P<power>\d+)\b"
 WORDS = {"sum": "&sum;", "inf": "&infin;", "pi": "&pi;"}
 WORD = r"\b(?P<word>sum(?= [a-z]_)|(?:inf|pi)\b)"
 PATTERN = re.compile("|".join((SUBSCRIPTED, POWER, WORD, ALONE)))
-EQUAL = re.compile(r"(</i>) = (?=[\d&])")  # no line ends between a symbol and its value
+EQUAL = re.compile(r"(</i>) = (?=[\d&])")  # No line break is allowed between a symbol and its value.
 
 
 def typeset(text: object) -> Markup:

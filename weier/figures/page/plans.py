@@ -1,4 +1,4 @@
-"""What was planned for the cases of a scene with a tolerance, beside what it took and the errors that remained."""
+"""Plans for the cases of a scene with a tolerance, with their actual times and errors."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from weier.data.variables import Status
 from weier.methods.registry import PLANNED, numerical_names
 from weier.theory.tables import largest, significant
 
-REFERENCE = numerical_names()[0]  # against it errors are measured, where a scene runs it beside its plans
+REFERENCE = numerical_names()[0]  # Errors are measured against this method if a scene runs it.
 NOTE = (
-    "Each row stands for the cases that were planned to be solved by the methods in its first column. The seconds "
-    "are those of all these cases together, on one core. The errors are the largest ones: of a compliance in g_0, of "
-    "a resistance relative to the larger of itself and 1 g_0/p_0*. They are measured where the scene runs "
-    f"{REFERENCE} beside its plans."
+    "Each row is for the cases whose plans have the methods in its first column. The seconds are those of all these "
+    "cases together, on one core. The errors are the largest ones: of a compliance in g_0, of a resistance relative "
+    f"to the larger of itself and 1 g_0/p_0*. They are measured if the scene also runs {REFERENCE}."
 )
 HEADER = ("planned", "cases", "planned, s", "took, s", "took/planned", "allowed error", "expected", "measured")
 # Of one case: the methods, seconds planned and taken, and errors allowed, expected and measured, NaN where unknown.
 Outcome = tuple[str, float, float, float, float, float]
+# Results of cases without a solution, by status.
 UNSOLVED = {Status.not_applicable: "out of reach", Status.not_converged: "not converged"}
 
 
 def rows(data: xr.Dataset, cost: xr.Dataset) -> list[list[object]]:
-    """A row of the table for each combination of methods that was planned, and one for all cases.
+    """A row of the table for each combination of planned methods, and one for all cases; none without plans.
 
-    There are none where nothing was planned.
+    The columns are those of HEADER.
     """
     outcomes = pd.DataFrame(_outcomes(data, cost), columns=range(6)).set_index(0)
-    found = [_row(methods, each) for methods, each in outcomes.groupby(0, sort=False)]
+    found = [_row(methods, group) for methods, group in outcomes.groupby(0, sort=False)]
     return found if len(found) < 2 else [*found, _row("all", outcomes)]
 
 
 def _outcomes(data: xr.Dataset, cost: xr.Dataset) -> Iterator[Outcome]:
-    """What was planned of each case, and found."""
+    """The plan and the result of each case."""
     if PLANNED not in data["solution_method"].values:
         return
     of_plans = cost["seconds"].reindex(solution_method=[PLANNED]).values[:, 0].tolist()
@@ -64,5 +64,6 @@ def _row(methods: str, outcomes: pd.DataFrame) -> list[object]:
     planned, took, *errors = outcomes.to_numpy().T
     sums = np.nansum(planned), np.nansum(took)
     ratio = significant(sums[1] / sums[0], 2) if all(sums) else ""
-    in_seconds, largest_errors = (f"{each:.3g}" for each in sums), (largest(each, "unknown") for each in errors)
+    in_seconds = (f"{seconds:.3g}" for seconds in sums)
+    largest_errors = (largest(values, "unknown") for values in errors)
     return [methods, len(outcomes), *in_seconds, ratio, *largest_errors]

@@ -11,7 +11,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import Curve, check_words, checked_points, curve
+from weier.methods.bem.solver import BemCurve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
@@ -35,7 +35,7 @@ def _solve(
     staircase: str = "removed",
     solver: str = "fft",
     with_resistance: bool = True,
-) -> Curve:
+) -> BemCurve:
     residual = MAX_RESIDUAL
     if tolerance is not None:
         points, residual = _grid_within(profile, tolerance, points, points_per_wave)

@@ -28,7 +28,7 @@ MIN_POINTS_PER_WAVE = 3  # Two points do not resolve a wave.
 MAX_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
 
 
-class Curve(NamedTuple):
+class BemCurve(NamedTuple):
     """Boundary-element curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
@@ -66,7 +66,7 @@ def curve(
     with_resistance: bool = True,
     staircase: str = "removed",
     points_per_wave: int | None = None,
-) -> Curve:
+) -> BemCurve:
     """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
     Parameters
@@ -92,7 +92,7 @@ def curve(
 
     Returns
     -------
-    Curve
+    BemCurve
         Arrays over the loads, with bounds on their errors.
 
     Raises
@@ -131,7 +131,9 @@ def curve(
     return _as_curve(profile, loads, found[::-1], points, with_resistance)
 
 
-def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool) -> Curve:
+def _as_curve(
+    profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool
+) -> BemCurve:
     """The curve from the solutions at the loads of partial contact; the heavier loads press all gaps shut."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
     most = max((point.edge.size for point in found), default=0)
@@ -147,7 +149,7 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
     if not with_resistance:
         resistance = np.full(loads.size, np.nan)
     of_h, of_R = error_model.errors(profile, loads, points, (compliance, resistance), residual)
-    return Curve(compliance, resistance, fraction, count, residual, work, of_h, of_R, edge, points)
+    return BemCurve(compliance, resistance, fraction, count, residual, work, of_h, of_R, edge, points)
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

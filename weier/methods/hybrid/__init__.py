@@ -14,7 +14,7 @@ for more terms than this method can resolve.
 """
 
 from weier.methods.hybrid.method import METHOD
-from weier.methods.hybrid.solver import Curve, curve
+from weier.methods.hybrid.solver import HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import bounds
 
-__all__ = ["METHOD", "Curve", "bounds", "curve"]
+__all__ = ["METHOD", "HybridCurve", "bounds", "curve"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from weier.kernels.arrays import Array
 from weier.methods.hybrid.candidates import candidates
-from weier.methods.hybrid.solver import POINTS_PER_WAVE, Curve, curve
+from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Noise, Style
 from weier.theory.profile import Profile, terms_within
@@ -12,7 +12,7 @@ from weier.theory.profile import Profile, terms_within
 DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes: a load takes tens of milliseconds.
 
 
-def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> Curve:
+def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> HybridCurve:
     return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
 
 

@@ -30,7 +30,7 @@ MAX_POINTS = 2**14  # More points take minutes.
 MIN_LOAD = 1e-6  # p_0*; the displacement under lighter loads is below the tolerance of the residual.
 
 
-class Curve(NamedTuple):
+class HybridCurve(NamedTuple):
     """The infinite series over the loads, each of shape (loads,).
 
     compliance : best estimate of h within its bounds, in g_0, from the profile whose waves all peak together
@@ -53,7 +53,7 @@ class Curve(NamedTuple):
 
 
 @one_thread
-def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> Curve:
+def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> HybridCurve:
     """Best estimate of the infinite series from its first terms, with bounds beside it.
 
     Parameters
@@ -70,7 +70,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 
     Returns
     -------
-    Curve
+    HybridCurve
         Arrays over the loads.
 
     Raises
@@ -95,7 +95,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     closure = closure_at_nodes(kept, float(influence_coefficients(points, kept.period)[0]))
     h, R, residual = solve_loads(kept, loads, points, closure)
     lower, upper = bounds(profile, loads, terms)
-    return Curve(np.clip(h, lower, upper), R, lower, upper, residual)
+    return HybridCurve(np.clip(h, lower, upper), R, lower, upper, residual)
 
 
 def default_points(kept: Profile) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from weier.kernels.arrays import Array
 from weier.methods.estimate import offer
-from weier.methods.layer.solver import ACCURACY, POINTS, Curve, curve
+from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.plan_part import PlanPart, Task
 from weier.theory.limits import resolvable
@@ -28,7 +28,7 @@ def _solve(
     loads: Array,
     points: int = POINTS,
     accuracy: float = ACCURACY,
-) -> Curve:
+) -> LayerCurve:
     return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
 
 

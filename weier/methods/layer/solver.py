@@ -38,7 +38,7 @@ TAIL_FRACTION = 0.1
 FLAT_MARGIN = 1.0  # Tables end so far in ln xi beyond the least load at which a wave is as good as flat.
 
 
-class Curve(NamedTuple):
+class LayerCurve(NamedTuple):
     """Curves of the non-linear layer model; arrays have the shape of the loads.
 
     compliance : h, in g_0, from the profile whose waves all peak together
@@ -59,7 +59,7 @@ def curve(
     points: int = POINTS,
     accuracy: float = ACCURACY,
     tolerance: float = TOLERANCE,
-) -> Curve:
+) -> LayerCurve:
     """Compliance and resistance of the non-linear layer model (4.3).
 
     Parameters
@@ -82,7 +82,7 @@ def curve(
 
     Returns
     -------
-    Curve
+    LayerCurve
         Arrays of the shape of `mean_pressure`.
 
     Raises
@@ -111,7 +111,7 @@ def curve(
     given = _checked_loads(mean_pressure)
     loads, position = np.unique(given, return_inverse=True)
     if m == 1:
-        solution = Curve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
+        solution = LayerCurve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
     else:
         # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
         top = _top(model)
@@ -122,9 +122,9 @@ def curve(
             strict=True,
         )
         solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
-        solution = Curve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
+        solution = LayerCurve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
     columns: tuple[Any, ...] = solution
-    return Curve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
+    return LayerCurve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
 
 
 def compliance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
@@ -161,12 +161,12 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[
 
 
 @one_thread
-def _solve(loads: Array, bottom: float, top: float, model: Model) -> Curve:
+def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
     """The coarsest wave under these loads, on the layer of all finer ones."""
     waves = _finer_waves(bottom, top, model)
     carried, height, scale = _flat_waves(np.log(loads), waves, model)
     h, rate, residual = scale_on(waves, model).solve(carried)
-    return Curve(height + scale * h, scale * rate / loads, scale * residual)
+    return LayerCurve(height + scale * h, scale * rate / loads, scale * residual)
 
 
 @one_thread

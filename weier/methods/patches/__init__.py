@@ -49,6 +49,6 @@ method
 
 from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.method import METHOD
-from weier.methods.patches.solver import Curve, Solution, curve, solve_load, solve_loads
+from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
 
-__all__ = ["METHOD", "Curve", "Events", "Solution", "curve", "events", "solve_load", "solve_loads"]
+__all__ = ["METHOD", "Events", "PatchCurve", "Solution", "curve", "events", "solve_load", "solve_loads"]

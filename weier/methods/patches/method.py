@@ -12,7 +12,7 @@ from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, S
 from weier.methods.patches import error_model, many_contacts
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import sample_points
-from weier.methods.patches.solver import TOLERANCE, Curve, curve
+from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
@@ -34,7 +34,7 @@ def _seconds(profile: Waves, loads: Array) -> float:
     return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
 
 
-def _solve_loads(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> Curve:
+def _solve_loads(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> PatchCurve:
     return curve(profile, loads, tolerance)
 
 

@@ -41,7 +41,7 @@ MAX_RELATIVE_TOLERANCE, TIGHTENING, ATTEMPTS = 1e-4, 100.0, 3
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
 
 
-class Curve(NamedTuple):
+class PatchCurve(NamedTuple):
     """Exact curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
@@ -120,7 +120,7 @@ def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
 
 
 @one_thread
-def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
+def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> PatchCurve:
     """Compliance and resistance of a truncated series by contact patches.
 
     Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
@@ -139,7 +139,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     Returns
     -------
-    Curve
+    PatchCurve
         Arrays over the loads.
 
     Raises
@@ -160,7 +160,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         edges.append(np.stack([left, left + 2 * half_width], axis=1).ravel())
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
-    return Curve._make([*map(np.array, zip(*points, strict=True)), padded])
+    return PatchCurve._make([*map(np.array, zip(*points, strict=True)), padded])
 
 
 def _curve_point(

@@ -10,7 +10,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Style
 from weier.methods.plan_part import COMPLIANCE, QUANTITIES
 from weier.methods.planned.plan import TOLERANCE
-from weier.methods.planned.solver import Curve, curve
+from weier.methods.planned.solver import PlannedCurve, curve
 from weier.theory.arguments import checked_word
 from weier.theory.profile import Profile
 
@@ -23,7 +23,9 @@ def _check(profile: Profile, quantity: str = COMPLIANCE, **others: Any) -> None:
 def planning_method(among: Callable[[], tuple[Method, ...]]) -> Method:
     """The method that plans among others, which are looked up when a plan is made."""
 
-    def solve(profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
+    def solve(
+        profile: Profile, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE
+    ) -> PlannedCurve:
         return curve(profile, loads, among(), tolerance, quantity)
 
     return Method(

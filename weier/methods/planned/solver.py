@@ -35,7 +35,7 @@ MARGIN = 1.05  # A suggested tolerance is so many times the error: more than rou
 UNSOLVED = PartSolution(*(np.full(1, value) for value in (np.nan, np.nan, np.inf, np.inf)))
 
 
-class Curve(NamedTuple):
+class PlannedCurve(NamedTuple):
     """Planned curves over the loads, each of shape (loads,), and the forecast of the plan.
 
     compliance : h, in g_0, from the profile whose waves all peak together
@@ -71,7 +71,7 @@ class Curve(NamedTuple):
 
 def curve(
     profile: Profile, mean_pressure: Array, methods: Sequence[Method], tolerance: float, quantity: str = COMPLIANCE
-) -> Curve:
+) -> PlannedCurve:
     """Plan a curve and run the plan: see `weier.plan`.
 
     Parameters
@@ -87,7 +87,7 @@ def curve(
 
     Returns
     -------
-    Curve
+    PlannedCurve
         Arrays over the loads, and the forecast of the plan. Where the stated errors of all solutions that were
         expected to meet the tolerance exceed it, the numbers of that load are NaN, and `unsolved` says so.
 
@@ -125,12 +125,12 @@ def curve(
     return found._replace(unsolved=why)
 
 
-def _exceeding(made: Plan, found: Curve) -> Flags:
+def _exceeding(made: Plan, found: PlannedCurve) -> Flags:
     """The loads at which the stated error of a curve exceeds the tolerance of its plan."""
     return ~(found.error(made.quantity) <= made.tolerance * (1 + ROUNDING))
 
 
-def _excess_message(made: Plan, found: Curve, loads: Array, exceeding: Flags) -> str:
+def _excess_message(made: Plan, found: PlannedCurve, loads: Array, exceeding: Flags) -> str:
     """A message: at which loads the tolerance was missed, by how much, and what to do."""
     error = np.where(exceeding, found.error(made.quantity), 0)
     worst, missing = int(error.argmax()), loads[exceeding]
@@ -147,12 +147,12 @@ def _excess_message(made: Plan, found: Curve, loads: Array, exceeding: Flags) ->
     )
 
 
-def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[PlanPart]) -> Curve:
+def _run_within(made: Plan, methods: Sequence[Method], failed: Sequence[PlanPart]) -> PlannedCurve:
     """Run a plan; where errors exceed the tolerance, plan and run again without the parts that left them."""
     return _concatenate([_run_part(made, part, methods, (*failed, part)) for part in made.parts])
 
 
-def _run_part(made: Plan, part: PlanPart, methods: Sequence[Method], without: Sequence[PlanPart]) -> Curve:
+def _run_part(made: Plan, part: PlanPart, methods: Sequence[Method], without: Sequence[PlanPart]) -> PlannedCurve:
     """Run a part; loads that it leaves with larger errors are planned and run again `without` it.
 
     Where nothing else is expected to meet the tolerance, the solution of the least error stands.
@@ -173,7 +173,7 @@ def _run_part(made: Plan, part: PlanPart, methods: Sequence[Method], without: Se
     return values
 
 
-def _attempt_in_time(profile: Profile, part: PlanPart) -> Curve:
+def _attempt_in_time(profile: Profile, part: PlanPart) -> PlannedCurve:
     """Run a part; TimeoutError, between two of its loads, if it takes far longer than planned."""
     allowed = max(MAX_OVERRUN * part.seconds, MIN_OVERRUN_SECONDS)
     start, done, count = thread_time() - COMPILING_SECONDS.get(), 0, part.mean_pressure.size
@@ -205,7 +205,7 @@ def _label(part: PlanPart) -> str:
     return f"{part.method} with {part.terms:g} terms"
 
 
-def _attempt(profile: Profile, part: PlanPart) -> Curve:
+def _attempt(profile: Profile, part: PlanPart) -> PlannedCurve:
     """Run a part; loads at which its solver fails have infinite errors, and the others are solved without them."""
     try:
         return run(profile, (part,))
@@ -217,20 +217,20 @@ def _attempt(profile: Profile, part: PlanPart) -> Curve:
         return _concatenate([_attempt(profile, part.at(half)) for half in halves])
 
 
-def run(profile: Profile, parts: Sequence[PlanPart]) -> Curve:
+def run(profile: Profile, parts: Sequence[PlanPart]) -> PlannedCurve:
     """Run parts that cover the loads one after the other."""
     return _concatenate([_curve_of(part, _solve(profile, part)) for part in parts])
 
 
-def _concatenate(curves: Sequence[Curve]) -> Curve:
+def _concatenate(curves: Sequence[PlannedCurve]) -> PlannedCurve:
     columns: Any = map(np.concatenate, zip(*(one.arrays for one in curves), strict=True))
-    return Curve(*columns)
+    return PlannedCurve(*columns)
 
 
-def _curve_of(part: PlanPart, solved: PartSolution) -> Curve:
+def _curve_of(part: PlanPart, solved: PartSolution) -> PlannedCurve:
     count, points = part.mean_pressure.size, part.settings.get("points", np.nan)
     method = np.full(count, part.method, METHOD_NAME)
-    return Curve(*solved, method, np.full(count, float(part.terms)), np.full(count, float(points)))
+    return PlannedCurve(*solved, method, np.full(count, float(part.terms)), np.full(count, float(points)))
 
 
 def _solve(profile: Profile, part: PlanPart) -> PartSolution:

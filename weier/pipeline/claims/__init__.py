@@ -1,4 +1,4 @@
-"""The claims of a scene: judged, written into its dataset, and as a text to read."""
+"""The claims of a scene: evaluated, and written into its dataset and into a text."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
-    """The claims of a scene that are not in CLAIMS."""
+    """Mistakes for claims of a scene that are not in CLAIMS."""
     for name in scene.claims:
         if name not in CLAIMS:
             what = f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
@@ -32,21 +32,23 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     Parameters
     ----------
     solutions : Solutions
-        Of the scene, which names the claims and the studies each looks at.
+        The solved scene, which lists the claims with their studies.
     path, table : path
-        The netCDF file and the Markdown file to write.
+        The netCDF file and the Markdown file.
 
     """
-    from weier.pipeline.gather import gather, read_study  # xarray, which the names of claims do without
+    # The import of xarray is not needed to check the names of claims.
+    from weier.pipeline.gather import gather, read_study
 
-    # Only the studies that claims look at are ever in memory, each read once.
+    # Only the studies of claims are read into memory, each once.
     study = cache(partial(read_study, solutions))
-    judged = {name: evaluate(name, [study(each) for each in names]) for name, names in solutions.scene.claims.items()}
+    wanted = solutions.scene.claims.items()
+    judged = {claim: evaluate(claim, [study(name) for name in names]) for claim, names in wanted}
     gather(solutions, path, "checked against the paper" if judged else "gathered", report.to_dataset(judged))
     write_text(table, report.to_markdown(solutions.scene.title, judged))
 
 
 def evaluate(name: str, studies: Cases) -> Judgement:
-    """What comes of a claim on these studies; each case counts once, in however many studies it stands."""
+    """Judge a claim on these studies; a case of several studies counts once."""
     distinct = {str(case["key"].values): case for case in curves.cases(studies)}
     return judge(CLAIMS[name], list(distinct.values()))

@@ -1,9 +1,9 @@
-"""What a claim is, and how it is judged: a statement of the paper, and the conditions that it says of any phases.
+"""Claims: statements of the paper, with conditions that are judged on ensembles of profiles.
 
-The paper speaks of rough surfaces, and each profile is one of them. So a number is measured on each member of an
-ensemble of profiles that differ in their phases alone, and each member says yes, no, or leaves the question open. A
-statement about every load or every surface is refuted by one member, a statement of what usually happens by most of
-them. Where neither is the case, the statement is not decided.
+The paper makes statements about rough surfaces, and each profile is a sample of one. So a number is measured on each
+member of an ensemble of profiles that differ only in their phases, and each member confirms or refutes the condition
+or leaves it undecided. A statement about all loads or surfaces is refuted by one member, and a statement about a
+tendency by most members. Otherwise the statement is not decided.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 Case: TypeAlias = "xr.Dataset"
 Cases: TypeAlias = Sequence[Case]
-OPEN_FACTOR = 1.25  # between a limit that the paper leaves to the reader, and this times it, nothing is decided
-MIN_MEMBERS = 6  # of an ensemble: fewer profiles say nothing of the others
-MIN_SHARE = 5 / 6  # of an ensemble, to say what usually happens
-THIN = 2  # every second load is left out, to see what a number owes to the choice of loads
+OPEN_FACTOR = 1.25  # Values up to this factor beyond a limit that the paper does not give are not decided.
+MIN_MEMBERS = 6  # A smaller ensemble confirms nothing about other profiles.
+MIN_FRACTION = 5 / 6  # A tendency holds or fails if this fraction of an ensemble says so.
+THIN = 2  # Every second load is left out to test how much a number depends on the choice of loads.
 
 
 class MissingError(ValueError):
-    """The studies lack what a claim is about."""
+    """The studies lack data for a claim."""
 
 
 class Limits(NamedTuple):
-    """The value up to which a condition is met, and the one from which it is missed.
+    """The value up to which a condition is met, and the value from which it is violated.
 
     sign : 1 where larger values are worse, -1 where smaller ones are
     word, nominal : the limit in words: "at most", 0.05
@@ -45,41 +45,41 @@ class Limits(NamedTuple):
     nominal: float
 
     def check(self, value: float, uncertainty: float) -> Check:
-        """Whether a value meets the condition, or lies between, or so close that neither is certain."""
+        """Whether a value meets or violates the condition, beyond its uncertainty."""
         if self.sign * (self.met - value) >= uncertainty:
             return Check.yes
         return Check.no if self.sign * (value - self.missed) >= uncertainty else Check.not_decided
 
 
 def at_most(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """For values that must not exceed a limit; up to `factor` times it nothing is decided."""
+    """Limits for values that must not exceed a limit; up to `factor` times it they are not decided."""
     return Limits(limit, factor * limit, 1, "at most", limit)
 
 
 def at_least(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """For values that must reach a limit, and decide nothing below `factor` times it."""
+    """Limits for values that must reach a limit; below `factor` times it they are not decided."""
     return Limits(factor * limit, limit, -1, "at least", limit)
 
 
 def negative(error: float) -> Limits:
-    """For values below 0 whose sign is unknown within an error."""
+    """Limits for negative values, whose sign is uncertain within an error."""
     return Limits(-error, error, 1, "below", 0.0)
 
 
 def positive(error: float) -> Limits:
-    """For values above 0 whose sign is unknown within an error."""
+    """Limits for positive values, whose sign is uncertain within an error."""
     return Limits(error, -error, -1, "above", 0.0)
 
 
 class Condition(NamedTuple):
-    """One part of what a statement says.
+    """One condition of a statement.
 
-    text : the part, as a clause
-    quantity, unit : what is measured for it; "%" for parts of a whole, empty for a number
-    measure : from the cases of one member to the value
+    text : the condition as a clause
+    quantity, unit : the measured quantity; "%" for fractions, empty for a number
+    measure : function from the cases of one member to the value
     limits : of the value
-    most : whether it is about most members, a tendency, or about every one, so that one is enough for a no
-    ensembles : which of the ensembles it is about
+    most : whether it is a tendency of most members; otherwise one member refutes it
+    ensembles : the ensembles to which it applies
     """
 
     text: str
@@ -94,9 +94,9 @@ class Condition(NamedTuple):
 class Ensemble(NamedTuple):
     """Profiles that differ in their phases alone; the cases of a member have its phases.
 
-    name : what its members share, for people
-    members : the cases of each
-    complete : whether its members are all there are, so that their number does not matter
+    name : the common parameters of its members, in words
+    members : the cases of each member
+    complete : whether these are all possible members, so that their number does not matter
     """
 
     name: str
@@ -105,18 +105,18 @@ class Ensemble(NamedTuple):
 
 
 class Claim:
-    """A statement of the paper, how the cases of a scene make ensembles to judge it on, and its conditions."""
+    """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions."""
 
     def __init__(self, statement: str, ensembles: Callable[[Cases], list[Ensemble]], *conditions: Condition) -> None:
         self.statement, self.ensembles, self.conditions = statement, ensembles, conditions
 
 
 class Finding(NamedTuple):
-    """A condition on one ensemble, as a file holds it.
+    """The result of a condition on one ensemble, as stored in a file.
 
     statement, quantity, unit, ensemble : in words
     limit, met, missed, sign : the limit in words, and as in `Limits`
-    value : what decides: the worst member of all, or the middle one where most count
+    value : the decisive one: of the worst member, or the median for a tendency
     values, checks : of each member
     outcome : of all
     """
@@ -136,7 +136,7 @@ class Finding(NamedTuple):
 
     @property
     def votes(self) -> str:
-        """How many members say what."""
+        """The numbers of members by their results, in words."""
         total, undecided = len(self.checks), VOTES[Check.not_decided]
         if total == 1:
             return undecided * (Check.not_decided in self.checks)
@@ -145,16 +145,17 @@ class Finding(NamedTuple):
         return ", ".join([f"{first} of {total} {words}", *(f"{count} {words}" for count, words in others)])
 
 
+# The results of members in words.
 VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close to call"}
 
 
 class Judgement(NamedTuple):
-    """What came of a claim.
+    """The result of a claim.
 
-    statement : what the paper says
+    statement : the statement of the paper
     outcome : of all findings together
     findings : one for each condition and ensemble
-    missing : what the studies lack for it where it could not be measured
+    missing : the data that the studies lack, if it could not be measured
     """
 
     statement: str
@@ -164,10 +165,10 @@ class Judgement(NamedTuple):
 
     @property
     def decisive(self) -> Finding:
-        """The finding that the outcome rests on: of the first condition with it, where the value is worst."""
-        same = [each for each in self.findings if each.outcome == self.outcome]
-        first = [each for each in same if each.statement == same[0].statement]
-        return max(first, key=lambda each: each.sign * each.value)
+        """The finding that decides the outcome: of the first condition with this outcome, the worst value."""
+        same = [finding for finding in self.findings if finding.outcome == self.outcome]
+        first = [finding for finding in same if finding.statement == same[0].statement]
+        return max(first, key=lambda finding: finding.sign * finding.value)
 
 
 def written(value: float, unit: str) -> str:
@@ -178,24 +179,26 @@ def written(value: float, unit: str) -> str:
 
 
 def judge(claim: Claim, cases: Cases) -> Judgement:
-    """A claim by its conditions, each of which has to hold on each of the ensembles that it is about."""
+    """Judge a claim: each condition must hold on each of its ensembles."""
     try:
         ensembles = claim.ensembles(cases)
-        findings = tuple(_examine(each, on) for each in claim.conditions for on in ensembles[each.ensembles])
+        findings = tuple(
+            _examine(condition, on) for condition in claim.conditions for on in ensembles[condition.ensembles]
+        )
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
     outcomes = {finding.outcome for finding in findings}
-    outcome = next(each for each in (Check.no, Check.not_decided, Check.yes) if each in outcomes)
+    outcome = next(check for check in (Check.no, Check.not_decided, Check.yes) if check in outcomes)
     return Judgement(claim.statement, outcome, findings)
 
 
 def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
-    """What the members of an ensemble say of a condition.
+    """The result of a condition on the members of an ensemble.
 
     Notes
     -----
-    A value is uncertain by as much as it changes where every second load is left out: what depends on the choice of
-    the loads decides nothing.
+    The uncertainty of a value is its change if every second load is left out, so that values that depend on the
+    choice of loads decide nothing.
     """
     limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]
@@ -214,9 +217,9 @@ def _every_second_load(case: Case) -> Case:
 
 
 def _outcome(checks: Sequence[Check], most: bool, complete: bool) -> Check:
-    least = MIN_SHARE if most else 1.0
+    least = MIN_FRACTION if most else 1.0
     yes, no = (checks.count(check) / len(checks) for check in (Check.yes, Check.no))
     enough = complete or len(checks) >= MIN_MEMBERS
-    if (no >= MIN_SHARE and enough) if most else no > 0:
+    if (no >= MIN_FRACTION and enough) if most else no > 0:
         return Check.no
     return Check.yes if yes >= least and enough else Check.not_decided

@@ -1,4 +1,4 @@
-"""What the claims measure on the cases of a profile, in numbers.
+"""The quantities of the claims, measured on the cases of a profile.
 
 "The numerical curve" of a case is that of the most accurate method that solved it. An excess or error is of an
 estimate over the numerical curve. Averages are over the load, which is the axis of the paper's figures, and ranges of
@@ -16,17 +16,17 @@ from weier.pipeline.claims.claim import Case, MissingError
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 from weier.theory.series import tail_amplitude
 
-ESTIMATES = ("archard", "demelio", "layer")  # the three approximations of Section 4
-LOW_COMPLIANCE = 0.5  # of the compliance at full contact: low loads lie below, high loads above
-# Resistances are compared in this range of compliance over that at full contact. Below it one contact carries
-# everything, and above it the resistance vanishes, so that no ratio has a meaning.
+ESTIMATES = ("archard", "demelio", "layer")  # These are the three approximations of Section 4.
+LOW_COMPLIANCE = 0.5  # Low loads have less than this fraction of the compliance at full contact, and high loads more.
+# Resistances are compared in this range of compliance over that at full contact. Below it one contact carries the
+# load, and above it the resistance vanishes, so that ratios are meaningless.
 INTERMEDIATE = (0.1, 0.9)
-MAX_ALIGNED_ANGLE = np.pi / 6  # "close to zero and pi": no farther from them than this
-ROUNDING = 1e-9  # a difference that rounding may make, of numbers close to 1
+MAX_ALIGNED_ANGLE = np.pi / 6  # Phases at most so far from 0 or pi are "close to zero and pi".
+ROUNDING = 1e-9  # Numbers close to 1 may differ by this through rounding and iteration.
 
 
 def need(available: object, what: str) -> None:
-    """Raise MissingError if something that a claim needs is not available."""
+    """Raise MissingError if the data of a claim are not available."""
     if not available:
         raise MissingError(f"there are no {what}")
 
@@ -60,7 +60,7 @@ def _largest(values: Array) -> float:
 
 
 def _partial_contact(case: Case) -> Flags:
-    """At which loads the contact is partial; raises MissingError if at none."""
+    """Whether the contact is partial at each load; raises MissingError if it is at none."""
     partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
     need(partial.any(), "loads of partial contact")
     return partial
@@ -122,27 +122,27 @@ def excess(case: Case, method: str) -> Array:
 
 
 def least_excess(case: Case, method: str) -> float:
-    """The least of it in partial contact."""
+    """The least excess in partial contact."""
     return float(excess(case, method)[_partial_contact(case)].min())
 
 
 def excess_at_low_loads(case: Case, method: str) -> Array:
-    """All of it at low loads."""
+    """The excess at low loads."""
     return _between(case, excess(case, method), 0, LOW_COMPLIANCE)[1]
 
 
 def mean_excess_at_high_loads(case: Case, method: str) -> float:
-    """The mean of it at high loads."""
+    """The mean excess at high loads."""
     return _mean(*_between(case, excess(case, method), LOW_COMPLIANCE, 1))
 
 
 def error_at_low_loads(case: Case, method: str) -> float:
-    """The largest size of it at low loads, of full contact."""
+    """The largest absolute excess at low loads, over the compliance at full contact."""
     return _largest(excess_at_low_loads(case, method)) / _total(case)
 
 
 def growth_of_error(method: str, *cases: Case) -> float:
-    """How the largest error of an estimate, of full contact, grows from the first case to the last."""
+    """The growth of the largest error of an estimate, over full contact, from the first case to the last."""
     first, last = (_largest(excess(case, method)) / _total(case) for case in (cases[0], cases[-1]))
     return last - first
 
@@ -212,7 +212,7 @@ def distance_from_one_wave(case: Case, wave: Case) -> float:
     h, tail = _wave_and_tail(case, wave)
     lower, upper = compliance_bounds(h - 1, tail)
     estimates = (curve(case, method) - _total(case) for method in ESTIMATES)
-    return max(_largest(2 * each - lower - upper) for each in estimates) / (2 * tail)
+    return max(_largest(2 * estimate - lower - upper) for estimate in estimates) / (2 * tail)
 
 
 def resistance_beyond_bounds(case: Case, wave: Case) -> float:

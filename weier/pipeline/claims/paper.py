@@ -1,4 +1,4 @@
-"""The claims of the paper: for each one its words, and beside them what they mean as conditions."""
+"""The claims of the paper: each statement, and its interpretation as conditions."""
 
 from __future__ import annotations
 
@@ -9,29 +9,40 @@ import numpy as np
 from weier.methods import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
-from weier.pipeline.claims.claim import MIN_MEMBERS, MIN_SHARE, OPEN_FACTOR, Case, Cases, Claim, Condition, Ensemble
-
-from weier.pipeline.claims.claim import at_least, at_most, negative, positive  # isort: skip
+from weier.pipeline.claims.claim import (
+    MIN_FRACTION,
+    MIN_MEMBERS,
+    OPEN_FACTOR,
+    Case,
+    Cases,
+    Claim,
+    Condition,
+    Ensemble,
+    at_least,
+    at_most,
+    negative,
+    positive,
+)
 from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
 from weier.theory.profile import PARAMETERS
 
-# What the paper's words are taken to mean.
-CLOSE_AGREEMENT = 0.1  # relative to the compliance itself: no plot shows such an error at light loads
-CLOSE = 0.05  # "fairly close", "good results", "relatively small": of the compliance at full contact
-EXTREMELY_SMALL = 0.02  # of the compliance at full contact
-DEMELIO_ERROR = 0.30  # of the resistance, in the paper: "by as much as"
-LAYER_ERROR = 0.12  # of the resistance, in the paper: "about"
-QUOTED_TOLERANCE = 1.25  # "as much as 30%" and "about 12%" allow up to this times the number
-NUMERICAL_ERROR = 1e-3  # g_0, of the boundary elements: a smaller difference has no sign
-RESISTANCE_ERROR = 0.01  # relative, of the numerical resistance: likewise
+# Limits that stand for words of the paper.
+CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.
+CLOSE = 0.05  # "Fairly close", "good results" and "relatively small", over the compliance at full contact.
+EXTREMELY_SMALL = 0.02  # "Extremely small", over the compliance at full contact.
+DEMELIO_ERROR = 0.30  # The relative error of the resistance that the paper gives: "by as much as".
+LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives: "about".
+QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
+NUMERICAL_ERROR = 1e-3  # g_0: the error of boundary elements, below which a difference has no certain sign.
+RESISTANCE_ERROR = 0.01  # The relative error of the numerical resistance, for the same purpose.
 
 RULE = (
     "Each number is measured on profiles that differ in their phases alone, and a profile is too close to call where "
     f"its number lies between the limit and {OPEN_FACTOR:g} times the limit, within {NUMERICAL_ERROR:g} g_0 (or "
-    f"{RESISTANCE_ERROR:.0%} of the resistance) of a change of sign, or closer to the limit than it moves where "
-    "every second load is left out. A statement about all loads or profiles holds if every profile says yes and "
-    f"fails with the first that says no; one of what tends to be needs {MIN_SHARE:.0%} of them for either. All else "
-    f"is not decided, and fewer than {MIN_MEMBERS} profiles confirm nothing."
+    f"{RESISTANCE_ERROR:.0%} of the resistance) of a change of sign, or closer to the limit than it changes if every "
+    "second load is left out. A statement about all loads or profiles holds if every profile confirms it, and fails "
+    f"with the first that refutes it. A tendency needs {MIN_FRACTION:.0%} of them for either. Otherwise it is not "
+    f"decided, and fewer than {MIN_MEMBERS} profiles confirm nothing."
 )
 MEANINGS = (
     "Excess and error are of an estimate over the numerical curve, and averages are over the load. "
@@ -39,8 +50,7 @@ MEANINGS = (
     f"Close means within {CLOSE:.0%} of the compliance at full contact, and extremely small within "
     f"{EXTREMELY_SMALL:.0%}; the few elements agree closely within {CLOSE_AGREEMENT:.0%} of the compliance itself. "
     f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
-    "contact: below, one contact carries everything, and above, the resistance vanishes, so that no ratio has a "
-    "meaning."
+    "contact: below, one contact carries the load, and above, the resistance vanishes, so that ratios mean nothing."
 )
 
 
@@ -87,7 +97,7 @@ def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
     return [Ensemble(f"gamma = {float(group[0]['gamma']):g}", (group,), True) for group in (groups[0], groups[-1])]
 
 
-COARSE, FINE = slice(0, 1), slice(1, 2)
+COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
 
 
 def _beside_one_wave(cases: Cases) -> list[Ensemble]:

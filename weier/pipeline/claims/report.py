@@ -1,4 +1,4 @@
-"""The claims of a scene in its dataset, and as a text to read: a line a claim, and all else below."""
+"""The claims of a scene in its dataset and as a text, with a table of all claims and a section for each."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from weier.pipeline.claims.paper import MEANINGS, RULE
 if TYPE_CHECKING:
     import xarray as xr
 
-CONTENT = "qualityInformation"  # what a claim is, in the words of ISO 19115
-DETAILS = ("condition", "profiles", "measured", "between", "limit", "what they say", "holds")
+CONTENT = "qualityInformation"  # The content of claims in the terms of ISO 19115.
+DETAILS = ("condition", "profiles", "measured", "between", "limit", "results", "holds")
 
 
 def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
@@ -26,17 +26,22 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
 
     if not judged:
         return xr.Dataset()
-    each = judged.values()
     columns = {
         "claim": (list(judged), "claim of the paper"),
-        "claim_statement": ([one.statement for one in each], "what the paper says"),
-        "claim_measured": ([decisive_line(one) for one in each], "what decides whether it holds, and its limit"),
-        "claim_missing": ([one.missing for one in each], "what the studies lack to measure it"),
+        "claim_statement": ([one.statement for one in judged.values()], "what the paper says"),
+        "claim_measured": (
+            [decisive_line(one) for one in judged.values()],
+            "what decides whether it holds, and its limit",
+        ),
+        "claim_missing": ([one.missing for one in judged.values()], "what the studies lack to measure it"),
         "claim_conditions": (
-            [json.dumps([finding._asdict() for finding in one.findings]) for one in each],
+            [json.dumps([finding._asdict() for finding in one.findings]) for one in judged.values()],
             "parts of the statement, each with its limit and its values on all profiles, as JSON",
         ),
-        "claim_holds": (np.array([one.outcome for one in each], "i1"), "whether it fits what is measured here"),
+        "claim_holds": (
+            np.array([one.outcome for one in judged.values()], "i1"),
+            "whether it fits what is measured here",
+        ),
     }
     variables = {
         name: xr.Variable("claim", values, {"long_name": long_name, "coverage_content_type": CONTENT})
@@ -53,13 +58,13 @@ def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
     names = ("claim", "claim_statement", "claim_holds", "claim_conditions", "claim_missing")
     rows = zip(*(data[name].values.tolist() for name in names), strict=True)
     return {
-        name: Judgement(says, Check(holds), tuple(Finding(**each) for each in json.loads(conditions)), missing)
+        name: Judgement(says, Check(holds), tuple(Finding(**fields) for fields in json.loads(conditions)), missing)
         for name, says, holds, conditions, missing in rows
     }
 
 
 def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
-    """The number that decides, its limit, and what the profiles say."""
+    """The decisive number, its limit, and the results of the profiles."""
     if judged.missing:
         return f"Not measured: {judged.missing}.", "", ""
     finding = judged.decisive
@@ -68,7 +73,7 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
 
 
 def decisive_line(judged: Judgement) -> str:
-    """The number that decides, its limit and the votes in one line."""
+    """The decisive number, its limit and the results of the profiles in one line."""
     number, limit, votes = decisive_cells(judged)
     return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
 
@@ -88,15 +93,15 @@ def details(finding: Finding) -> list[str]:
 
 
 def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
-    """A table with a line a claim, the rule, and a section for each claim."""
+    """A table with a line for each claim, the rule, and a section for each claim."""
     if not judged:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
         [
             f"[{markdown.plain(name)}](#{name})",
-            *map(markdown.plain, (each.statement, each.outcome.text, *decisive_cells(each))),
+            *map(markdown.plain, (judgement.statement, judgement.outcome.text, *decisive_cells(judgement))),
         ]
-        for name, each in judged.items()
+        for name, judgement in judged.items()
     ]
     head = ["claim", "the paper says", "holds", "what decides", "limit", "profiles"]
     parts = [
@@ -106,8 +111,8 @@ def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
         markdown.plain(RULE),
         markdown.plain(MEANINGS),
     ]
-    for name, each in judged.items():
-        parts += [f"## {name}", markdown.plain(each.statement)]
-        table = [[markdown.plain(cell) for cell in details(finding)] for finding in each.findings]
-        parts.append(markdown.table(DETAILS, table) if table else decisive_line(each))
+    for name, judgement in judged.items():
+        parts += [f"## {name}", markdown.plain(judgement.statement)]
+        table = [[markdown.plain(cell) for cell in details(finding)] for finding in judgement.findings]
+        parts.append(markdown.table(DETAILS, table) if table else decisive_line(judgement))
     return "\n\n".join(parts) + "\n"
