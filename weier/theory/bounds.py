@@ -6,8 +6,8 @@ more than that of its chord from a lighter load p' and no less than that of its 
 
     R(p) <= [H(p) - H(p')]/(p - p') <= [h(p) - h(p') + 2 G]/(p - p') for p' < p, and the reverse for p' > p with -2 G.
 
-docs/closed_forms.md, "Bounds on the terms left out", proves both, and docs/bem.md, "Bounds", says how boundary elements
-use the chords. All but the last two functions take any consistent units.
+docs/closed_forms.md, "Bounds on the terms left out", proves both, and docs/bem.md, "Bounds", says how boundary
+elements use the chords. All but the last two functions take any consistent units.
 """
 
 from __future__ import annotations

@@ -47,9 +47,9 @@ MAX_ISOLATED = 32  # The forces of at most so many contacts are found as forces 
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # Their forces take 3 or 4 steps to this relative accuracy.
 POINTS_PER_WAVE = (16, 32)  # Points for each of the finest waves of the grids that are tried, in this order.
 # Series of so many waves in a period begin on a grid of fewer points. It misses more contacts, so that a load takes a
-# step or two more, but solving on it takes less time than these steps: 15 % of a load of 3 125 waves, and 25 % of one
-# of 78 125. Of 125 waves and 625, a load would take 5 % more.
-MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 2000, 8
+# step or two more, but the finer grid would take longer than these: loads on 15 625 to 78 125 waves take 0.75 to 1.1
+# of the time, those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it.
+MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
 # Residual of boundary elements from which Newton's method can start: in g_0 and as a part of the finest wave,
 # whichever is less; but no less than the last, since the finest waves of a smooth measured surface are rounding.
 GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
