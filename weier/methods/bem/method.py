@@ -1,4 +1,4 @@
-"""Boundary elements as one of the methods, and what they offer to a plan (docs/numerics.md, "How plans choose")."""
+"""Boundary elements as one of the methods, and what they offer to a plan (docs/planned.md, "What is offered")."""
 
 from __future__ import annotations
 
