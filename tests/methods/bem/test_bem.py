@@ -97,8 +97,9 @@ def test_both_solvers_solve_the_same_discrete_problem(reference):
     dense = curve(reference.profile, loads, points=points, solver="direct")
     assert fast.compliance == pytest.approx(dense.compliance, abs=1e-9)
     assert np.all(fast.patch_count == dense.patch_count)
-    # The resistance is an energy, so that its error is the square of the residual 1e-6 of the tangent pressure.
-    assert fast.resistance == pytest.approx(dense.resistance, rel=1e-8, abs=1e-10)
+    # The tangent pressure has a residual of 1e-4. The resistance is an energy, whose error is the square of that, and
+    # what is known of the staircase to as much as that is about a thousandth of it.
+    assert fast.resistance == pytest.approx(dense.resistance, rel=1e-7, abs=1e-10)
 
 
 def test_resistance_is_the_slope_of_the_discrete_curve():
