@@ -613,6 +613,8 @@ def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) 
     state, more = _add_resistance(state, system, grids)
     residual = contact_residual(state, series)
     minima, negative, margin = _violations(state, series, residual.max(), tolerance)
+    height = 2 * state.segments.half_width * residual if state.dual else residual
+    state = state._replace(segment_residual=height)
     return certify(state, residual, minima, negative, series, tolerance, margin), steps + more
 
 

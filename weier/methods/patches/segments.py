@@ -171,6 +171,8 @@ class ContactState(NamedTuple):
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
         derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
     residual : largest violation of a contact condition, in g_0
+    segment_residual : what the equations leave on each segment, as a height in g_0, shape (segments,); empty where
+        the resistance is an energy, of which a residual changes no more than its square
     error : a bound on the error of the approach by these violations, in g_0
     height_error : by how much heights may differ for which the state is exact, in g_0
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
@@ -180,7 +182,7 @@ class ContactState(NamedTuple):
         the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
     narrow_gaps : minima of the gap that are smaller than the gap's uncertainty, so that a contact may be born there
 
-    The last nine are NaN or empty until they are computed.
+    The last ten are NaN or empty until they are computed.
     """
 
     dual: bool
@@ -192,6 +194,7 @@ class ContactState(NamedTuple):
     resistance: float = np.nan
     tangent_strength: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
+    segment_residual: Array = np.empty(0)
     error: float = np.nan
     height_error: float = np.nan
     cracks: NDArray[np.float64] = np.empty((0, 4))
