@@ -128,11 +128,14 @@ def test_the_error_on_a_grid_falls_with_the_second_power_of_the_nodes(
     assert coarse.prepare()() > 0
 
 
-def test_contact_patches_take_one_time_for_all_targets(one_wave, monkeypatch):
+def test_contact_patches_take_the_target_as_their_tolerance(one_wave, monkeypatch):
+    tolerances = []
     monkeypatch.setattr(to_error, "MIN_SECONDS", 0.0)
+    monkeypatch.setattr(to_error, "REPEATS", 1)
+    monkeypatch.setattr(to_error.patches, "curve", lambda *arguments: tolerances.append(arguments[-1]))
     reached = to_error.measure(to_error.PATCHES, one_wave)
-    assert len(reached) == len(to_error.TARGETS)
-    assert len({one.seconds for one in reached}) == 1
+    assert [one.points for one in reached] == [0] * len(to_error.TARGETS)
+    assert tolerances == list(to_error.TARGETS)
 
 
 def test_the_smallest_grid_is_found(monkeypatch, capsys):

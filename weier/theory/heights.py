@@ -32,9 +32,10 @@ SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
 # Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
 # by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
 MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS, MAX_SENTINELS = 3, 0.9, 3.0, 8
-# From one height to the next, normal roughness changes by at most five standard deviations. A larger change on the
-# flank of a groove has a neighbour of the same sign that is alike within a factor of three. Any other is a jump if it
-# exceeds a tenth of the range of heights and twice every other change.
+# From one height to the next, normal roughness changes by at most five standard deviations: in 10^6 changes there is
+# one beyond that. Six are abrupt. Such a change on the flank of a groove has a neighbour of the same sign that is
+# alike within a factor of three. Any other is a jump if it exceeds a tenth of the range of heights and twice every
+# other change.
 ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
 MAX_SPIKE_WIDTH = 10  # A jump is a spike if the heights return within so many steps.
 # Within one to three steps, a change is also a jump if it is five times as large as the three differences on either

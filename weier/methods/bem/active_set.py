@@ -34,7 +34,7 @@ from weier.methods.bem.staircase import EDGE, NodalSolution
 from weier.theory.waves import Waves
 
 # The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
-# The staircase of R, a few thousandths of it on the usual grids, is known to this part of itself.
+# The staircase of R, a few thousandths of it on the usual grids, has a relative error of 1e-4.
 TANGENT_TOLERANCE = 1e-4
 # Where R is less than this, in g_0/p_0*, that flatness is relative to this: near full contact the rest is rounding.
 MIN_RESISTANCE = 1e-6

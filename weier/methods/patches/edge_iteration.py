@@ -2,12 +2,14 @@
 
 The rules are derived in docs/patches.md, "Moves of edges"; "The stages of many contacts" has what makes a segment
 settled. `take_step` solves on given edges and finds their moves (`edge_moves`), and `next_guess` moves them, with the
-density on them. Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s
-within. An edge that moves out by 2 k_0/k_1 is free of the singularity, to first order and whatever the others do: the
-Jacobian of k_0 in the edges is diagonal at the solution. Far from it, two closed forms are better. A contact narrower
-than the gaps beside it is Hertz's, whose width squared follows from psi exactly. A gap narrower than the contacts
-beside it, where the pressure would be a parabola of tension, has p = |x| (C + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so
-that k_0 and k_1 at one edge give the square of the width which it should have; no gap is left where that is negative.
+density on them.
+
+Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s within. An edge that moves out by 2 k_0/k_1 is free of the
+singularity, to first order and whatever the others do: the Jacobian of k_0 in the edges is diagonal at the solution.
+Far from it, two closed forms are better. A contact narrower than the gaps beside it is Hertz's, whose width squared
+follows from psi exactly. A gap narrower than the contacts beside it, where the pressure would be a parabola of
+tension, has p = |x| (C + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so that k_0 and k_1 at one edge give the square of the
+width which it should have; no gap is left where that is negative.
 
 The slope of a gap with given edges (dual) has the same form, and so have the rules: a narrow gap in a parabola of
 tension is like Hertz's contact, and beside a narrow contact dw/dx = (C + kappa (x^2-b^2))/sqrt(x^2-b^2). Only the

@@ -20,7 +20,7 @@ RESISTANCE_FACTOR = 50.0
 
 ROUNDING = 1e-15  # Of a tolerance: without it, rounding puts the error to expect above what is wanted.
 
-MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 74 s a load and 3.1 GB.
+MAX_CONTACTS = 50_000  # More were not measured: 42 641 took 85 s a load and 3.1 GB.
 
 SECONDS_START, SECONDS_LOAD = 5e-4, 6e-4  # Seconds of a curve, and of each load.
 # Of each load and wave, times the root of the contacts: boundary elements to start from, whose steps grow with the

@@ -47,7 +47,7 @@ MIN_PROBE_DISTANCE = 1e-9  # Probes closer than this part of their mean distance
 MAX_INNER = 0.99
 SEARCH_STEPS = 40  # Steps of a bisection: these leave 1e-12 of a bracket.
 SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so many points for each node.
-# Newton's method on differences starts with this stencil, over the distance of the probes, which shrinks by the ratio
+# Newton's method on differences starts with this stencil, over the length of the bracket, which shrinks by the ratio
 # in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 # Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with

@@ -133,9 +133,9 @@ def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float)
     # tried relative to larger heights, too, first at the tolerance and then at a looser one. A state that meets a
     # looser target is refused all the same if its residual is not small relative to the load (`certify`).
     first = min(max(tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    for wanted, looser in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
+    for relative, height in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
         try:
-            return _solve_to(problem, guess, wanted, looser)
+            return _solve_to(problem, guess, relative, height)
         except ConvergenceError as error:
             failure = error
     raise failure

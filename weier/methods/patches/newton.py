@@ -84,7 +84,7 @@ MAX_RATIO = 0.5
 # Corrections of the tangent end when further ones would change the resistance by less than this part of it.
 TANGENT_TOLERANCE = 1e-11
 # After a correction whose relative size is below this, the equations are not assembled again: their matrix, of the
-# state before it, changed the resistance of 360 random loads by 1.6e-11 at most, and three times that is stated.
+# state before it, changed the resistance of 360 random loads by 1.6e-11 at most, of 5e-11 that are stated.
 MAX_FROZEN_CORRECTION = 1e-10
 MAX_NODE_ROUNDS = 8  # Rounds of adding nodes; one or two are usual.
 MIN_ANGLE = 1e-8  # Below it sin(y) = y and y cot(y) = 1 to rounding.
@@ -102,10 +102,10 @@ class System(NamedTuple):
 
     matrix : the derivatives of all equations in one unknown a row, shape (unknowns, equations)
     residual, by_load : of the equations, and its derivative in the mean pressure, shape (equations,)
+    tangent : derivative of the unknowns by the mean pressure, shape (unknowns,)
     sine, cosine : of pi r t/L at the nodes, shape (nodes,). By the addition theorem, they give sin(pi (x-s)/L)
         without a further call; no digit is lost, for both angles are counted from the centre of one segment.
     point_sine, point_cosine : the same at the points, shape (nodes + segments,)
-    tangent : derivative of the unknowns by the mean pressure, shape (unknowns,)
     """
 
     matrix: Matrix
