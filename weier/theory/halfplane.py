@@ -50,13 +50,13 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
 
     Notes
     -----
-    A triangle of pressure has the spectrum sinc^2; its aliases at kappa + j sum to Hurwitz zeta functions:
-    sin^2(pi kappa)/(pi^2 N) [zeta(3, kappa) + zeta(3, 1 - kappa)] with kappa = k/N.
+    A triangle of pressure has the spectrum sinc^2; its aliases at nu + j sum to Hurwitz zeta functions:
+    sin^2(pi nu)/(pi^2 N) [zeta(3, nu) + zeta(3, 1 - nu)] with nu = k/N.
 
     """
-    kappa = np.arange(1, points // 2 + 1) / points
-    aliases = scipy.special.zeta(3, kappa) + scipy.special.zeta(3, 1 - kappa)
-    values = np.concatenate([[0.0], period * np.sin(np.pi * kappa) ** 2 / (np.pi**2 * points) * aliases])
+    nu = np.arange(1, points // 2 + 1) / points
+    aliases = scipy.special.zeta(3, nu) + scipy.special.zeta(3, 1 - nu)
+    values = np.concatenate([[0.0], period * np.sin(np.pi * nu) ** 2 / (np.pi**2 * points) * aliases])
     values.flags.writeable = False
     return values
 
