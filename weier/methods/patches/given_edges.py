@@ -13,8 +13,9 @@ symmetric, positive definite on forces of sum 0, and diagonal on each contact in
 and the forces between contacts taken as punches are the preconditioner. It leaves 10 to 30 steps of conjugate
 gradients to eight digits, whether there are 30 contacts or 27 000.
 
-Gaps with given edges (dual) are cracks: w = sqrt(1-t^2) W(t) is the gap that frees them of the pressure of full
-contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, W is known by f_i = r w_i W_i, and
+Gaps with given edges (dual) are cracks: w = sqrt(1-t^2) omega(t) is the gap that frees them of the pressure of full
+contact. At the zeros t_i of U_K, with the weights w_i of Gauss's quadrature, omega is known by f_i = r w_i omega_i,
+and
 
     (C f)_i = -1/(2 L^2) sum_j f_j/sin^2(pi (x_i - x_j)/L),   C f = -(pressure of full contact),   d = sum f/L.
 
@@ -210,7 +211,7 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
 def _psi_of_forces(count: int, dual: bool) -> Table:
     """Coefficients of psi in T_k, times r or, dual, r^2, from forces; those of gaps are cut off at T_(K-1).
 
-    Of contacts f = (pi/K) r psi. Of gaps f = r w_i W_i, so that w = sum c_k sin((k+1) theta) has the coefficients
+    Of contacts f = (pi/K) r psi. Of gaps f = r w_i omega_i, so that w = sum c_k sin((k+1) theta) has the coefficients
     c_k = 2/(pi r) sum f U_k, and psi = -(1/r) sum (k+1) c_k T_(k+1).
     """
     rule = gauss_rule(count, dual)

@@ -88,28 +88,28 @@ def error_bound(state: ContactState, gap: float, pressure: float, width: float, 
     Parameters
     ----------
     gap : largest gap on a contact or overlap anywhere, in g_0: eps
-    pressure : largest pressure in a gap or tension anywhere, in p_0*: q
+    pressure : largest pressure in a gap or tension anywhere, in p_0*: sigma
     width : of the period, on which that stands, in lambda_0: W; 0 stands for no bound by it
 
     Notes
     -----
     Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
-    mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -q everywhere and |p| <= q in its gaps. Then
-    D(P + q) - eps <= d <= D(P - q) + eps:
+    mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -sigma everywhere and |p| <= sigma in its gaps.
+    Then D(P + sigma) - eps <= d <= D(P - sigma) + eps:
 
-    The exact u_1 and p_1 under P + q differ from u and p. Where u_1 - u is largest, p_1 - p exceeds its mean q by the
-    maximum principle, so that p_1 > 0, and this is a contact: u_1 = z - D. Then 0 = mean(u_1 - u) is at most
-    u_1 - u = d - D - g <= d - D + eps. Under P - q, where u_1 - u is smallest, p > p_1 + q >= q, so that the state is
-    in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
+    The exact u_1 and p_1 under P + sigma differ from u and p. Where u_1 - u is largest, p_1 - p exceeds its mean
+    sigma by the maximum principle, so that p_1 > 0, and this is a contact: u_1 = z - D. Then 0 = mean(u_1 - u) is at
+    most u_1 - u = d - D - g <= d - D + eps. Under P - sigma, where u_1 - u is smallest, p > p_1 + sigma >= sigma, so
+    that the state is in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
 
-    Or such pressures and tensions, on the width W, are taken off, which changes P by at most q W/L. It moves u one
-    way by at most q int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most 2 q W (1 - ln(2 W/L))
-    as sin y >= 2 y/pi, and the other way by at most 2 q W ln 2; so by no more than 2 q W (1 + max(-ln(2 W/L), 0)).
-    Then none are left, and eps is larger by as much. The smaller of both bounds is returned: the second where W is
-    small.
+    Or such pressures and tensions, on the width W, are taken off, which changes P by at most sigma W/L. It moves u
+    one way by at most sigma int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most 2 sigma W (1 -
+    ln(2 W/L)) as sin y >= 2 y/pi, and the other way by at most 2 sigma W ln 2; so by no more than 2 sigma W (1 +
+    max(-ln(2 W/L), 0)). Then none are left, and eps is larger by as much. The smaller of both bounds is returned: the
+    second where W is small.
 
-    To first order, D(P) - D(P + q) is the resistance times q. The same factor turns a load that the contacts do not
-    carry into an error.
+    To first order, D(P) - D(P + sigma) is the resistance times sigma. The same factor turns a load that the contacts
+    do not carry into an error.
 
     """
     by_pressure = state.resistance * pressure
@@ -288,10 +288,10 @@ def certify(
 ) -> ContactState:
     """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
 
-    The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and q is a tension on contacts or
-    a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and q from the
-    pressures on segments. Of gaps (dual), the residual is a pressure: q comes from the complement, and eps from the
-    overlap in segments and from what these do not close.
+    The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
+    contacts or a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and
+    sigma from the pressures on segments. Of gaps (dual), the residual is a pressure: sigma comes from the complement,
+    and eps from the overlap in segments and from what these do not close.
 
     residual : the largest on each segment, of `contact_residual`
     minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
@@ -315,7 +315,7 @@ def certify(
         width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
     violated = (of_density, of_complement, period) if state.dual else (of_complement, of_density, width)
     error = error_bound(state, *violated, period)
-    # A pressure q that is left on a width W moves the surface by about 2 q W: see `error_bound`.
+    # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
     of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
     tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
     state = state._replace(error=error, height_error=of_heights, tensions=tensions)

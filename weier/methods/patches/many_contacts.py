@@ -290,8 +290,8 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
 def _cracks(state: ContactState, negative: Records) -> NDArray[np.float64]:
     """The gaps in place of intervals of tension, as `ContactState.cracks`; none within gaps (dual).
 
-    Where a parabola of pressure falls to -q, the crack has the half-width b = sqrt(2) times that of the interval, and
-    beside it the pressure is 2 q |x| sqrt(x^2-b^2)/b^2, whose strength at the edge is q (8/b)^(1/2).
+    Where a parabola of pressure falls to -q_0, the crack has the half-width b = sqrt(2) times that of the interval,
+    and beside it the pressure is 2 q_0 |x| sqrt(x^2-b^2)/b^2, whose strength at the edge is q_0 (8/b)^(1/2).
     """
     t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * NEW_GAP_WIDTH * (negative["end"] - negative["start"])
     inner = (np.abs(t) + b < MAX_INNER) & (not state.dual)

@@ -249,7 +249,7 @@ def _add_cauchy_integral(system: System, segments: Segments, phi: Array, period:
     """I = int rho cot(pi (x-s)/L) ds over segment j at all points x = c_i + r_i t.
 
     With K = cot and dK/ds = (pi/L) (1 + K^2), dI/dc_j = sum w r phi dK/ds = -dI/dx, and
-    r_j dI/dr_j = sum w r phi (K + r_j t_q dK/ds). Where i = j, x moves with the segment: then nothing changes with
+    r_j dI/dr_j = sum w r phi (K + r_j t dK/ds). Where i = j, x moves with the segment: then nothing changes with
     c_j, and r_j t dI/dx is added to the derivative in r_j.
     """
     n, size, factor, r = segments.centre.size, segments.point.size, np.pi / period, segments.half_width[j]

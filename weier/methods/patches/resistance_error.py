@@ -32,7 +32,7 @@ TANGENT_ERROR = 5 * TANGENT_TOLERANCE
 EDGE_FACTOR = 2.0
 CRACK_FACTOR = 2.0  # Cracks count twice: their width comes from an interval of tension as if that were parabolic.
 # An edge that may move by as much as its contact or gap is wide counts as if it moved so many times the half-width of
-# the gap, or a c of the contact. For a contact, 2 a c at both edges is four times what its loss changes.
+# the gap, or a chi of the contact. For a contact, 2 a chi at both edges is four times what its loss changes.
 SMALL_EDGE_FACTOR = 2.0
 EPS = float(np.finfo(float).eps)
 
@@ -81,9 +81,9 @@ def _sum_over_segments(state: ContactState, A: Sides, residual: Array, L: float)
         growth, nearing = (B[j, 0] / A[j, 0] + B[j, 1] / A[j, 1]) / r[j], 0.0
         for side in range(2):
             other = (j + 1) % n if side == 1 else j - 1
-            delta = distance[j - 1 + side] / r[j]
+            mu = distance[j - 1 + side] / r[j]
             speeds = 2 * (B[j, side] / A[j, side] + B[other, 1 - side] / A[other, 1 - side])
-            nearing = max(nearing, (speeds / r[j] + delta * growth) / np.sqrt(delta * (delta + 2)))
+            nearing = max(nearing, (speeds / r[j] + mu * growth) / np.sqrt(mu * (mu + 2)))
         mean = 0.5 * (B[j, 0] + B[j, 1])
         f = np.pi * mean * np.sqrt(2 * r[j]) / L
         weight = 0.5 * np.pi * f if state.dual else min(f, 1.0)
@@ -113,10 +113,10 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     """By how much contacts that may be born in narrow gaps would lower the resistance, in g_0/p_0*.
 
     A gap g that is known to e leaves space for a contact that penetrates by e - g at most. Where the plane cuts the
-    crest at the half-width b, the contact gives way by c = -2 ln(pi b/L) or more for each unit of force, less the
-    relief by the nearest other contact, from which the force is taken. The plane nears the crest by t = R - u' for
+    crest at the half-width b, the contact gives way by chi = -2 ln(pi b/L) or more for each unit of force, less the
+    relief by the nearest other contact, from which the force is taken. The plane nears the crest by tau = R - u' for
     each unit of mean pressure, where the displacement u' of the crest is nowhere below -2 L ln 2. So the contact
-    takes the force t/c, which lowers the resistance by t^2/(c L).
+    takes the force tau/chi, which lowers the resistance by tau^2/(chi L).
     """
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
@@ -142,11 +142,11 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     does the curvature 4 e/a^2 add to Hertz's contact, and half as much does the tension e/(2 pi b) to a crack. The
     edge moves until that is gone.
 
-    The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/c with
-    c = -2 ln(pi a/L), which moves both edges by 2 a e/(c F), since a^2 is in proportion to F. Crests other than the
-    highest and its twins are known as gaps are, to rounding of the amplitudes, which adds to e. Curvatures
-    kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
-    a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
+    The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/chi with chi
+    = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is in proportion to F. Crests other than the
+    highest and its twins are known as gaps are, to rounding of the amplitudes, which adds to e. Curvatures kappa = 4
+    F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to a. The
+    force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
     """
     contacts = contacts_of(state.segments.extent, state.dual, series.period)
     origin, centre, _ = contacts
@@ -171,14 +171,14 @@ def _sum_over_edges(A: Sides, B: Sides, contacts: Extent, of_heights: Array, of_
     gap = 0.5 * distances_between(*contacts, L)
     for j in range(r.size):
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
-        c = max(-2 * np.log(np.pi * r[j] / L), 1.0)
-        by_force = 2 * r[j] * of_heights[j] / (c * force) + of_curvature * r[j] ** 3 / (8 * force)
+        chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
+        by_force = 2 * r[j] * of_heights[j] / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
         for side in range(2):
             beside = gap[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
             move = np.sqrt(2.0) / np.pi * of_heights[j] / (A[j, side] * np.sqrt(scale)) + by_force
             # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
             if not move < scale:
-                move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * c)
+                move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)
             total += (EDGE_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
     return 2 * np.pi**2 / L * total
