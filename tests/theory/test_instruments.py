@@ -121,7 +121,6 @@ def written_as_text(path):
     path.write_text(heading + "\n".join(" ".join(map(repr, row)) for row in MAP.T.tolist()) + "\n")
 
 
-@pytest.mark.filterwarnings("ignore")
 def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
     path = tmp_path / "map.txt"
     written_as_text(path)
@@ -139,7 +138,6 @@ def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
         Trace.read(path, line=7, channel="Phase")
 
 
-@pytest.mark.filterwarnings("ignore")
 def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surface_topography, tmp_path):
     (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7 rough")
     with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography cannot read it either"):
