@@ -243,6 +243,16 @@ def test_the_resistance_beside_a_birth_is_within_its_error(profile, load, R, fra
     assert abs(found.resistance[0] - R) < found.resistance_error[0] < fraction * R
 
 
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-10])
+def test_the_resistance_of_one_wave_is_within_its_error_near_full_contact(tolerance):
+    """Edges are right there to far more digits than the tangent pressure: errors come from its truncation."""
+    loads = np.linspace(0.8, 0.95, 31)
+    found = patches.curve(Profile(1.25, 5, 1), loads, tolerance)
+    error = abs(found.resistance + np.log(loads))  # (13)
+    assert np.all(error <= found.resistance_error)
+    assert np.median(found.resistance_error) < 1e-5
+
+
 @pytest.mark.parametrize(("load", "dual"), [(0.01, False), (0.4, False), (2.4, True), (3.0, True)])
 def test_far_from_births_no_contact_adds_to_the_error_of_the_resistance(load, dual):
     R, error = (values[0] for values in patches.curve(THREE_WAVES, [load])[3:5])

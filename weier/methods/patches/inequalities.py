@@ -103,10 +103,10 @@ def error_bound(state: ContactState, gap: float, pressure: float, width: float, 
     that the state is in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
 
     Or such pressures and tensions, on the width W, are taken off, which changes P by at most sigma W/L. It moves u
-    one way by at most sigma int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most 2 sigma W (1 -
-    ln(2 W/L)) as sin y >= 2 y/pi, and the other way by at most 2 sigma W ln 2; so by no more than 2 sigma W (1 +
-    max(-ln(2 W/L), 0)). Then none are left, and eps is larger by as much. The smaller of both bounds is returned: the
-    second where W is small.
+    one way by at most sigma int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most
+    2 sigma W (1 - ln(2 W/L)) as sin y >= 2 y/pi, and the other way by at most 2 sigma W ln 2; so by no more than
+    2 sigma W (1 + max(-ln(2 W/L), 0)). Then none are left, and eps is larger by as much. The smaller of both bounds
+    is returned: the second where W is small.
 
     To first order, D(P) - D(P + sigma) is the resistance times sigma. The same factor turns a load that the contacts
     do not carry into an error.

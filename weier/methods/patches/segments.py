@@ -295,7 +295,7 @@ def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) 
     """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge: at the
-    distance delta r, ln(rho) = ln(1 + delta + sqrt(delta (delta + 2))).
+    distance mu r, ln(rho) = ln(1 + mu + sqrt(mu (mu + 2))).
     """
     finest = float(series.wavenumber[-1])
     return np.asarray(_count_nodes(*extent, series.period, finest, _node_factors(tolerance)))

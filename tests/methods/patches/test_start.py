@@ -1,0 +1,47 @@
+"""Where loads start from: grids, and contacts that these miss."""
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.methods import patches
+from weier.methods.patches import start
+
+
+def gap_with_a_parabola(at, depth, curvature, n=16):
+    """A gap of 1 but for three nodes about a parabola that is lowest beside one of them, at -depth."""
+    gap, around = np.ones(n), np.round(at) + np.arange(-1, 2)
+    gap[around.astype(int) % n] = 0.5 * curvature * (around - at) ** 2 - depth
+    return gap
+
+
+@pytest.mark.parametrize("at", [5.3, 7.8, 15.6, -0.3])
+def test_a_contact_between_nodes_is_on_the_crest_of_a_parabola(at):
+    spacing, depth, curvature = 0.25, 1e-3, 0.04
+    gap = gap_with_a_parabola(at, depth, curvature)
+    (middle,), (half_width,), (force,) = start._contacts_between_nodes(gap, np.zeros(16, bool), spacing)
+    turns = (middle / spacing - at) / 16
+    assert turns == pytest.approx(np.round(turns), abs=1e-12)
+    reach = spacing * np.sqrt(2 * depth / curvature)
+    assert half_width == pytest.approx(start.NEW_CONTACT_WIDTH * reach)
+    # Hertz's force F = kappa a^2/4, over the spacing by which forces of nodes are multiplied, too.
+    assert force == pytest.approx(curvature / spacing**2 * half_width**2 / 4)
+
+
+def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a_node():
+    free, contact = np.zeros(16, bool), np.zeros(16, bool)
+    contact[6] = True
+    assert start._contacts_between_nodes(gap_with_a_parabola(5.3, -1e-3, 0.04), free, 1.0).shape == (3, 0)
+    assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (3, 0)
+
+
+def test_many_waves_start_from_a_rougher_grid_and_end_at_the_same_contacts(monkeypatch):
+    profile, loads, sizes = Profile(1.25, 5, 4, (0, 1, 1, 1)), [0.3, 2.0], []
+    usual, make_grid = patches.curve(profile, loads), start.Starts._make_grid
+    monkeypatch.setattr(start, "MANY_WAVES", 125)
+    monkeypatch.setattr(start.Starts, "_make_grid", lambda self, n: sizes.append(n) or make_grid(self, n))
+    rough = patches.curve(profile, loads)
+    assert sizes[0] == start.POINTS_PER_WAVE_OF_MANY < min(start.POINTS_PER_WAVE)
+    assert np.all(rough.patch_count == usual.patch_count)
+    assert np.all(abs(rough.compliance - usual.compliance) <= rough.compliance_error + usual.compliance_error)
+    assert np.all(abs(rough.resistance - usual.resistance) <= rough.resistance_error + usual.resistance_error)
