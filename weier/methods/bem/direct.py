@@ -67,7 +67,7 @@ class DenseSolver:
             self._matrix @ solved.tangent_pressure,
             solved.contact,
             max(np.abs(gap[solved.contact]).max(), -gap.min(), unbalanced),
-            solved.rounds,
+            float(solved.rounds),
         )
 
 

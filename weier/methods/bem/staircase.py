@@ -154,7 +154,13 @@ def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
 
 
 def remove_staircase(solution: NodalSolution) -> ContactPoint:
-    """Mean gap, resistance and edges in the continuum, from the solution on nodes.
+    """The solution in the continuum."""
+    return ContactPoint(*in_continuum(solution), solution.residual, solution.work)
+
+
+@kernel
+def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indices, Array]:
+    """Mean gap, resistance, nodes of contacts and their edges in the continuum, as in `ContactPoint`.
 
     Neither mean gap nor resistance is below 0. Where all gaps have closed, contact is full, and both are 0.
     """
@@ -166,17 +172,31 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
         solution.tangent_displacement,
         solution.resistance,
     )
-    first, last = contact_runs(solution.contact | closed)
-    edge = np.stack([first - beyond[1, first], last + beyond[0, last % closed.size]], axis=1).ravel()
-    is_open = first.size > 0
-    plane = max(solution.plane + of_gap, 0.0) * is_open
-    resistance = max(solution.resistance - of_resistance, 0.0) * is_open
-    return ContactPoint(plane, resistance, first, last, edge, solution.residual, solution.work)
+    for j in range(closed.size):
+        closed[j] = closed[j] or solution.contact[j]
+    first, last = contact_runs(closed)
+    edge = np.empty(2 * first.size)
+    for j in range(first.size):
+        edge[2 * j] = first[j] - beyond[1, first[j]]
+        edge[2 * j + 1] = last[j] + beyond[0, last[j] % closed.size]
+    plane, resistance = 0.0, 0.0
+    if first.size > 0:
+        plane, resistance = max(solution.plane + of_gap, 0.0), max(solution.resistance - of_resistance, 0.0)
+    return plane, resistance, first, last, edge
 
 
+@kernel
 def contact_runs(contact: Flags) -> tuple[Indices, Indices]:
-    """The first and the last node of each contact, the first one in the period; none in full contact."""
-    edge = np.flatnonzero(np.diff(contact, prepend=contact[-1:]))
-    if edge.size > 0 and not contact[edge[0]]:  # The last contact extends across the end of the period.
-        edge = np.append(edge[1:], edge[0] + contact.size)
-    return edge[::2], edge[1::2] - 1
+    """The first and the last node of each contact, the first one in the period; none in full contact.
+
+    The last node of a contact that extends across the end of the period is counted on from there.
+    """
+    n, count = contact.size, 0
+    first, last = np.empty(n // 2 + 1, np.int64), np.empty(n // 2 + 1, np.int64)
+    for i in range(n):
+        if contact[i] and not contact[i - 1]:
+            end = i
+            while contact[(end + 1) % n]:
+                end += 1
+            first[count], last[count], count = i, end, count + 1
+    return first[:count], last[:count]

@@ -119,12 +119,15 @@ def error_bound(state: ContactState, gap: float, pressure: float, width: float, 
     return float(gap + by_pressure + state.resistance * abs(carried_load(state, period) - state.load))
 
 
+@kernel
 def carried_load(state: ContactState, period: float) -> float:
     """The mean pressure that contacts carry, (pi/2) sum r a_0 / L; gaps are solved for under the load itself."""
     if state.dual:
         return state.load
-    force = 0.5 * np.pi * (state.segments.half_width @ state.coefficient[state.segments.first_node[:-1]])
-    return float(force) / period
+    segments, force = state.segments, 0.0
+    for j in range(segments.half_width.size):
+        force += 0.5 * np.pi * segments.half_width[j] * state.coefficient[segments.first_node[j]]
+    return force / period
 
 
 # An interval on a segment where the pressure (primal) or the gap (dual) is negative:
@@ -139,13 +142,15 @@ NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest relative he
 
 
 @kernel
-def _probe_points(left: Array, length: Array, series: CosineSeries) -> tuple[Array, Indices]:
+def _probe_points(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
     """Points in the intervals between segments, ascending in each, and the index of the interval of each point.
 
     In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
     The crests of the series and the middles between them are added: two crests side by side would else look like one.
     """
     crest, period, n = series.crest_position, series.period, 2 * series.crest_position.size
+    left = segments.origin + (segments.centre + segments.half_width)
+    length = distances_between(segments.origin, segments.centre, segments.half_width, period)
     turning, count, total = np.empty(n), np.empty(left.size, np.int64), n
     for k in range(crest.size):
         following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
@@ -347,7 +352,7 @@ def _tensions_from_minima(state: ContactState, minima: Records, period: float) -
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:
     """The uncertainty of a gap, in g_0, in a state that is exact for heights which differ by `error` at most."""
-    return GAP_FACTOR * error + GAP_ROUNDING * float(np.abs(series.amplitude).sum())
+    return GAP_FACTOR * error + GAP_ROUNDING * series.total_amplitude
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
@@ -369,8 +374,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
-    length = distances_between(*state.segments.extent, series.period)
-    x, interval = _probe_points(state.segments.right, length, series)
+    x, interval = _probe_points(state.segments, series)
     minima = _negative_minima(_brackets(x, interval, residual(x), 0.0), residual)
     minima["value"] += margin
     return minima
@@ -470,7 +474,7 @@ def find_missing(
         factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
         return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
-    x, interval = _probe_points(punches.segments.right, punches.gap, problem.series)
+    x, interval = _probe_points(punches.segments, problem.series)
     found = _negative_minima(_brackets(x, interval, residual(x), tolerance + margin), residual)
     found["value"] += margin
     minima = found[found["value"] < -tolerance]

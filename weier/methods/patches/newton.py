@@ -57,6 +57,7 @@ from weier.methods.patches.segments import (
     Blocks,
     ContactState,
     Segments,
+    Sides,
     apply_blocks,
     are_resolved,
     coefficient_tails,
@@ -585,20 +586,31 @@ def solve_on_segments(
 
 
 def _add_resistance(state: ContactState, system: System, grids: TwoGrids) -> tuple[ContactState, int]:
-    """The state with its resistance and the strengths B of the tangent pressure at its edges, and the corrections.
+    """The state with its resistance and the strengths of the tangent pressure at its edges, and the corrections.
 
-    An edge that moves out at the speed v turns the pressure A s^(1/2) into the tangent pressure B/s^(1/2) with
-    B = A v/2 (docs/patches.md, "Edges"). ConvergenceError is raised unless the corrections become small.
+    ConvergenceError is raised unless the corrections become small.
     """
     steps, error = _find_tangent(system, grids)
     if not error <= TANGENT_TOLERANCE:
         why = f"the resistance does not converge under the mean pressure {state.load:.6g} p_0*"
         raise ConvergenceError(why, error)
-    segments, tangent, N = state.segments, system.tangent, state.phi.size
-    shift, growth = tangent[N:-1].reshape(2, -1) * segments.half_width
-    speed = np.stack([growth - shift, growth + shift], axis=1)
-    tangent_strength = 0.5 * np.abs(segment_strengths(state) * speed)
-    return state._replace(resistance=float(tangent[-1]), tangent_strength=tangent_strength), steps
+    strength = _tangent_strengths(state, system.tangent)
+    return state._replace(resistance=float(system.tangent[-1]), tangent_strength=strength), steps
+
+
+@kernel
+def _tangent_strengths(state: ContactState, tangent: Array) -> Sides:
+    """B at the edges of each segment, shape (segments, 2).
+
+    An edge that moves out at the speed v turns the pressure A s^(1/2) into the tangent pressure B/s^(1/2) with
+    B = A v/2 (docs/patches.md, "Edges").
+    """
+    strength, N, n = segment_strengths(state), state.phi.size, state.segments.centre.size
+    for j in range(n):
+        shift, growth, r = tangent[N + j], tangent[N + n + j], state.segments.half_width[j]
+        strength[j, 0] = abs(0.5 * strength[j, 0] * (growth - shift) * r)
+        strength[j, 1] = abs(0.5 * strength[j, 1] * (growth + shift) * r)
+    return strength
 
 
 def solve_few_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
@@ -638,6 +650,7 @@ def _violations(
         margin = gap_uncertainty(limit + OVERLAP_FACTOR * residual + MAX_TENSION * scale, series)
     minima, negative = minima_outside(state, series, margin), find_negative_intervals(state)
     allowed = np.maximum(unresolved, max(tolerance, inside))[negative["segment"]]
-    if minima["value"].min(initial=0.0) < -limit or np.any(negative["relative"] < -allowed):
+    is_tensile = negative.size > 0 and np.any(negative["relative"] < -allowed)
+    if is_tensile or minima["value"].min(initial=0.0) < -limit:
         raise ConvergenceError(f"another set of contacts is in contact under the mean pressure {state.load:.6g} p_0*")
     return minima, negative, margin

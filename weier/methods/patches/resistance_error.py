@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.patches.inequalities import GAP_ROUNDING, NEW_GAP_WIDTH, SAMPLED_FACTOR, gap_uncertainty
 from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
-    Extent,
     Sides,
     at_contacts,
     contacts_of,
@@ -37,16 +35,24 @@ SMALL_EDGE_FACTOR = 2.0
 EPS = float(np.finfo(float).eps)
 
 
-def resistance_error(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
+def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """An estimate of the error of the resistance in partial contact, in g_0/p_0*."""
-    by_edges = _error_by_edges(state, series, total_amplitude)
-    by_truncation = _error_by_truncation(state, series, total_amplitude)
     by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
-    return by_iteration + by_truncation + by_edges + by_cracks + _drop_by_births(state, series)
+    return by_iteration + _error_on_contacts(state, series) + by_cracks + _drop_by_births(state, series)
 
 
-def _error_by_truncation(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
+@kernel
+def _error_on_contacts(state: ContactState, series: CosineSeries) -> float:
+    """The part of the error that does not come from missing contacts or gaps, in g_0/p_0*."""
+    strength = segment_strengths(state)
+    for j in range(len(strength)):
+        strength[j, 0], strength[j, 1] = max(abs(strength[j, 0]), 1e-300), max(abs(strength[j, 1]), 1e-300)
+    return _error_by_edges(state, strength, series) + _error_by_truncation(state, strength, series)
+
+
+@kernel
+def _error_by_truncation(state: ContactState, strength: Sides, series: CosineSeries) -> float:
     """The error of the resistance by the coefficients left out, in g_0/p_0*.
 
     The residual e on a segment of K nodes is of the order rho^-K, where the ellipse of rho goes through the nearest
@@ -54,29 +60,19 @@ def _error_by_truncation(state: ContactState, series: CosineSeries, total_amplit
     speed v = 2 B/A. The compliance is off by the mean of q e over the period, with q of the increment of the load,
     and the resistance by that of q de/dp. Rounding of gaps is taken off e, and what is left counts by
     `SAMPLED_FACTOR`, as in the bound. The resistance of many contacts is an energy, which truncation changes by a
-    square only.
-    """
-    if state.segment_residual.size == 0:
-        return 0.0
-    residual = np.maximum(state.segment_residual - GAP_ROUNDING * total_amplitude, 0.0)
-    strength = np.maximum(np.abs(segment_strengths(state)), 1e-300)
-    return _sum_over_segments(state, strength, SAMPLED_FACTOR * residual, series.period)
+    square only, so that their residuals are not given.
 
-
-@kernel
-def _sum_over_segments(state: ContactState, A: Sides, residual: Array, L: float) -> float:
-    """The sum of the weight of each segment times de/dp.
-
-    The weight is the part f of an increment of the load that a contact takes, f = pi B (2 a)^(1/2)/L if it is
-    isolated, and 1 at most. Of a gap (dual), e is a pressure times its width 2 b. The increment opens it by an
+    The weight of a segment is the part f of an increment of the load that a contact takes, f = pi B (2 a)^(1/2)/L if
+    it is isolated, and 1 at most. Of a gap (dual), e is a pressure times its width 2 b. The increment opens it by an
     ellipse of the height 2 pi b q, so that a pressure moves the mean gap by pi^2 b^2 q/L of itself, with
     B = q (b/2)^(1/2).
     """
-    segments, B, total = state.segments, state.tangent_strength, 0.0
+    segments, A, B, L, total = state.segments, strength, state.tangent_strength, series.period, 0.0
     r, n = segments.half_width, segments.half_width.size
     distance = distances_between(segments.origin, segments.centre, r, L)
-    for j in range(n):
-        if residual[j] == 0:  # as on contacts so narrow that ratios of lengths overflow
+    for j in range(state.segment_residual.size):
+        residual = SAMPLED_FACTOR * (state.segment_residual[j] - GAP_ROUNDING * series.total_amplitude)
+        if residual <= 0:  # as on contacts so narrow that ratios of lengths overflow
             continue
         growth, nearing = (B[j, 0] / A[j, 0] + B[j, 1] / A[j, 1]) / r[j], 0.0
         for side in range(2):
@@ -88,7 +84,7 @@ def _sum_over_segments(state: ContactState, A: Sides, residual: Array, L: float)
         f = np.pi * mean * np.sqrt(2 * r[j]) / L
         weight = 0.5 * np.pi * f if state.dual else min(f, 1.0)
         nodes = segments.first_node[j + 1] - segments.first_node[j]
-        total += weight * nodes * (growth + nearing) * residual[j]
+        total += weight * nodes * (growth + nearing) * residual
     return total
 
 
@@ -132,7 +128,8 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     return min(float(np.sum(advance**2 / (np.maximum(compliance, 1.0) * period))), state.resistance)
 
 
-def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: float) -> float:
+@kernel
+def _error_by_edges(state: ContactState, strength: Sides, series: CosineSeries) -> float:
     """The error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
 
     An edge that moves out by delta lowers the resistance by 2 pi^2 B^2 delta/L, where the tangent pressure is
@@ -148,35 +145,27 @@ def _error_by_edges(state: ContactState, series: CosineSeries, total_amplitude: 
     kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
     a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
     """
-    contacts = contacts_of(state.segments.extent, state.dual, series.period)
-    origin, centre, _ = contacts
-    crest, _ = nearest_crests(series, origin + centre)
-    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * total_amplitude
-    of_heights = np.asarray(state.height_error + EPS * total_amplitude * is_lower)
-    of_curvature = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
-    A = np.maximum(at_contacts(np.abs(segment_strengths(state)), state.dual), 1e-300)
-    B = at_contacts(state.tangent_strength, state.dual)
-    return _sum_over_edges(A, B, contacts, of_heights, of_curvature, series.period)
-
-
-@kernel
-def _sum_over_edges(A: Sides, B: Sides, contacts: Extent, of_heights: Array, of_curvature: float, L: float) -> float:
-    """The sum of 2 pi^2 B^2 delta/L over both edges of each contact.
-
-    A, B : strengths at the left and right edge of each contact, shape (contacts, 2)
-    of_heights : e of each contact, in g_0
-    of_curvature : rounding of the curvature of crests, in g_0/lambda_0^2
-    """
-    r, total = contacts[2], 0.0
-    gap = 0.5 * distances_between(*contacts, L)
+    L, segments, total = series.period, state.segments, 0.0
+    contacts = contacts_of((segments.origin, segments.centre, segments.half_width), state.dual, L)
+    origin, centre, r = contacts
+    distance = distances_between(origin, centre, r, L)
+    A, B = at_contacts(strength, state.dual), at_contacts(state.tangent_strength, state.dual)
+    middle, of_curvature = np.empty_like(centre), 0.0
     for j in range(r.size):
+        middle[j] = origin[j] + centre[j]
+    crest, _ = nearest_crests(series, middle)
+    for k in range(series.amplitude.size):
+        of_curvature += EPS * abs(series.amplitude[k]) * series.wavenumber[k] ** 2
+    for j in range(r.size):
+        is_lower = series.crest_offset[crest[j]] < -TWIN_HEIGHT * series.total_amplitude
+        of_heights = state.height_error + (EPS * series.total_amplitude if is_lower else 0.0)
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
         chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
-        by_force = 2 * r[j] * of_heights[j] / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
+        by_force = 2 * r[j] * of_heights / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
         for side in range(2):
-            beside = gap[j - 1 + side]
+            beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
-            move = np.sqrt(2.0) / np.pi * of_heights[j] / (A[j, side] * np.sqrt(scale)) + by_force
+            move = np.sqrt(2.0) / np.pi * of_heights / (A[j, side] * np.sqrt(scale)) + by_force
             # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
             if not move < scale:
                 move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)

@@ -221,14 +221,18 @@ class ContactState(NamedTuple):
         return origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)
 
 
-def segment_strengths(state: ContactState) -> NDArray[np.float64]:
+@kernel
+def segment_strengths(state: ContactState) -> Sides:
     """A of the pressure A s^(1/2) at the distance s from the left and right edges, shape (segments, 2), from U_k(1).
 
     In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
     """
-    first_node, scale = state.segments.first_node, np.sqrt(2 / state.segments.half_width)[:, None]
-    strength = scale * end_sums(first_node, state.coefficient * (degrees(first_node) + 1))
-    return strength / (2 * np.pi) if state.dual else strength
+    segments, coefficient = state.segments, state.coefficient.copy()
+    for j in range(segments.half_width.size):
+        factor = np.sqrt(2 / segments.half_width[j]) / (2 * np.pi if state.dual else 1.0)
+        for q in range(segments.first_node[j], segments.first_node[j + 1]):
+            coefficient[q] *= factor * (q - segments.first_node[j] + 1)
+    return end_sums(segments.first_node, coefficient)
 
 
 def edge_strengths(state: ContactState) -> Array:
@@ -239,9 +243,15 @@ def edge_strengths(state: ContactState) -> Array:
     return strength
 
 
-def at_contacts(at_segments: NDArray[np.float64], dual: bool) -> NDArray[np.float64]:
+@kernel
+def at_contacts(at_segments: Sides, dual: bool) -> Sides:
     """Values at the edges of the contacts, shape (contacts, 2): contact j is segment j, or follows gap j (dual)."""
-    return np.stack([at_segments[:, 1], np.roll(at_segments[:, 0], -1)], axis=1) if dual else at_segments
+    if not dual:
+        return at_segments
+    value, n = np.empty_like(at_segments), len(at_segments)
+    for j in range(n):
+        value[j, 0], value[j, 1] = at_segments[j, 1], at_segments[(j + 1) % n, 0]
+    return value
 
 
 @lru_cache(maxsize=256)
@@ -253,10 +263,9 @@ def _quadrature(count: int) -> tuple[Array, Array, Array, Array]:
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    first_node = np.zeros(node_count.size + 1, np.int64)
-    np.cumsum(node_count, out=first_node[1:])
-    of_nodes = zip(*map(_quadrature, node_count.tolist()), strict=True)
-    node, point, weight, log_weight = map(np.concatenate, of_nodes)
+    counts = node_count.tolist()
+    first_node = np.array([*accumulate(counts, initial=0)])
+    node, point, weight, log_weight = map(np.concatenate, zip(*map(_quadrature, counts), strict=True))
     return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
 
 
@@ -267,12 +276,17 @@ def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Ar
     return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
+@kernel
 def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
     """The contacts in order, which are the segments or, dual, lie between them and follow them."""
+    origin, centre, half_width = extent
     if not dual:
         return extent
-    (origin, centre, half_width), between = extent, 0.5 * distances_between(*extent, period)
-    return origin, centre + half_width + between, between
+    between, middle = distances_between(origin, centre, half_width, period), np.empty_like(centre)
+    for j in range(centre.size):
+        between[j] *= 0.5
+        middle[j] = centre[j] + half_width[j] + between[j]
+    return origin, middle, between
 
 
 def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
@@ -333,13 +347,15 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
     return tail
 
 
+@kernel
 def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
     """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
-    tail = coefficient_tails(segments, coefficient, 0)
-    if np.all(resolved := tail <= tolerance):
-        return resolved
-    rounding = TAIL_ROUNDING * (segments.half_width.max() / segments.half_width) ** 2
-    return tail <= np.maximum(tolerance, np.minimum(rounding, MAX_TAIL_ROUNDING))
+    tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
+    resolved = np.empty(tail.size, np.bool_)
+    for j in range(tail.size):
+        rounding = TAIL_ROUNDING * (widest / segments.half_width[j]) ** 2
+        resolved[j] = tail[j] <= max(tolerance, min(rounding, MAX_TAIL_ROUNDING))
+    return resolved
 
 
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:

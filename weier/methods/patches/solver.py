@@ -21,7 +21,7 @@ from weier.methods.patches import many_contacts, newton
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.inequalities import check_violation
 from weier.methods.patches.resistance_error import resistance_error
-from weier.methods.patches.segments import ContactState, contacts_of, edge_strengths
+from weier.methods.patches.segments import ContactState, Extent, Sides, contacts_of, edge_strengths
 from weier.methods.patches.start import MIN_TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -152,12 +152,11 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges, none = [], [], np.empty(0)
+    points, edges, period = [], [], float(profile.period)
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
         points.append((*_curve_point(starts.surface, state), steps))
-        left, half_width, _ = _sorted_contacts(state, float(profile.period)) if state is not None else 3 * [none]
-        edges.append(np.stack([left, left + 2 * half_width], axis=1).ravel())
+        edges.append(np.empty(0) if state is None else _sorted_contacts(state.extent, state.dual, period)[0].ravel())
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
     return PatchCurve._make([*map(np.array, zip(*points, strict=True)), padded])
@@ -175,7 +174,7 @@ def _curve_point(
     fraction = float(2 * half_width.sum() / series.period)
     base, fraction = (top, 1 - fraction) if state.dual else (0.0, fraction)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
-    of_R = resistance_error(state, series, total)
+    of_R = resistance_error(state, series)
     count = half_width.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
@@ -266,19 +265,19 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
-    left, half_width, order = _sorted_contacts(state, surface.heights.period)
+    edges, half_width, order = _sorted_contacts(state.extent, state.dual, surface.heights.period)
     mean_gap = (0.0 if state.dual else surface.heights.maximum) - state.approach
     strength = edge_strengths(state)[order]
-    return Solution(mean_pressure, left + half_width, half_width, strength, mean_gap, surface, state)
+    return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength, mean_gap, surface, state)
 
 
-def _sorted_contacts(state: ContactState, period: float) -> tuple[Array, Array, Indices]:
-    """Left edges in [0, L) and half-widths from left to right, and the order that sorted them."""
-    origin, centre, half_width = contacts_of(state.extent, state.dual, period)
+def _sorted_contacts(extent: Extent, dual: bool, period: float) -> tuple[Sides, Array, Indices]:
+    """Edges of contacts, the left ones in [0, L) and in order, their half-widths, and the order that sorted them."""
+    origin, centre, half_width = contacts_of(extent, dual, period)
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
-    order = np.argsort(left)
-    return left[order], half_width[order], order
+    order = left.argsort()
+    return np.array([left, left + 2 * half_width]).T[order], half_width[order], order
 
 
 def check_loads(mean_pressure: ArrayLike) -> Array:

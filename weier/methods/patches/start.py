@@ -16,10 +16,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
-from weier.methods.bem.staircase import remove_staircase
+from weier.methods.bem.staircase import NodalSolution, in_continuum
 from weier.methods.patches.inequalities import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
@@ -60,6 +60,10 @@ TANGENT_TOLERANCE = 1e-2
 # better: their guess has Hertz's pressure, and their indentation keeps its digits at light loads.
 MAX_NODE_RATIO = 0.7
 
+# Middle and half-width of contacts or gaps, in lambda_0, and the force that each contact carries, in p_0* lambda_0,
+# shape (3, segments)
+Places = NDArray[np.float64]
+
 
 class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
@@ -86,36 +90,53 @@ class Starts:
         guess = None
         is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
         for per_wave in (POINTS_PER_WAVE_OF_MANY, *POINTS_PER_WAVE) if is_large else POINTS_PER_WAVE:
-            if (found := self._nodal_contacts(load, per_wave)) is not None:
-                guess = contacts_guess(self.surface, load, *found, tolerance)
+            if (found := self._contacts_on_grid(load, per_wave)) is not None:
+                guess = contacts_guess(self.surface, load, found, tolerance)
                 yield guess
         # Just below a merger, contacts may be cut and merged again and again. As segments, their gaps stay.
         if guess is not None and not guess.dual:
             yield gaps_guess(self.surface, guess)
 
-    def _nodal_contacts(self, load: float, per_wave: int) -> tuple[Array, Array, Array] | None:
-        """Middle, half-width and force of each contact on a grid; None where no gap is left, or no solution is found.
-
-        The force of a contact is that of its nodes.
-        """
+    def _contacts_on_grid(self, load: float, per_wave: int) -> Places | None:
+        """The contacts of a grid; None where no gap is left, or no solution is found."""
         solution = self._grid(per_wave).solve_discrete(load, True, TANGENT_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
-        corrected = remove_staircase(solution)
-        if corrected.edge.size == 0:
-            return None
-        left, right = corrected.edge.reshape(-1, 2).T
-        start = corrected.first[0]
-        force = np.add.reduceat(np.roll(solution.pressure, -start), corrected.first - start)
-        carries, spacing = (force > 0) & (right > left), self.surface.heights.period / solution.contact.size
-        nodal = np.stack([0.5 * (left + right), 0.5 * (right - left), force])[:, carries] * spacing
-        missed = _contacts_between_nodes(solution.gap + (corrected.plane - solution.plane), solution.contact, spacing)
-        return tuple(np.concatenate([nodal, missed], axis=1))
+        found = _nodal_contacts(solution, self.surface.heights.period / solution.contact.size)
+        return found if found.size > 0 else None
 
 
 @kernel
-def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> NDArray[np.float64]:
-    """Middle, half-width and force of contacts on crests that stand above the plane between nodes, shape (3, missed).
+def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
+    """The contacts of a grid, whose force is that of their nodes, and those that stand above the plane between nodes.
+
+    There are none where no gap is left.
+    """
+    plane, _, first, last, edge = in_continuum(solution)
+    n, count, gap = first.size, 0, solution.gap.copy()
+    if n == 0:
+        return np.empty((3, 0))
+    for i in range(gap.size):
+        gap[i] += plane - solution.plane
+    missed = _contacts_between_nodes(gap, solution.contact, spacing)
+    found = np.empty((3, n + missed.shape[1]))
+    for j in range(n):
+        left, right, force = edge[2 * j], edge[2 * j + 1], 0.0
+        for i in range(first[j], last[j] + 1):
+            force += solution.pressure[i % solution.pressure.size]
+        if force > 0 and right > left:
+            found[0, count], found[1, count] = 0.5 * spacing * (left + right), 0.5 * spacing * (right - left)
+            found[2, count] = spacing * force
+            count += 1
+    for j in range(missed.shape[1]):
+        found[0, count], found[1, count], found[2, count] = missed[0, j], missed[1, j], missed[2, j]
+        count += 1
+    return found[:, :count]
+
+
+@kernel
+def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Places:
+    """The contacts on crests that stand above the plane between nodes.
 
     A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
     """
@@ -134,32 +155,24 @@ def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> NDArr
     return found[:, :count]
 
 
-def _make_guess(
-    series: CosineSeries, load: float, dual: bool, middle: Array, half_width: Array, force: Array | float
-) -> ContactState:
+def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -> ContactState:
     """Segments in any order, on as few nodes as a guess has, with Hertz's largest pressure.
 
-    force : that each contact carries, in p_0* lambda_0; 0 for gaps, whose slope Newton's method finds
+    Gaps are given without a force, as Newton's method finds their slope.
     """
-    order, turns = in_order(middle, series.period)
-    middle, half_width, pressure = (middle - turns)[order], half_width[order], (2 / np.pi * force / half_width)[order]
-    crest, origin, centre = from_crests(series, middle)
+    order, turns = in_order(places[0], series.period)
+    half_width, force = places[1:, order]
+    crest, origin, centre = from_crests(series, (places[0] - turns)[order])
     count = estimate_node_count((origin, centre, half_width), series, COARSE_TOLERANCE)
     segments = make_segments(crest, origin, centre, half_width, count)
-    return ContactState(dual, load, 0.0, segments, np.repeat(pressure, count))
+    return ContactState(dual, load, 0.0, segments, np.repeat(2 / np.pi * force / half_width, count))
 
 
-def contacts_guess(
-    surface: Surface, load: float, middle: Array, half_width: Array, force: Array, tolerance: float
-) -> ContactState:
-    """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes.
-
-    middle, half_width : of the contacts, in lambda_0, shape (contacts,)
-    force : that each carries, in p_0* lambda_0, shape (contacts,)
-    """
-    guess = _make_guess(surface.heights, load, False, middle, half_width, force)
+def contacts_guess(surface: Surface, load: float, contacts: Places, tolerance: float) -> ContactState:
+    """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
+    guess = _make_guess(surface.heights, load, False, contacts)
     gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
-    if np.all(gaps[2] > 0):
+    if gaps[2].min() > 0:
         needed = estimate_node_count(guess.segments.extent, surface.heights, tolerance).sum()
         if estimate_node_count(gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
             return gaps_guess(surface, guess)
@@ -169,18 +182,68 @@ def contacts_guess(
 def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
     """A guess on the gaps between contacts."""
     origin, centre, half_width = contacts_of(contacts.segments.extent, True, surface.heights.period)
-    return _make_guess(surface.tensions, contacts.load, True, origin + centre, half_width, 0.0)
+    gaps = np.stack([origin + centre, half_width, np.zeros_like(centre)])
+    return _make_guess(surface.tensions, contacts.load, True, gaps)
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
+    found = _hertz_contacts(series, load)
+    return _make_guess(series, load, False, found) if found.size > 0 else None
+
+
+def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
+    """The gaps where full contact would be in tension, if they are so small that they do not act on each other."""
+    found = _gaps_in_tension(series, load)
+    return _make_guess(series, load, True, found) if found.size > 0 else None
+
+
+@kernel
+def _hertz_contacts(series: CosineSeries, load: float) -> Places:
+    """The contacts of `isolated_contacts`; none if they are not isolated."""
     curvature, total = series.crest_curvature, load * series.period
     # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return None
+        return np.empty((3, 0))
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
-    crest = np.flatnonzero(force)
-    return _isolated_guess(series, load, False, crest, 2 * np.sqrt(force[crest] / curvature[crest]), force[crest])
+    half_width = np.zeros(force.size)
+    for k in range(force.size):
+        if force[k] > 0:
+            half_width[k] = 2 * np.sqrt(force[k] / curvature[k])
+    return _isolated(series, half_width, force)
+
+
+@kernel
+def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
+    """The gaps of `isolated_gaps`; none if they are not isolated."""
+    most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
+    # The widest gap is no narrower than one under this tension on the sharpest crest.
+    if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return np.empty((3, 0))
+    half_width = np.zeros(curvature.size)
+    for k in range(curvature.size):
+        if most + series.crest_offset[k] > 0:
+            half_width[k] = 2 * np.sqrt((most + series.crest_offset[k]) / curvature[k])
+    return _isolated(series, half_width, np.zeros(curvature.size))
+
+
+@kernel
+def _isolated(series: CosineSeries, half_width: Array, force: Array) -> Places:
+    """Segments on the crests where the half-width is positive.
+
+    None are found if one is wider than its parabola, or so wide that they act on each other.
+    """
+    position, found, count = series.crest_position, np.empty((3, force.size)), 0
+    for k in range(force.size):
+        if half_width[k] > 0:
+            found[0, count], found[1, count], found[2, count] = position[k], half_width[k], force[k]
+            count += 1
+    widest, nearest = half_width.max(), np.inf
+    for j in range(count):
+        following = found[0, j + 1] if j + 1 < count else found[0, 0] + series.period
+        nearest = min(nearest, following - found[0, j])
+    is_isolated = widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * nearest)
+    return found[:, : count if is_isolated else 0]
 
 
 @kernel
@@ -215,7 +278,10 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
             height[i] = offset[k]
         matrix[count, count], height[count] = 0.0, total  # The sum of the forces is the load.
-        found = np.linalg.solve(matrix, height)
+        inverse, found = np.linalg.inv(matrix), np.zeros(count + 1)  # which is compiled in a tenth of solve's time
+        for i in range(count + 1):
+            for j in range(count + 1):
+                found[i] += inverse[i, j] * height[j]
         approach, is_settled = -found[count] - OFFSET * total, True
         for i in range(count):
             before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
@@ -231,25 +297,3 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         if is_settled:
             return force
     return np.zeros(n)
-
-
-def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
-    """The gaps where full contact would be in tension, if they are so small that they do not act on each other."""
-    most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
-    # The widest gap is no narrower than one under this tension on the sharpest crest.
-    if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return None
-    crest = np.flatnonzero(most + series.crest_offset > 0)
-    half_width = 2 * np.sqrt((most + series.crest_offset[crest]) / curvature[crest])
-    return _isolated_guess(series, load, True, crest, half_width, 0.0)
-
-
-def _isolated_guess(
-    series: CosineSeries, load: float, dual: bool, crest: Indices, half_width: Array, force: Array | float
-) -> ContactState | None:
-    """A guess on crests in order; None if one is wider than its parabola, or so wide that they act on each other."""
-    position, widest = series.crest_position[crest], half_width.max(initial=0.0)
-    distance = np.append(position[1:], position[:1] + series.period) - position
-    if crest.size == 0 or not widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * distance.min()):
-        return None
-    return _make_guess(series, load, dual, position, half_width, force)

@@ -39,6 +39,7 @@ class CosineSeries(NamedTuple):
 
     amplitude : a_n, in the unit of S, shape (terms,)
     wavenumber : k_n, in radians per lambda_0, increasing, shape (terms,)
+    total_amplitude : sum |a_n|, in the unit of S
     period : L, in lambda_0
     step : between nodes that S is expanded about, in lambda_0
     expansion : of S - max S in the distance over the step, about the crests and then about all nodes,
@@ -53,6 +54,7 @@ class CosineSeries(NamedTuple):
 
     amplitude: Array
     wavenumber: Array
+    total_amplitude: float
     period: float
     step: float
     expansion: Expansions
@@ -117,6 +119,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     return CosineSeries(
         amplitude,
         wavenumber,
+        most,
         float(period),
         step,
         np.concatenate([about, nodes]),
