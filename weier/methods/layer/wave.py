@@ -290,4 +290,5 @@ def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float,
         at = slice(i, i + 1)
         state[at], residual[at] = _approach(float(log_load[i]), closure, mesh, limit[at])
     h, rate, tangent = _finish(state, log_load, closure, mesh)
+    residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may take a singular matrix for a regular one
     return Solutions(h, rate, residual, state, tangent)
