@@ -20,7 +20,7 @@ FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 
 def solve_from_grid(profile, load):
     starts = Starts(profile, 1e-10)
-    return solve_many_contacts(starts.surface, list(starts.guesses(load, TOLERANCE))[1], TOLERANCE)
+    return solve_many_contacts(starts.surface, list(starts.guesses(load))[1], TOLERANCE)
 
 
 def edges_of(state):
@@ -76,7 +76,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
         gap = np.append(left[1:], left[0] + 1) - right
         left, right = left + 0.3 * gap, right + 0.3 * gap
     force = np.full(left.size, load / left.size)
-    guess = contacts_guess(surface, load, np.stack([0.5 * (left + right), 0.5 * (right - left), force]), 1e-10)
+    guess = contacts_guess(surface, load, np.stack([0.5 * (left + right), 0.5 * (right - left), force]))
     again, _ = solve_many_contacts(surface, guess, TOLERANCE)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
@@ -85,9 +85,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
 def test_an_edge_at_a_narrow_gap_tells_nothing_of_the_opposite_one():
     """The pressure beside the gap is nearly 0, and changed its sign in each step that made the other edge move."""
     starts = Starts(Profile(1.25, 5, 6, (0.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1e-10)
-    assert (
-        solve_many_contacts(starts.surface, next(starts.guesses(0.5623413251903491, TOLERANCE)), TOLERANCE)[1] <= 10
-    )
+    assert solve_many_contacts(starts.surface, next(starts.guesses(0.5623413251903491)), TOLERANCE)[1] <= 10
 
 
 @one_thread
@@ -98,7 +96,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     surface = surface_of(profile)
     coarse = patches.solve_load(fewer, min(load, 5.0))
     force = np.full(coarse.centre.size, load / coarse.centre.size)
-    guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width, force]), 1e-10)
+    guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width, force]))
     state, steps = solve_many_contacts(surface, guess, TOLERANCE)
     expected = patches.solve_load(profile, load).state
     assert steps < 30

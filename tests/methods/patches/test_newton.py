@@ -99,8 +99,6 @@ def test_a_guess_with_the_wrong_contacts_is_refused():
     assert not contacts.state.dual
     assert contacts.centre.size > 2
     force = np.full(contacts.centre.size - 1, 0.5 / (contacts.centre.size - 1))
-    guess = contacts_guess(
-        contacts.surface, 0.5, np.stack([contacts.centre[1:], contacts.half_width[1:], force]), 1e-10
-    )
+    guess = contacts_guess(contacts.surface, 0.5, np.stack([contacts.centre[1:], contacts.half_width[1:], force]))
     with pytest.raises(ConvergenceError, match=r"another set of contacts|Newton's method fails"):
         newton.solve_few_contacts(contacts.surface, guess, 1e-10)

@@ -227,7 +227,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 def _solve_relative(starts: Starts, load: float, tolerance: float) -> tuple[ContactState, int]:
     """The state in partial contact with a relative tolerance, and the steps to it."""
     failure, guesses = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*"), []
-    rest = starts.guesses(load, tolerance)
+    rest = starts.guesses(load)
     for guess in rest:
         guesses.append(guess)
         if guess.segments.centre.size >= many_contacts.MIN_CONTACTS:

@@ -59,6 +59,9 @@ TANGENT_TOLERANCE = 1e-2
 # Gaps are solved for where they need at most so many times the nodes of the contacts. At equal cost contacts are
 # better: their guess has Hertz's pressure, and their indentation keeps its digits at light loads.
 MAX_NODE_RATIO = 0.7
+# They are compared by the nodes for this tolerance, whatever is required: by those for 1e-4, loads were solved for
+# contacts that took up to three times as long as their gaps.
+COMPARED_TOLERANCE = 1e-10
 
 # Middle and half-width of contacts or gaps, in lambda_0, and the force that each contact carries, in p_0* lambda_0,
 # shape (3, segments)
@@ -82,8 +85,8 @@ class Starts:
         tolerance = min(GRID_TOLERANCE, WAVE_FRACTION * abs(float(self.profile.amplitude[-1])))
         return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
 
-    def guesses(self, load: float, tolerance: float) -> Iterator[ContactState]:
-        """Guesses under this load, the most likely first, for densities within a relative tolerance."""
+    def guesses(self, load: float) -> Iterator[ContactState]:
+        """Guesses under this load, the most likely first."""
         for find, series in ((isolated_contacts, self.surface.heights), (isolated_gaps, self.surface.tensions)):
             if (isolated := find(series, load)) is not None:
                 yield isolated
@@ -91,7 +94,7 @@ class Starts:
         is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
         for per_wave in (POINTS_PER_WAVE_OF_MANY, *POINTS_PER_WAVE) if is_large else POINTS_PER_WAVE:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
-                guess = contacts_guess(self.surface, load, found, tolerance)
+                guess = contacts_guess(self.surface, load, found)
                 yield guess
         # Just below a merger, contacts may be cut and merged again and again. As segments, their gaps stay.
         if guess is not None and not guess.dual:
@@ -168,13 +171,13 @@ def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -
     return ContactState(dual, load, 0.0, segments, np.repeat(2 / np.pi * force / half_width, count))
 
 
-def contacts_guess(surface: Surface, load: float, contacts: Places, tolerance: float) -> ContactState:
+def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactState:
     """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
     guess = _make_guess(surface.heights, load, False, contacts)
     gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
     if gaps[2].min() > 0:
-        needed = estimate_node_count(guess.segments.extent, surface.heights, tolerance).sum()
-        if estimate_node_count(gaps, surface.tensions, tolerance).sum() < MAX_NODE_RATIO * needed:
+        needed = estimate_node_count(guess.segments.extent, surface.heights, COMPARED_TOLERANCE).sum()
+        if estimate_node_count(gaps, surface.tensions, COMPARED_TOLERANCE).sum() < MAX_NODE_RATIO * needed:
             return gaps_guess(surface, guess)
     return guess
 
