@@ -5,6 +5,7 @@ import pytest
 
 from weier import Profile
 from weier.methods import patches
+from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import start
 
 
@@ -45,3 +46,32 @@ def test_many_waves_start_from_a_rougher_grid_and_end_at_the_same_contacts(monke
     assert np.all(rough.patch_count == usual.patch_count)
     assert np.all(abs(rough.compliance - usual.compliance) <= rough.compliance_error + usual.compliance_error)
     assert np.all(abs(rough.resistance - usual.resistance) <= rough.resistance_error + usual.resistance_error)
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        (Profile(1.331776812957171, 25, 2, (1.4759218287830584, 4.610210342717793)), 2.1840867360023095),
+        (Profile(1.9996563120900952, 5, 3, (1.8906146266840476, 2.3211360991711354, 2.6565707882292036)), 18.99409),
+    ],
+)
+def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profile, load):
+    """Few nodes hid that these need fewer: contacts took up to three times as long."""
+    for tolerance in (1e-4, 1e-10):
+        state = patches.solve_load(profile, load, tolerance).state
+        assert state is not None
+        assert state.dual
+
+
+@pytest.mark.parametrize(
+    ("nodes", "runs"),
+    [
+        ([1, 1, 0, 0, 1, 0, 1], ([4, 6], [4, 8])),
+        ([0, 1, 1, 0, 0, 0, 0], ([1], [2])),
+        ([1, 0, 0, 0, 0, 0, 0], ([0], [0])),
+        ([1, 1, 1, 1], ([], [])),
+    ],
+)
+def test_a_contact_across_the_end_of_the_period_is_counted_on(nodes, runs):
+    first, last = contact_runs(np.array(nodes, bool))
+    assert (first.tolist(), last.tolist()) == runs

@@ -154,7 +154,7 @@ def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
 
 
 def remove_staircase(solution: NodalSolution) -> ContactPoint:
-    """The solution in the continuum."""
+    """The solution in the continuum from the one on nodes (`in_continuum`)."""
     return ContactPoint(*in_continuum(solution), solution.residual, solution.work)
 
 
@@ -172,13 +172,14 @@ def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indice
         solution.tangent_displacement,
         solution.resistance,
     )
-    for j in range(closed.size):
-        closed[j] = closed[j] or solution.contact[j]
-    first, last = contact_runs(closed)
+    contact = solution.contact.copy()
+    for j in range(contact.size):
+        contact[j] = contact[j] or closed[j]
+    first, last = contact_runs(contact)
     edge = np.empty(2 * first.size)
     for j in range(first.size):
         edge[2 * j] = first[j] - beyond[1, first[j]]
-        edge[2 * j + 1] = last[j] + beyond[0, last[j] % closed.size]
+        edge[2 * j + 1] = last[j] + beyond[0, last[j] % contact.size]
     plane, resistance = 0.0, 0.0
     if first.size > 0:
         plane, resistance = max(solution.plane + of_gap, 0.0), max(solution.resistance - of_resistance, 0.0)
