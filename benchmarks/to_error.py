@@ -30,7 +30,7 @@ from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.bem import curve as solve_curve
-from weier.theory.tables import significant
+from weier.tables import significant
 
 # The problem, which is that of `python -m benchmarks`, and the programs.
 PROFILE = Profile(D=1.25, gamma=5, m=3, phases=PHASES)

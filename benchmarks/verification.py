@@ -15,8 +15,8 @@ from weier.methods import bem, error_model, patches
 from weier.methods.plan_part import QUANTITIES
 from weier.methods.planned.solver import PlannedCurve
 from weier.methods.registry import PLANNED, find_method
+from weier.surface.profile import Profile, RandomPhases, random_phases
 from weier.theory.bounds import complete_bounds
-from weier.theory.profile import Profile, RandomPhases, random_phases
 
 # The random series: their ratios, sizes, phases and loads.
 GAMMAS = ("3/2", "2", "5/2", "3", "4", "5")

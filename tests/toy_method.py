@@ -11,7 +11,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method, Settings, Style
 from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 MIN_LOAD = 0.05  # p_0*: it offers itself to plans from here on
 

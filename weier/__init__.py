@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
     from weier.methods.errors import OutOfReachError as OutOfReachError
-    from weier.methods.fields import events as events
-    from weier.methods.fields import fields as fields
+    from weier.pipeline.fields import events as events
+    from weier.pipeline.fields import fields as fields
     from weier.pipeline.plan import plan as plan
     from weier.pipeline.solve import solve as solve
+    from weier.surface.measured.trace import Trace as Trace
+    from weier.surface.profile import Profile as Profile
+    from weier.surface.profile import random_phases as random_phases
+    from weier.surface.spectrum import fit as fit
     from weier.theory.conduction import Interface as Interface
-    from weier.theory.profile import Profile as Profile
-    from weier.theory.profile import random_phases as random_phases
-    from weier.theory.spectrum import fit as fit
-    from weier.theory.trace import Trace as Trace
 
 __version__ = VERSION
 
@@ -33,16 +33,16 @@ _MODULES = {
     "Interface": "theory.conduction",
     "NotApplicableError": "methods.errors",
     "OutOfReachError": "methods.errors",
-    "Profile": "theory.profile",
-    "Trace": "theory.trace",
-    "events": "methods.fields",
-    "fields": "methods.fields",
-    "fit": "theory.spectrum",
+    "Profile": "surface.profile",
+    "Trace": "surface.measured.trace",
+    "events": "pipeline.fields",
+    "fields": "pipeline.fields",
+    "fit": "surface.spectrum",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",
     "plan": "pipeline.plan",
     "profile_of": "data.selection",
-    "random_phases": "theory.profile",
+    "random_phases": "surface.profile",
     "solve": "pipeline.solve",
 }
 __all__ = sorted([*_MODULES, "__version__"])

@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parent
-KERNELS = ("kernels", "theory", "methods")  # All compiled functions are in these folders.
+KERNELS = (
+    "checks.py",
+    "tables.py",
+    "kernels",
+    "surface",
+    "theory",
+    "methods",
+)  # All compiled functions are in these folders.
 # The text files of the package have these suffixes.
 SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 

@@ -202,7 +202,7 @@ def test_a_method_is_announced_once(capsys):
         "weier.methods.bem.grids",
         "weier.methods.bem.edges",
         "weier.methods.chebyshev",
-        "weier.theory.line",
+        "weier.surface.measured.line",
     ):
         jit.announce(module)
     assert capsys.readouterr().err.splitlines() == [

@@ -6,7 +6,7 @@ import pytest
 from tests.extreme_series import CORNERS, EPS, assert_sums, extreme_cases
 from weier.methods import archard, demelio
 from weier.methods import multiprecision as exact
-from weier.theory.series import leading_amplitude
+from weier.surface.series import leading_amplitude
 
 either = pytest.mark.parametrize("estimate", [archard, demelio])
 

@@ -9,7 +9,7 @@ from weier.figures import style
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.settings import check_names, defaults
-from weier.theory.profile import random_phases
+from weier.surface.profile import random_phases
 
 INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
 

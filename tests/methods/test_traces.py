@@ -14,8 +14,8 @@ from weier.methods.bem import error_model
 from weier.methods.errors import NotApplicableError
 from weier.methods.patches.error_model import BYTES_WAVE
 from weier.methods.patches.surface import surface_of
-from weier.theory.profile import Profile
-from weier.theory.trace import Trace
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
 
 UNIT = 1e-6  # m
 

@@ -11,7 +11,7 @@ from weier.methods.progress import count_load, reporting_to
 from weier.methods.registry import find_method
 from weier.pipeline import progress
 from weier.pipeline.progress import ERASE, Loads, Progress, waiting
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 LOADS = np.array([0.1, 0.3, 1.0])
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)

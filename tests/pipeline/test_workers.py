@@ -12,9 +12,9 @@ import pytest
 import xarray as xr
 
 import weier
+from weier import checks
 from weier.data.variables import Status
 from weier.pipeline.workers import LOST, CurveTask, solve_curves
-from weier.theory import arguments
 
 LOADS = np.array([0.01, 0.1, 1.0])
 SERIES = [weier.Profile(1.25, 5, 3, weier.random_phases(seed)) for seed in range(3)]
@@ -68,9 +68,9 @@ def test_a_count_of_workers_that_cannot_be_is_refused(count, came):
 
 
 def test_all_cores_are_those_that_the_process_may_use(monkeypatch):
-    monkeypatch.setattr(arguments.os, "sched_getaffinity", lambda process: {0, 2, 5}, raising=False)
-    assert arguments.checked_workers(-1) == 3
-    assert arguments.checked_workers(np.int64(4)) == 4
+    monkeypatch.setattr(checks.os, "sched_getaffinity", lambda process: {0, 2, 5}, raising=False)
+    assert checks.checked_workers(-1) == 3
+    assert checks.checked_workers(np.int64(4)) == 4
 
 
 SCRIPT = """

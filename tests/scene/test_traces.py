@@ -14,7 +14,7 @@ from weier.figures import checks, comparison, page, traces
 from weier.figures.page import explorer
 from weier.pipeline.gather import gather, read_cost, read_study
 from weier.scene import BY_DEFAULT, Case
-from weier.theory import instruments
+from weier.surface.measured import instruments
 
 X = 1e-6 * np.arange(64)
 HEIGHTS = 1e-6 * np.cos(2 * np.pi * X / 64e-6) + 2e-7 * np.sin(2 * np.pi * X / 16e-6)

@@ -7,8 +7,8 @@ from scipy.optimize import minimize_scalar
 from tests.reference import REFERENCES
 from weier import Profile
 from weier.methods import westergaard
+from weier.surface.series import amplitude, tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
-from weier.theory.series import amplitude, tail_amplitude
 
 D, GAMMA = 1.25, 5
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from weier.methods import westergaard
-from weier.methods.fields import fields
+from weier.pipeline.fields import fields
 from weier.pipeline.solve import solve
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
 from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
-from weier.theory.profile import Profile
-from weier.theory.trace import Trace
 
 STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
 COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}

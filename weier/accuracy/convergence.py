@@ -16,8 +16,8 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
 from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
-from weier.theory.loads import checked_loads
-from weier.theory.profile import PARAMETERS, Profile
+from weier.surface.loads import checked_loads
+from weier.surface.profile import PARAMETERS, Profile
 
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 

@@ -19,10 +19,10 @@ from weier.kernels.arrays import Array
 from weier.methods import multiprecision, patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method, Reference, Variant
-from weier.theory.crests import find_crests
-from weier.theory.expansions import expand
-from weier.theory.limits import resolvable
-from weier.theory.profile import Profile
+from weier.surface.crests import find_crests
+from weier.surface.expansions import expand
+from weier.surface.limits import resolvable
+from weier.surface.profile import Profile
 
 MIN_TOUCH = 1e-20  # p_0*: below it Hertz's formula is exact in double precision, as its relative error is a few p.
 TOUCH_HEIGHT = 1e-12  # g_0: at such loads, only crests closer than this to the highest one touch.

@@ -20,7 +20,7 @@ from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 # The median of so many runs counts. Other programs lengthen some runs, and the clock of a virtual machine may shorten
 # others.

@@ -9,17 +9,17 @@ from typing import Any
 import click
 import numpy as np
 
+from weier.checks import checked_workers, nearest
 from weier.data.files import check_target
 from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, described, methods_with
-from weier.theory.arguments import checked_workers, nearest
-from weier.theory.heights import DETREND, MAX_GAP, MISSING
-from weier.theory.instruments import AXES
-from weier.theory.loads import MAX_LOADS, positive_loads
-from weier.theory.trace import ENDS
-from weier.theory.units import UNITS
+from weier.surface.loads import MAX_LOADS, positive_loads
+from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
+from weier.surface.measured.instruments import AXES
+from weier.surface.measured.trace import ENDS
+from weier.surface.measured.units import UNITS
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]

@@ -14,7 +14,7 @@ from weier.methods.plan_part import QUANTITIES
 from weier.methods.registry import PLANNED
 from weier.pipeline.progress import waiting
 from weier.scene import Case
-from weier.theory.loads import check_range
+from weier.surface.loads import check_range
 
 PRESSURES = loads_option(None, f"Mean pressures, as for `weier solve`  [default: those of the scene, or {LOADS}].")
 

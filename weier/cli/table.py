@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
+from weier.checks import suggestion
 from weier.cli.options import FILE, STDOUT, output
 from weier.data.files import write_text
 from weier.data.yaml import number, parse_yaml
-from weier.theory.arguments import suggestion
 from weier.theory.conduction import Interface, at_scale_of
 
 if TYPE_CHECKING:

@@ -17,12 +17,12 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from weier.checks import shown
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
 from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
-from weier.theory.arguments import shown
 
 
 def curve(

@@ -14,10 +14,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from weier.checks import checked_number, checked_numbers, shown
 from weier.data.variables import CURVE, VARIABLES
 from weier.kernels.arrays import Flags
-from weier.theory.arguments import checked_number, checked_numbers, shown
-from weier.theory.profile import PARAMETERS, Profile, checked_ratio
+from weier.surface.profile import PARAMETERS, Profile, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from weier.theory.arguments import checked_number, shown
+from weier.checks import checked_number, shown
 
 MAX_CHARACTERS = 10**6  # A file has at most so many characters, which bounds time and memory.
 MAX_VALUES = 10**6  # A file has at most so many values after aliases are expanded, for the same reason.

@@ -11,7 +11,7 @@ from weier.methods.plan_part import COMPLIANCE, QUANTITIES
 from weier.methods.registry import PLANNED, find_method, numerical_names
 from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 # Names of parameters in sentences.
 NOUNS = {name: name for name in PARAMETERS}

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from weier import scene
+from weier.checks import suggestion
 from weier.figures import kinds
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
 from weier.scene.figure import PHASES
 from weier.scene.study import CaseProduct
-from weier.theory.arguments import suggestion
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 
 def load_scene(path: str | Path) -> Scene:

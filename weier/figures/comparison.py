@@ -27,8 +27,8 @@ from weier.methods.plan_part import COMPLIANCE, RESISTANCE
 from weier.methods.registry import PLANNED, names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
+from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import Interface, at_scale_of
-from weier.theory.profile import PARAMETERS
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
 MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from weier.figures import lines, style
 from weier.methods import curves
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 CAPTION = (
     "The infinite series. Bands are bounds, which hold for all phases of the unresolved terms: the more terms k are "

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.methods import registry
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 CAPTION = (
     "Correct digits of the compliance of one profile by every method, over the whole range of floats as loads; and "

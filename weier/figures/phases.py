@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import lines, style
 from weier.methods import curves
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 CAPTION = (
     "The effect of the phase between the waves on the compliance over mean pressure. A dashed line is one phase, "

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.methods import curves
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 CAPTION = "The profiles over two of their longest wavelengths."
 

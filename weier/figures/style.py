@@ -18,7 +18,7 @@ from weier.methods import curves, registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
-from weier.theory.profile import MAX_DENOMINATOR, PARAMETERS
+from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import lines, style
 from weier.methods import curves
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 # Each panel has one value of these parameters.
 BESIDE_TERMS = [name for name in PARAMETERS if name != "m"]

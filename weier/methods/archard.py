@@ -23,7 +23,7 @@ from weier.kernels.arrays import Array
 from weier.methods.estimate import multiprecision_sums, solve_by
 from weier.methods.flattened import Remaining, remaining
 from weier.methods.method import Method, Style
-from weier.theory.series import full_contact_pressure
+from weier.surface.series import full_contact_pressure
 
 LN2 = np.log(2)
 NEGLIGIBLE = 1e-20  # It keeps differences positive, and is less than their rounding.

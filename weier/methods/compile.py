@@ -11,10 +11,10 @@ import numpy as np
 from weier.kernels import jit
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.fields import events, fields
 from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
-from weier.theory.profile import Profile
+from weier.pipeline.fields import events, fields
+from weier.surface.profile import Profile
 
 # Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.
 LOADS = np.geomspace(1e-3, 10, 16)

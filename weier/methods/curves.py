@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
-from weier.theory.profile import PARAMETERS, Profile
+from weier.surface.profile import PARAMETERS, Profile
 
 if TYPE_CHECKING:
     import xarray as xr

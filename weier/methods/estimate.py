@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.error_model import estimate_error
 from weier.methods.method import Estimate, Reference
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # The arguments are loads, D, gamma and m.
 

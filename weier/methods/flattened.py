@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.theory.series import amplitude, full_contact_pressure, leading_amplitude
+from weier.surface.series import amplitude, full_contact_pressure, leading_amplitude
 
 # Terms in the place of m = inf: no sum in double precision differs between the two, and their difference is 0.
 INFINITE_TERMS = 1e300

@@ -18,9 +18,9 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.plan_part import PlanPart, Task
-from weier.theory.limits import check_resolvable
-from weier.theory.profile import Profile
-from weier.theory.waves import Waves
+from weier.surface.limits import check_resolvable
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
 

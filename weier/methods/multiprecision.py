@@ -14,7 +14,7 @@ import mpmath as mp
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Reference
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 DIGITS = 50  # Cancellation in the sums leaves far more than the 16 digits of a double.
 Pair = tuple[Any, Any]

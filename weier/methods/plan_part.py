@@ -12,7 +12,7 @@ import numpy as np
 
 from weier.data.variables import QUANTITIES as QUANTITIES
 from weier.kernels.arrays import Array
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 COMPLIANCE, RESISTANCE = QUANTITIES
 

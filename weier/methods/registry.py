@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from weier.checks import checked_word
 from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
-from weier.theory.arguments import checked_word
-from weier.theory.profile import Profile
-from weier.theory.waves import Waves
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 METHODS: tuple[Method, ...] = (
     westergaard.METHOD,

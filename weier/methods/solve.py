@@ -9,7 +9,7 @@ from typing import Any
 from weier.kernels.arrays import Array
 from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.method import Method
-from weier.theory.waves import Waves
+from weier.surface.waves import Waves
 
 
 def solve_checked(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any]) -> tuple[Any, float]:

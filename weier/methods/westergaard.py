@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Estimate, Method, Style
 from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 
 def compliance(xi: ArrayLike) -> Array:

@@ -23,8 +23,8 @@ from weier.pipeline.progress import LOG_SECONDS
 from weier.pipeline.workers import CurveTask, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
+from weier.surface.limits import resolvable
 from weier.theory.bounds import first_contact, infinite_series_bounds
-from weier.theory.limits import resolvable
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]

@@ -12,9 +12,9 @@ from weier.methods.registry import PLANNED, find_method
 from weier.pipeline.batches import Missing
 from weier.pipeline.plan import plan
 from weier.scene import Case, Scene
-from weier.theory.profile import Profile
-from weier.theory.tables import significant
-from weier.theory.waves import Waves
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
+from weier.tables import significant
 
 LONG = 30.0  # seconds: shorter solutions need no announcement.
 MAX_SECONDS = 1e5  # A solution of more than a day is refused. Explicit settings, whose cost is unknown, are not.

@@ -9,17 +9,17 @@ from typing import Any, overload
 
 from numpy.typing import ArrayLike
 
+from weier.checks import hinting, shown
 from weier.methods import registry
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
 from weier.methods.planned.plan import plan as plan_profile
 from weier.methods.registry import PLANNED
 from weier.scene import Case, Scene
-from weier.theory.arguments import hinting, shown
-from weier.theory.loads import listed_loads
-from weier.theory.profile import Profile
-from weier.theory.tables import significant
-from weier.theory.trace import Trace
+from weier.surface.loads import listed_loads
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
+from weier.tables import significant
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.pipeline.solve import settings_by_method
 from weier.scene import Case
 from weier.scene.case import trace_parameters
-from weier.theory.loads import check_range, unit_doubt
+from weier.surface.loads import check_range, unit_doubt
 
 OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
 

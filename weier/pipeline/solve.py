@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_flag, checked_workers, hinting, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
@@ -17,9 +18,8 @@ from weier.methods.method import Method, unsolved
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.methods.solve import solve_checked
-from weier.theory.arguments import checked_flag, checked_workers, hinting, shown
-from weier.theory.loads import listed_loads, unit_doubt
-from weier.theory.waves import Waves, checked_surface
+from weier.surface.loads import listed_loads, unit_doubt
+from weier.surface.waves import Waves, checked_surface
 
 
 @hinting

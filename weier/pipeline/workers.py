@@ -22,8 +22,8 @@ from weier.methods.progress import reporting_to
 from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.pipeline.progress import Loads, Progress
-from weier.theory.profile import PARAMETERS
-from weier.theory.waves import Waves
+from weier.surface.profile import PARAMETERS
+from weier.surface.waves import Waves
 
 # The message where the pool of processes breaks.
 LOST = (

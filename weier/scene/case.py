@@ -15,10 +15,10 @@ import numpy as np
 
 from weier.data.yaml import number
 from weier.methods.registry import find_method
-from weier.theory.limits import check_resolvable
-from weier.theory.profile import Profile, RandomPhases, random_phases
-from weier.theory.trace import Trace
-from weier.theory.waves import Waves
+from weier.surface.limits import check_resolvable
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile, RandomPhases, random_phases
+from weier.surface.waves import Waves
 
 # Limits of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.

@@ -18,7 +18,7 @@ from weier.scene.case import Case
 from weier.scene.figure import Figure
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
-from weier.theory.limits import resolvable
+from weier.surface.limits import resolvable
 
 Item = TypeVar("Item")
 MAX_BATCH_CASES = 1000  # A process that solves and writes so many cases together takes 0.3 GB.

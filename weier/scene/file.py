@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from weier.checks import checked_file, shown, suggestion
 from weier.data.variables import of_curves
 from weier.data.yaml import number, read_yaml
 from weier.kernels.arrays import Array
@@ -33,10 +34,9 @@ from weier.scene.study import (
     distinct_values,
     products,
 )
-from weier.theory.arguments import checked_file, shown, suggestion
+from weier.surface.loads import check_range, listed_loads
+from weier.surface.profile import PARAMETERS, Profile
 from weier.theory.conduction import Interface
-from weier.theory.loads import check_range, listed_loads
-from weier.theory.profile import PARAMETERS, Profile
 
 # The names of scenes are names of files and parts of paths of Snakemake.
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
+from weier.checks import MAX_SHOWN
 from weier.data.yaml import Document
-from weier.theory.arguments import MAX_SHOWN
 
 MAX_LISTED = 30  # A message lists at most so many mistakes, to fit on a screen.
 

@@ -10,10 +10,10 @@ from importlib.resources import files
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from weier.checks import shown, suggestion
 from weier.methods.registry import names
 from weier.scene.mistakes import Keys, Mistake
-from weier.theory.arguments import shown, suggestion
-from weier.theory.units import UNITS
+from weier.surface.measured.units import UNITS
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError

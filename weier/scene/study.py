@@ -19,7 +19,7 @@ import numpy as np
 from weier.data.yaml import number
 from weier.kernels.arrays import Indices
 from weier.scene.case import Case, identity
-from weier.theory.profile import random_phases
+from weier.surface.profile import random_phases
 
 MAX_CASES = 10_000  # By default, more cases are refused, since a typing error would take hours.
 MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.

@@ -1,4 +1,1 @@
-"""The surface and what is known of its contact in closed form: series, phases, half-plane, bounds, conduction.
-
-Imports nothing else of weier but kernels.
-"""
+"""Physics in closed form: the half-plane, bounds, conduction, and the rough punch of Borodich and Galanov."""

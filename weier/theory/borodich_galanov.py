@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_numbers
 from weier.kernels.arrays import Array
-from weier.theory.arguments import checked_numbers
 
 
 def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:

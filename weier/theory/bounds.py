@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.theory.profile import Profile
-from weier.theory.waves import Waves
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 
 def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:

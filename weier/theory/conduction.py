@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import Condition, checked_number, checked_numbers, shown
 from weier.kernels.arrays import Array
-from weier.theory.arguments import Condition, checked_number, checked_numbers, shown
-from weier.theory.tables import html_table
+from weier.tables import html_table
 
 beyond_floats = np.errstate(over="ignore")  # Values larger than the largest float become inf.
 

@@ -7,7 +7,7 @@ import numpy as np
 from weier import Profile
 from weier.methods import bem, hybrid, patches
 from weier.methods.hybrid.truncation_bounds import MESH_FRACTION
-from weier.theory.profile import RandomPhases
+from weier.surface.profile import RandomPhases
 
 
 class OnePlace(RandomPhases):

@@ -17,7 +17,7 @@ from weier.methods.layer.scales import Model, finer_waves, scale_on
 from weier.methods.layer.solver import ACCURACY, POINTS
 from weier.methods.layer.tables import BOTTOM_POSITIONS, position_of
 from weier.methods.layer.wave import midpoints
-from weier.theory.series import tail_amplitude
+from weier.surface.series import tail_amplitude
 
 # Newton's method misses these from the first guess: close to D = 2 errors add up over hundreds of scales, and where
 # gamma is close to 1 the spline through the rows bends where the wave is pressed flat.

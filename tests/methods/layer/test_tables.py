@@ -14,7 +14,7 @@ from weier.methods.layer.scales import Model
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, _may_be_infinite
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
 from weier.methods.layer.wave import midpoints
-from weier.theory.series import tail_amplitude
+from weier.surface.series import tail_amplitude
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.02, 5, math.inf), (1.5, 3, 3), (1.75, 2, math.inf), (1.98, 4, 30)])

@@ -15,11 +15,11 @@ from weier.accuracy.reference import is_in_reach
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.fields import events
 from weier.methods.method import Method, Settings, Variant
+from weier.pipeline.fields import events
 from weier.scene import Case
-from weier.theory.limits import resolvable
-from weier.theory.profile import Profile
+from weier.surface.limits import resolvable
+from weier.surface.profile import Profile
 
 MAX_RUN_SECONDS = 60.0  # A method is left out if it takes longer for a curve and for its loads one by one.
 MIN_NODES, MAX_NODES = 3, 2**20  # The coarsest and the finest grid of the extremes.
@@ -98,7 +98,7 @@ def _name(method: Method, algorithm: Settings) -> str:
 
 
 def around_events(case: Case, apart: float = 0.0) -> Array:
-    """The loads around the births and merges of contacts, which `weier.methods.fields.events` finds.
+    """The loads around the births and merges of contacts, which `weier.pipeline.fields.events` finds.
 
     The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
     `apart`, in rad.

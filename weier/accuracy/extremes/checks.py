@@ -15,8 +15,8 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods import westergaard
 from weier.methods.method import Noise
+from weier.surface.profile import Profile
 from weier.theory.bounds import compliance_bounds, resistance_bounds
-from weier.theory.profile import Profile
 
 
 class Stated(NamedTuple):

@@ -19,7 +19,7 @@ from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, VARIABLES, Check
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Variant
 from weier.methods.registry import find_method
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 # The checks of each curve, by the names of their variables.
 CHECKS = {

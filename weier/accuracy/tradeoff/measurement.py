@@ -19,8 +19,8 @@ from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Variant
 from weier.scene import Scene
-from weier.theory.limits import check_resolvable
-from weier.theory.profile import Profile
+from weier.surface.limits import check_resolvable
+from weier.surface.profile import Profile
 
 OWN = {
     **{name: VARIABLES[name] for name in ("seconds", "compliance_deviation", "resistance_deviation")},

@@ -35,7 +35,7 @@ from weier.pipeline.claims.claim import Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
 from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_dataset
 from weier.scene import Scene
-from weier.theory.tables import largest, significant
+from weier.tables import largest, significant
 
 # Headings of the columns of errors.
 ERRORS = {name: f"largest {entry.largest}" for name, entry in VARIABLES.items() if entry.largest}

@@ -18,7 +18,7 @@ from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.figures.traces import names_of_traces
 from weier.methods.registry import numerical_names
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 MAX_CASES = 2000  # A thousand cases of 40 loads by four methods take 1.7 MB of the page.
 # Labels that select a case. The last one distinguishes cases by studies and settings.

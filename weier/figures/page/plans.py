@@ -11,7 +11,7 @@ import xarray as xr
 
 from weier.data.variables import Status
 from weier.methods.registry import PLANNED, numerical_names
-from weier.theory.tables import largest, significant
+from weier.tables import largest, significant
 
 REFERENCE = numerical_names()[0]  # Errors are measured against this method if a scene runs it.
 NOTE = (

@@ -31,7 +31,7 @@ from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nested_grids, refine
 from weier.methods.bem.staircase import EDGE, NodalSolution
-from weier.theory.waves import Waves
+from weier.surface.waves import Waves
 
 # The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
 # The staircase of R, a few thousandths of it on the usual grids, has a relative error of 1e-4.

@@ -15,8 +15,8 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
 from weier.methods.bem.staircase import NodalSolution
+from weier.surface.waves import Waves
 from weier.theory.halfplane import influence_coefficients
-from weier.theory.waves import Waves
 
 MAX_ROUNDS = 100  # A load that starts from the one before takes 2 to 8 rounds of dropping and adding nodes.
 

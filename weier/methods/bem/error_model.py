@@ -13,9 +13,9 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.grids import MIN_POINTS_PER_CARRIED_WAVE
 from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
+from weier.surface.crests import SAMPLES_PER_WAVE, countable, sample
+from weier.surface.waves import Waves
 from weier.theory.bounds import chord_bounds, first_contact
-from weier.theory.crests import SAMPLES_PER_WAVE, countable, sample
-from weier.theory.waves import Waves
 
 # A crest half a node off the grid is missed by z'' (dx/2)^2/2 = z'' dx^2/8. That is the error at first touch; no
 # larger one was measured at any load. Here z'' is per square radian of the finest wave, so that dx is 2 pi over its

@@ -10,8 +10,8 @@ from weier.kernels.arrays import Array
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.solver import check_max_residual, check_residual, checked_points, full_contact_load
-from weier.theory.loads import checked_load
-from weier.theory.waves import Waves
+from weier.surface.loads import checked_load
+from weier.surface.waves import Waves
 
 
 class Field(NamedTuple):

@@ -15,8 +15,8 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.surface.waves import Waves
 from weier.theory.halfplane import eigenvalues, influence_coefficients
-from weier.theory.waves import Waves
 
 MIN_POINTS_PER_CARRIED_WAVE = 8  # Points for each of the finest waves that a grid carries; fewer miss its crests.
 MIN_POINTS = 128  # On fewer nodes a grid saves less than its steps cost.

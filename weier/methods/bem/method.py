@@ -15,8 +15,8 @@ from weier.methods.bem.solver import BemCurve, check_words, checked_points, curv
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
-from weier.theory.limits import check_points
-from weier.theory.waves import Waves
+from weier.surface.limits import check_points
+from weier.surface.waves import Waves
 
 PAPER_POINTS = 12  # Points for each of the finest waves, as the paper has them.
 MAX_POINTS_COMPARED = 100_000  # Points in one period in comparisons: a load then takes tens of milliseconds.

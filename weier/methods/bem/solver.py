@@ -11,16 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import active_set, direct, error_model
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.staircase import ContactPoint, contact_on_nodes, remove_staircase
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load
-from weier.theory.arguments import checked_number, shown
-from weier.theory.limits import check_points, check_resolvable
-from weier.theory.loads import checked_loads
-from weier.theory.waves import Waves
+from weier.surface.limits import check_points, check_resolvable
+from weier.surface.loads import checked_loads
+from weier.surface.waves import Waves
 
 # Points for each of the finest waves by default: R is then within 1 % at nine of ten loads (docs/numerics.md).
 POINTS_PER_WAVE = 64

@@ -17,7 +17,7 @@ from weier.methods.hybrid import error_model
 from weier.methods.hybrid.closure import MAX_LOAD
 from weier.methods.hybrid.solver import MAX_POINTS, MIN_LOAD, POINTS_PER_WAVE, curve, default_points
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
-from weier.theory.profile import Profile, terms_within
+from weier.surface.profile import Profile, terms_within
 
 
 def candidates(task: Task) -> Iterator[PlanPart]:

@@ -13,7 +13,7 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 from weier.methods import layer
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 ROWS = 400  # Rows of ln p as a cubic in ln s, which is then as accurate as the table of the layer itself.
 MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*; the rows extend over these loads.

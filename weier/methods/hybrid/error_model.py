@@ -10,7 +10,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.error_model import CREST_LOAD, partial_contact_factor
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 # Error of the compliance over the amplitude of the tail, at light loads and at heavy ones. At light loads it is that
 # of first contact, which was lower by 1.18 at most than the layer has it, on 3000 series of random phases, 0 and pi.

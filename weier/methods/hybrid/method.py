@@ -7,7 +7,7 @@ from weier.methods.hybrid.candidates import candidates
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Noise, Style
-from weier.theory.profile import Profile, terms_within
+from weier.surface.profile import Profile, terms_within
 
 DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes: a load takes tens of milliseconds.
 

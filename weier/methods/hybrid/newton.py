@@ -14,8 +14,8 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.hybrid.closure import NodalClosure, pressure_at, s_at
 from weier.methods.progress import count_load
+from weier.surface.profile import Profile
 from weier.theory.halfplane import eigenvalues
-from weier.theory.profile import Profile
 
 MAX_STEPS = 60
 # Relative residuals of the linear equations: of a step, which the next one corrects, and of the resistance.

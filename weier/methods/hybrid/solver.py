@@ -18,9 +18,9 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
 from weier.methods.hybrid.truncation_bounds import bounds, check_infinite
+from weier.surface.loads import checked_loads
+from weier.surface.profile import Profile
 from weier.theory.halfplane import influence_coefficients
-from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
 
 # Points for each of the finest resolved waves, at least: the error is within 9e-4 of their amplitude, as the layer
 # rounds the edges of contact.

@@ -14,9 +14,9 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, error_model
 from weier.methods.errors import NotApplicableError
 from weier.methods.progress import reporting_to
+from weier.surface.loads import checked_loads
+from weier.surface.profile import Profile
 from weier.theory.bounds import complete_bounds
-from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
 
 MESH_FRACTION = 0.1  # The error of boundary elements for the bounds, over the amplitude of the tail.
 # Their residual, over the same, and in g_0 at most: the tail of a gamma close to 1 is many times as high.

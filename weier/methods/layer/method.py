@@ -10,8 +10,8 @@ from weier.methods.estimate import offer
 from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
 from weier.methods.plan_part import PlanPart, Task
-from weier.theory.limits import resolvable
-from weier.theory.profile import Profile
+from weier.surface.limits import resolvable
+from weier.surface.profile import Profile
 
 POINTS_COMPARED = (6, 24)
 # A mesh of twice the points leaves a quarter of the error at most, and serves as the reference.

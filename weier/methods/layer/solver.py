@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_count, checked_number, checked_numbers
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import westergaard
@@ -21,8 +22,7 @@ from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import Mesh, midpoints
-from weier.theory.arguments import checked_count, checked_number, checked_numbers
-from weier.theory.series import checked_dimension, checked_terms, tail_amplitude
+from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
 
 POINTS = 24  # The compliance is then within 5e-6 of the total amplitude; see the notes of `curve`.
 ACCURACY = 1e-5

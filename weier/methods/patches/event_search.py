@@ -32,7 +32,7 @@ from weier.methods.patches.segments import ContactState, contacts_of
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
-from weier.theory.waves import Waves
+from weier.surface.waves import Waves
 
 MAX_DECADES = 1.0  # The search begins with loads so many decades apart, and halves these intervals where needed.
 # Where an edge has advanced by more than this, in the finest waves, it may have passed a minimum of the gap and a

@@ -16,8 +16,8 @@ from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
-from weier.theory.profile import Profile
-from weier.theory.waves import Waves
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 # Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3

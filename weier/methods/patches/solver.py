@@ -30,8 +30,8 @@ from weier.methods.patches.surface import (
     nearest_crests,
 )
 from weier.methods.progress import count_load
-from weier.theory.loads import checked_loads
-from weier.theory.waves import Waves
+from weier.surface.loads import checked_loads
+from weier.surface.waves import Waves
 
 TOLERANCE = 1e-10
 # The largest relative tolerance of Newton's steps, coefficients and residuals: looser ones take no less time, since

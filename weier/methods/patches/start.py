@@ -32,8 +32,8 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import CosineSeries, Surface, surface_of
 from weier.methods.punches import OFFSET
+from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
-from weier.theory.waves import Waves
 
 # Tolerances of the compliance, in g_0: rounding allows none below, and the largest is all that one wave yields.
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0

@@ -18,10 +18,10 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.theory.crests import crest_heights, find_crests
-from weier.theory.expansions import ORDER, Expansions, expand
-from weier.theory.limits import check_resolvable
-from weier.theory.waves import Waves
+from weier.surface.crests import crest_heights, find_crests
+from weier.surface.expansions import ORDER, Expansions, expand
+from weier.surface.limits import check_resolvable
+from weier.surface.waves import Waves
 
 # Over the sum of amplitudes: crests that differ by less than the first, which is rounding of the phases, are equally
 # high. Those that differ by less than the second are compared in more digits than a float has, since their difference

@@ -16,7 +16,7 @@ from weier.methods.method import Method
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.methods.planned import forecast
 from weier.methods.planned.truncations import chord_tasks, resolvable_lengths, truncation_tasks
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 FULL_CONTACT = "full contact"
 

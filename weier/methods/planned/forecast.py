@@ -16,8 +16,8 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, layer
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import reporting_to
-from weier.theory.crests import SAMPLES_PER_WAVE, countable
-from weier.theory.profile import Profile, terms_within
+from weier.surface.crests import SAMPLES_PER_WAVE, countable
+from weier.surface.profile import Profile, terms_within
 
 MAX_COUNTED_WAVES = 256  # The contacts of so many waves in a period are counted in 20 to 40 ms.
 # Points for each of the finest waves, and residual in g_0, that suffice to count contacts.

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from weier.checks import checked_word
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Noise, Style
 from weier.methods.plan_part import COMPLIANCE, QUANTITIES
 from weier.methods.planned.plan import TOLERANCE
 from weier.methods.planned.solver import PlannedCurve, curve
-from weier.theory.arguments import checked_word
-from weier.theory.profile import Profile
+from weier.surface.profile import Profile
 
 
 def _check(profile: Profile, quantity: str = COMPLIANCE, **others: Any) -> None:

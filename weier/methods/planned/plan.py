@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array, Flags
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method
 from weier.methods.plan_part import COMPLIANCE, QUANTITIES, RESISTANCE, PlanPart
 from weier.methods.planned.candidates import candidates
 from weier.methods.planned.truncations import expected_chords, resolvable_lengths
-from weier.theory.arguments import checked_number, checked_word
-from weier.theory.loads import checked_loads
-from weier.theory.profile import Profile
-from weier.theory.tables import html_table, significant, text_table
+from weier.surface.loads import checked_loads
+from weier.surface.profile import Profile
+from weier.tables import html_table, significant, text_table
 
 TOLERANCE = 1e-3
 MIN_LOAD = 1e-300  # p_0*; contact patches and the layer take none lighter.

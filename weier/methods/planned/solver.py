@@ -21,9 +21,9 @@ from weier.methods.method import Method
 from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart
 from weier.methods.planned.plan import Plan, plan, within_reach
 from weier.methods.progress import reporting_to
+from weier.surface.profile import Profile
+from weier.tables import significant
 from weier.theory.bounds import chord_bounds, complete_bounds
-from weier.theory.profile import Profile
-from weier.theory.tables import significant
 
 ROUNDING = 1e-9  # Rounding of errors, over the tolerance: those expected and those stated are sums of the same terms.
 # A part is stopped after so many times the seconds planned, but not before the second.

@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.bem.error_model import MAX_POINTS, MIN_MEASURED_POINTS
 from weier.methods.plan_part import COMPLIANCE, Task
 from weier.methods.planned import forecast
-from weier.theory.profile import Profile, terms_within
+from weier.surface.profile import Profile, terms_within
 
 MAX_LENGTHS = 4  # So many numbers of terms are compared, from the fewest whose tail the tolerance allows.
 # Error that a method may have where chords bound the resistance, over the amplitude left out.

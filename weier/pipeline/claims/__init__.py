@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
 
+from weier.checks import suggestion
 from weier.data.files import write_text
 from weier.methods import curves
 from weier.pipeline.batches import Solutions
@@ -13,7 +14,6 @@ from weier.pipeline.claims import report
 from weier.pipeline.claims.claim import Cases, Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.scene import Mistake, Scene
-from weier.theory.arguments import suggestion
 
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 
 from weier.data.variables import Check
-from weier.theory.tables import significant
+from weier.tables import significant
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,8 +13,8 @@ from weier.kernels.arrays import Array, Flags
 from weier.methods import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims.claim import Case, MissingError
+from weier.surface.series import tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
-from weier.theory.series import tail_amplitude
 
 ESTIMATES = ("archard", "demelio", "layer")  # These are the three approximations of Section 4.
 LOW_COMPLIANCE = 0.5  # Low loads have less than this fraction of the compliance at full contact, and high loads more.

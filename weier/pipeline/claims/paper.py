@@ -24,7 +24,7 @@ from weier.pipeline.claims.claim import (
     positive,
 )
 from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
-from weier.theory.profile import PARAMETERS
+from weier.surface.profile import PARAMETERS
 
 # Limits that stand for words of the paper.
 CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.

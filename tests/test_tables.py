@@ -3,8 +3,8 @@
 import numpy as np
 
 import weier
-from weier.theory.profile import MAX_TERMS_SHOWN
-from weier.theory.tables import html_table, significant, text_table
+from weier.surface.profile import MAX_TERMS_SHOWN
+from weier.tables import html_table, significant, text_table
 
 HEADER, ROWS = ("a", "long name", "why"), [["1234", "b", "as it is"], ["5", "c", ""]]
 

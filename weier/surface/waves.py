@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_count, checked_numbers, shown
 from weier.kernels.arrays import Array
-from weier.theory.arguments import checked_count, checked_numbers, shown
-from weier.theory.crests import highest_crest, sample
+from weier.surface.crests import highest_crest, sample
 
 MAX_POINTS = 10**7  # A sampled period, and so a grid, has at most so many points, which take 80 MB.
 MAX_X = 1e15  # lambda_0: beyond it the rounding of a float is of the order of a wavelength.

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from weier.theory.trace import Trace
+from weier.surface.measured.trace import Trace
 
 X, Y = np.arange(80), np.arange(40)
 MAP = np.cos(2 * np.pi * X / 20)[:, None] + 0.1 * np.cos(2 * np.pi * Y / 10 + 1)[None, :]  # um

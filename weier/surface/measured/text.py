@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from weier.checks import shown
 from weier.kernels.arrays import Array
-from weier.theory.arguments import shown
-from weier.theory.heights import MAX_HEIGHTS
-from weier.theory.line import Line
-from weier.theory.units import units_in
+from weier.surface.measured.artefacts import MAX_HEIGHTS
+from weier.surface.measured.line import Line
+from weier.surface.measured.units import units_in
 
 HEAD = 2**16  # The kind and the encoding of a file are recognised from so many bytes.
 UNEVEN = 0.01  # Positions in files are rounded, so that equal steps may differ by this part of a step.

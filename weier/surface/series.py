@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_number
 from weier.kernels.arrays import Array
-from weier.theory.arguments import checked_number
 
 INFINITE = ("inf", ".inf", "infinity")  # Python and YAML write infinity in these ways.
 MAX_TERMS = 10**6  # A finite series has at most so many terms, since its amplitudes are an array.

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
-from weier.theory.expansions import (
+from weier.surface.expansions import (
     NODES_PER_WAVE,
     ORDER,
     Expansions,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from weier.checks import checked_word, hinting
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
-from weier.theory.arguments import checked_word, hinting
-from weier.theory.limits import check_resolvable
-from weier.theory.loads import checked_load
-from weier.theory.waves import Waves, checked_surface
+from weier.surface.limits import check_resolvable
+from weier.surface.loads import checked_load
+from weier.surface.waves import Waves, checked_surface
 
 # The meaning and unit of each variable.
 ATTRIBUTES = {

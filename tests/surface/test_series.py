@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.theory.series import amplitude, full_contact_pressure, leading_amplitude, tail_amplitude
+from weier.surface.series import amplitude, full_contact_pressure, leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
 

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from weier.checks import checked_count, checked_number, checked_numbers, shown
 from weier.kernels.arrays import Array
-from weier.theory import series
-from weier.theory.arguments import checked_count, checked_number, checked_numbers, shown
-from weier.theory.tables import html_table
-from weier.theory.waves import Waves
+from weier.surface import series
+from weier.surface.waves import Waves
+from weier.tables import html_table
 
 # The parameters that define a series beside its phases: fields of a profile, and coordinates of data.
 PARAMETERS = ("D", "gamma", "m")

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
 
+from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.theory.arguments import checked_number, shown
-from weier.theory.profile import Profile, checked_ratio
-from weier.theory.series import amplitude
-from weier.theory.tables import html_table
-from weier.theory.trace import DECIMAL_ROUNDING, Trace
+from weier.surface.measured.trace import DECIMAL_ROUNDING, Trace
+from weier.surface.profile import Profile, checked_ratio
+from weier.surface.series import amplitude
+from weier.tables import html_table
 
 WAVES_IN_LENGTH = 4  # By default, the longest waves compared fit so many times into the trace: fewer are no sample.
 MIN_RATIO = 4.0  # The slope of a spectrum over less than two octaves is too uncertain.

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_number, checked_numbers
 from weier.kernels.arrays import Array, Indices
-from weier.theory.arguments import checked_number, checked_numbers
-from weier.theory.waves import Waves
+from weier.surface.waves import Waves
 
 MAX_LOADS = 10_000  # A scene or a command has at most so many loads, so that a typing error does not fill the memory.
 LOAD_RANGE = 1e-12, 1e12  # p_0*: rounding leaves few digits of the compliance beyond this range.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from weier.theory.arguments import shown
-from weier.theory.profile import Profile
-from weier.theory.waves import MAX_POINTS, Waves
+from weier.checks import shown
+from weier.surface.profile import Profile
+from weier.surface.waves import MAX_POINTS, Waves
 
 MAX_WAVES = 100_000  # So many of the finest waves in a period take 6.4 million nodes by default, and 1.2 GB.
 # A message suggests a gamma of small numbers that differs by at most this from the given one, relative.

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.theory.limits import check_resolvable
-from weier.theory.profile import Profile, random_phases
-from weier.theory.series import leading_amplitude, tail_amplitude
+from weier.surface.limits import check_resolvable
+from weier.surface.profile import Profile, random_phases
+from weier.surface.series import leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
 EXAMPLES = [

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from weier.theory.profile import Profile
-from weier.theory.spectrum import fit
-from weier.theory.trace import Trace
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
+from weier.surface.spectrum import fit
 
 LAMBDA, HEIGHT = 1e-3, 2e-6  # of the coarsest wave, in m
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from weier.theory.trace import Trace
+from weier.surface.measured.trace import Trace
 
 N = np.arange(200)
 BASE = np.cos(2 * np.pi * N / 50) + 0.2 * np.cos(2 * np.pi * N / 9 + 1)  # um

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from weier.theory.units import length_unit, unit_of
+from weier.surface.measured.units import length_unit, unit_of
 
 
 class Line(NamedTuple):

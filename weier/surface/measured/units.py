@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from weier.theory.arguments import checked_word, shown
+from weier.checks import checked_word, shown
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
 UNITS = {

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from weier.theory.arguments import checked_count, checked_word, shown
-from weier.theory.columns import NoTableError, read_columns
-from weier.theory.line import Line
-from weier.theory.units import length_unit
+from weier.checks import checked_count, checked_word, shown
+from weier.surface.measured.line import Line
+from weier.surface.measured.text import NoTableError, read_columns
+from weier.surface.measured.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
 AXES = ("x", "y")  # The axes of a map, in the order of its array.

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.theory import crests
-from weier.theory.crests import find_crests, highest_crest, sample
-from weier.theory.expansions import expand, phase_angle
+from weier.surface import crests
+from weier.surface.crests import find_crests, highest_crest, sample
+from weier.surface.expansions import expand, phase_angle
 
 
 def heights_and_tensions(profile):

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from weier.checks import checked_count, checked_number, checked_numbers, checked_word
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.theory.arguments import checked_count, checked_number, checked_numbers, checked_word
 
 # Fewer heights say too little about a spectrum. The upper limit bounds time and memory.
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6

@@ -22,18 +22,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier.checks import checked_file, checked_number, checked_word, shown
 from weier.kernels.arrays import Array, Indices
-from weier.theory import heights as measured
-from weier.theory.arguments import checked_file, checked_number, checked_word, shown
-from weier.theory.columns import on_grid
-from weier.theory.heights import Filled
-from weier.theory.instruments import lines_of, read_lines
-from weier.theory.limits import MAX_WAVES
-from weier.theory.line import Line, line_of_array
-from weier.theory.profile import PARAMETERS
-from weier.theory.tables import html_table
-from weier.theory.units import UNITS, agreed_unit, known_unit
-from weier.theory.waves import Waves
+from weier.surface.limits import MAX_WAVES
+from weier.surface.measured import artefacts as measured
+from weier.surface.measured.artefacts import Filled
+from weier.surface.measured.instruments import lines_of, read_lines
+from weier.surface.measured.line import Line, line_of_array
+from weier.surface.measured.text import on_grid
+from weier.surface.measured.units import UNITS, agreed_unit, known_unit
+from weier.surface.profile import PARAMETERS
+from weier.surface.waves import Waves
+from weier.tables import html_table
 
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # A tapered trace falls to its mean over this part of its length at each end.

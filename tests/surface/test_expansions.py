@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weier.theory.expansions import ORDER, count_nodes, derivatives, expand, expand_at, move, values
+from weier.surface.expansions import ORDER, count_nodes, derivatives, expand, expand_at, move, values
 
 ROUNDING = 8 * np.finfo(float).eps  # of a transform, and of a polynomial
 

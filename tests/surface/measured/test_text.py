@@ -6,8 +6,8 @@ import zipfile
 import numpy as np
 import pytest
 
-from weier.theory.trace import Trace
-from weier.theory.units import units_in
+from weier.surface.measured.trace import Trace
+from weier.surface.measured.units import units_in
 
 N = np.arange(200)
 X = N / 200  # mm

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from weier.theory.profile import Profile
-from weier.theory.trace import Trace
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
 
 EPS = np.finfo(float).eps
 LENGTH = 4e-3  # m

@@ -1,0 +1,1 @@
+"""Surfaces: the series and its phases, waves of any surface, crests, the spectrum, and measured heights."""
