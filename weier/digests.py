@@ -13,14 +13,7 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parent
-KERNELS = (
-    "checks.py",
-    "tables.py",
-    "kernels",
-    "surface",
-    "theory",
-    "methods",
-)  # All compiled functions are in these folders.
+KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these folders.
 # The text files of the package have these suffixes.
 SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
 

@@ -36,7 +36,7 @@ def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
     """numba alone returns the old constant; the folder's name brings a fresh compilation."""
     package = tmp_path / "weier"
     package.mkdir()
-    for name in ("", "kernels", "theory"):
+    for name in ("", "kernels", "surface", "theory"):
         (package / name).mkdir(exist_ok=True)
         (package / name / "__init__.py").touch()
     for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
