@@ -17,10 +17,10 @@ import pytest
 import weier
 from tests.scenes import scene_in, solve_scene
 from weier import scene
-from weier.data import variables
+from weier.data import curves, variables
 from weier.data.variables import Check
 from weier.figures import kinds
-from weier.methods import curves, registry
+from weier.methods import registry
 from weier.pipeline import batch, claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.claim import judge

@@ -13,8 +13,8 @@ from weier import figures
 from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
-from weier.methods.compile import compile_kernels
 from weier.pipeline import batch
+from weier.pipeline.compile import compile_kernels
 from weier.pipeline.gather import gather
 from weier.scene import Figure
 
@@ -75,6 +75,6 @@ def test_it_is_compiled_with_the_others(monkeypatch):
     def noted(profile, loads, method, settings):
         solved.append((method.name, settings))
 
-    monkeypatch.setattr("weier.methods.compile.solve_checked", noted)
+    monkeypatch.setattr("weier.pipeline.compile.solve_checked", noted)
     compile_kernels()
     assert ("toy", {"fraction": 0.1}) in solved

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 
 from tests.scenes import scene_in, solve_scene
 from weier import figures, scene
-from weier.data import dataset
+from weier.data import curves, dataset
 from weier.data.variables import Status
 from weier.figures import style, truncation
 from weier.figures.captions import caption
-from weier.methods import curves, registry
+from weier.methods import registry
 from weier.methods.method import Style
 from weier.pipeline.gather import read_study
 

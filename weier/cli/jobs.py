@@ -47,7 +47,7 @@ def ending_at_once() -> Iterator[None]:
 @click.argument("methods", nargs=-1)
 def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
-    from weier.methods.compile import compile_kernels  # only this command needs it
+    from weier.pipeline.compile import compile_kernels  # only this command needs it
 
     with job("compile", *methods), ending_at_once():
         compile_kernels(methods)

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from weier.data import curves
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
-from weier.methods import curves
 from weier.methods.plan_part import COMPLIANCE, RESISTANCE
 from weier.methods.registry import PLANNED, names, numerical_names
 from weier.scene import Grouping

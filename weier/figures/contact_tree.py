@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import style
 from weier.kernels.arrays import Array
-from weier.methods import curves
 
 CAPTION = (
     "The profile and, below it, its contacts over mean pressure. Contacts are born as points, grow, and "

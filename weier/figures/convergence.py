@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from weier.data import curves
 from weier.figures import lines, style
-from weier.methods import curves
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from weier.data import curves
 from weier.kernels.arrays import Array, Flags
-from weier.methods import curves
 
 PIECES = 8  # So many segments between two loads look smooth in print.
 DECADES = 4  # A resistance that falls to 0 is drawn over so many decades, more than an axis shows.

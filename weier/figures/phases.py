@@ -11,8 +11,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import lines, style
-from weier.methods import curves
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import style
-from weier.methods import curves
 from weier.surface.profile import Profile
 
 CAPTION = "The profiles over two of their longest wavelengths."

@@ -13,8 +13,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.data.variables import VARIABLES
-from weier.methods import curves, registry
+from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS

@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import truncation
-from weier.methods import curves
 
 CAPTION = (
     "The effect of additional terms on the compliance. All series have the datum of the undeformed infinite series "

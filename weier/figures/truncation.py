@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import lines, style
-from weier.methods import curves
 from weier.surface.profile import PARAMETERS
 
 # Each panel has one value of these parameters.

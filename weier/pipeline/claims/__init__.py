@@ -7,8 +7,8 @@ from functools import cache, partial
 from pathlib import Path
 
 from weier.checks import suggestion
+from weier.data import curves
 from weier.data.files import write_text
-from weier.methods import curves
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.claim import Cases, Claim, Judgement, judge

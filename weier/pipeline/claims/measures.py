@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from weier.data import curves
 from weier.kernels.arrays import Array, Flags
-from weier.methods import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims.claim import Case, MissingError
 from weier.surface.series import tail_amplitude

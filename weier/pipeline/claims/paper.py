@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from weier.methods import curves
+from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
 from weier.pipeline.claims.claim import (

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from tests.marks import compiled
-from weier.methods.compile import compile_kernels
+from weier.pipeline.compile import compile_kernels
 
 # In a process that has solved nothing before, and so remembers no result: a kernel is compiled if Python calls it, or
 # if one that is compiled names it, since numba compiles the branches that are not taken as well.
@@ -30,7 +30,7 @@ def inside(kernel):
 
 Kernel.__call__ = noted
 from numba.types import BaseNamedTuple, BaseTuple
-from weier.methods.compile import compile_kernels
+from weier.pipeline.compile import compile_kernels
 
 def names_fields(kind):
     return isinstance(kind, BaseNamedTuple) or isinstance(kind, BaseTuple) and any(map(names_fields, kind))
@@ -60,5 +60,5 @@ def test_every_kernel_is_compiled_and_returns_no_named_tuple():
 
 def test_nothing_is_run_where_nothing_is_compiled(monkeypatch):
     monkeypatch.setattr("weier.kernels.jit.DISABLED", True)
-    monkeypatch.setattr("weier.methods.compile.solve_checked", lambda *_: pytest.fail("solved"))
+    monkeypatch.setattr("weier.pipeline.compile.solve_checked", lambda *_: pytest.fail("solved"))
     compile_kernels()
