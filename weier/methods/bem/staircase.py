@@ -19,7 +19,7 @@ from weier.kernels.jit import kernel
 # Distance from the last node in contact to the edge in the continuum, in nodes, at the middle of a step: alpha of
 # docs/bem.md.
 EDGE = 0.384947631413
-# Excess of the compliance on a grid as a step begins, over D (a + b): the constant of docs/bem.md for triangles.
+# Excess of the compliance on a grid as a step begins, over delta_R (a + b): the constant of docs/bem.md for triangles.
 AT_START_OF_STEP = 1 / 24
 # Pressure that an open node moves to each of its neighbours, over its own: -(A^-1)_01/(A^-1)_00, r of docs/bem.md.
 NEIGHBOUR_STIFFNESS = 0.439056239
@@ -86,9 +86,9 @@ def _edges_in_their_steps(
                 a, b = max(pressure[j], 0.0) / q, max(gap[outside], 0.0) / t
                 since[side, j], until[side, j] = a, b
                 if contact[behind] and a + b > 0:
-                    D, f = q * t / points, a / (a + b)
-                    of_gap += D * (a + b) * (AT_START_OF_STEP - (f - f * f) / 2)
-                    of_resistance += (f - 0.5) * D
+                    step, f = q * t / points, a / (a + b)
+                    of_gap += step * (a + b) * (AT_START_OF_STEP - (f - f * f) / 2)
+                    of_resistance += (f - 0.5) * step
                     beyond[side, j] += f - 0.5
     return of_gap, of_resistance, beyond, _edges_of_single_nodes(contact, since, until, beyond)
 
