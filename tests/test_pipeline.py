@@ -300,3 +300,49 @@ def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     imported = set(re.findall(r"^import time:.*\| +([\w.]+)$", done.stderr, re.M))
     assert {"weier.pipeline.batches", "weier.pipeline.claims"} <= imported
     assert imported & {"xarray", "numba", "matplotlib", "bokeh"} == set()
+
+
+OF_BOTH = """
+title: test
+loads: [0.01, 0.1, 1.0]
+methods: [archard, demelio]
+studies:
+  series: {product: {D: 1.25, gamma: 5, m: [1, 2]}}
+  line: {trace: {file: line.csv, length: 1.0e-3, height_unit: um, shortest: 3.0e-4}, methods: [bem]}
+figures:
+  series: {draw: compliance, studies: [series]}
+  line: {draw: resistance, studies: [line]}
+"""
+HEIGHTS = [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5, 0, -1, 0.5, 1, -2, 0.75, -0.5, -1.5]  # um
+# The text of a scene and the heights of its trace, in the order in which they are run.
+STATES = {
+    "first": (OF_BOTH, HEIGHTS),
+    "other heights": (OF_BOTH, [1.75, *HEIGHTS[1:]]),
+    "heavier loads": (OF_BOTH.replace("1.0]", "4.0]"), HEIGHTS),
+    "other title": (OF_BOTH.replace("title: test", "title: other"), HEIGHTS),
+    "fewer cases": (OF_BOTH.replace("[1, 2]", "1"), HEIGHTS),
+}
+
+
+@pytest.mark.slow
+def test_every_state_of_a_scene_has_the_products_of_a_fresh_folder(checkout, tmp_path):
+    """Byte for byte, whichever state was run before."""
+
+    def products(folder, state):
+        text, heights = STATES[state]
+        (folder / "config/scenes/test.yaml").write_text(text)
+        (folder / "config/scenes/line.csv").write_text("\n".join(map(str, heights)))
+        run(folder, "all", "pages")
+        made = folder / "results/test"
+        paths = [made / "contact.nc", made / "claims.md", *sorted((made / "figures").iterdir())]
+        return {path.name: path.read_bytes() for path in paths}
+
+    def copy(name):
+        ignore = shutil.ignore_patterns(".snakemake", "results")
+        return shutil.copytree(checkout, tmp_path / name, ignore=ignore)
+
+    fresh = {state: products(copy(state), state) for state in STATES}
+    used = copy("used")
+    for state in ("first", "other heights", "first", "heavier loads", "other title", "fewer cases", "first"):
+        made = products(used, state)
+        assert [name for name in made if made[name] != fresh[state][name]] == [], state

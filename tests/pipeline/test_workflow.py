@@ -103,7 +103,11 @@ def test_digests_change_with_what_they_are_of(folder):
     assert [old == new for old, new in zip(first, digests(), strict=True)] == [True, False, False, False]
     change(folder, ", x: linear", "")
     change(folder, "[1, 2]", "[1, 4]")  # cases of the first
-    assert [old == new for old, new in zip(first, digests(), strict=True)] == [False, True, True, False]
+    assert [old == new for old, new in zip(first, digests(), strict=True)] == [False, False, False, False]
+    change(folder, "[1, 4]", "[1, 2]")
+    assert digests() == first
+    change(folder, "[0.1, 1.0]", "[0.1, 4.0]")
+    assert not set(first) & set(digests())
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):

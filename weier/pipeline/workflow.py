@@ -126,18 +126,29 @@ class Scenes:
         return kernels_of(METHODS if any(method.runs_others for method in used) else used)
 
     def figure_digest(self, wildcards: Any) -> str:
-        """A digest of the dependencies of a figure other than its curves."""
+        """A digest of everything a figure depends on."""
         scene = self.scene(wildcards.scene)
         figure = scene.figure(wildcards.figure)
-        return digest([repr(figure), scene.digest_of_cases(*figure.studies), digest_of_program(*PICTURES)])
+        entry = [repr(figure), scene.digest_of_cases(*figure.studies)]
+        return self._made_of(PICTURES, wildcards.scene, entry, figure.studies)
 
     def claims_digest(self, wildcards: Any) -> str:
-        """A digest of the dependencies of the data and claims of a scene other than its curves."""
-        return digest([self.scene(wildcards.scene).text, digest_of_program(*TABLES)])
+        """A digest of everything the data and claims of a scene depend on."""
+        return self._made_of(TABLES, wildcards.scene, self.scene(wildcards.scene).text)
 
     def page_digest(self, wildcards: Any) -> str:
-        """A digest of the dependencies of the page of a scene other than its data and figures."""
-        return digest([repr(self.scene(wildcards.scene).figures), digest_of_program(*PICTURES)])
+        """A digest of everything the page of a scene depends on."""
+        scene = self.scene(wildcards.scene)
+        return self._made_of(PICTURES, wildcards.scene, [scene.text, repr(scene.figures)])
+
+    def _made_of(self, code: Sequence[str], name: str, entry: Any, studies: tuple[str, ...] | None = None) -> str:
+        """A digest of a product: the names of all batches that it reads, its own entry in the scene, and the code.
+
+        The name of a batch is a digest of its curves, so that their surfaces, loads and settings count, too. A batch
+        that was solved long ago is older than the product, hence the names and not the dates.
+        """
+        batches = sorted(Path(path).stem for path in self._batches(name, studies))
+        return digest([entry, batches, digest_of_program(*code)])
 
     def begin(self) -> None:
         """Clean up after earlier runs, and stop if a scene would take longer than it allows."""
