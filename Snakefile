@@ -5,7 +5,7 @@ from pathlib import Path
 
 from snakemake.utils import validate
 
-from weier.digests import PACKAGE, digest_of_program
+from weier.digests import PACKAGE, digest_of_sources
 
 # Snakemake imports weier from the folder of this file, and so do the jobs, from whatever folder they run.
 ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])

@@ -15,7 +15,7 @@ rule docs:
     conda:
         "environment.yaml"
     params:
-        depends_on=digest_of_program(""),
+        depends_on=digest_of_sources(""),
     shell:
         "sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
         ' -D scene_figures="$PWD/results/paper/figures" "$(dirname {input.index:q})" results/docs 2>&1 | tee -i {log:q}'

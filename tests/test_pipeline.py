@@ -145,9 +145,13 @@ def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path, mo
         path.parent.mkdir(parents=True)
         path.touch()
     assert list(compiled().values()) == [True]
-    with (checkout / "weier/methods/bem/edges.py").open("a") as source:
-        source.write("# another state\n")
+    edges = checkout / "weier/methods/bem/edges.py"
+    text = edges.read_text()
+    edges.write_text(f"{text}# a comment changes no kernel\n")
+    assert list(compiled().values()) == [True]
+    edges.write_text(text.replace("@kernel\n", "@kernel\n", 1).replace("return ", "return 2 * ", 1))
     assert list(compiled().values()) == [False]
+    edges.write_text(text)
     shutil.rmtree(cache)
     assert list(compiled().values()) == [False]
     cache.touch()

@@ -1,31 +1,274 @@
-"""Digests of the dependencies of compiled kernels, numbers and figures, which are remade if a digest changes.
+"""Digests of the code that kernels, curves and products depend on, which are made again if a digest changes.
 
-The dependencies of a step are whole folders of the package, whose text files are digested. So no dependency is
-missed, and a step also runs again after a change of a comment.
+A digest takes in the definitions that some functions reach by name, across modules, as syntax trees. So it does not
+change with comments, docstrings, annotations of functions, layout, or code that these functions do not run.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parent
 KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these folders.
-# The text files of the package have these suffixes.
-SUFFIXES = {".py", ".json", ".js", ".css", ".html", ".md", ".mplstyle"}
+PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
+RESOURCES = {".json", ".js", ".css", ".html", ".md", ".mplstyle"}  # the text files of the package beside modules
+DECORATOR, MACHINERY = "kernel", "weier.kernels.jit"  # How kernels are compiled changes no number.
 
-
-@cache
-def digest_of_program(*parts: str) -> str:
-    """A digest of all texts in some folders and files of the package."""
-    paths = {path for part in parts for path in (PACKAGE / part, *(PACKAGE / part).rglob("*"))}
-    texts = [path for path in sorted(paths) if path.suffix in SUFFIXES]
-    return digest([[str(path.relative_to(PACKAGE)), path.read_text(encoding="utf-8")] for path in texts])
+Name = tuple[str, str]  # A definition: its module and its name.
+Definitions = dict[str, ast.stmt]
 
 
 def digest(values: Any) -> str:
-    """A digest of plain values."""
+    """Return a digest of plain values."""
     return hashlib.sha256(json.dumps(values).encode()).hexdigest()
+
+
+@cache
+def digest_of_sources(*parts: str) -> str:
+    """Return a digest of all texts in some folders of the package, with comments and docstrings."""
+    paths = sorted({path for part in parts for path in (PACKAGE / part).rglob("*")})
+    texts = [path for path in paths if path.suffix in {".py", *RESOURCES}]
+    return digest([[str(path.relative_to(PACKAGE)), path.read_text(encoding="utf-8")] for path in texts])
+
+
+@cache
+def digest_of_resources(*parts: str) -> str:
+    """Return a digest of the text files in some folders of the package that are no modules."""
+    paths = sorted(path for part in parts for path in (PACKAGE / part).rglob("*") if path.suffix in RESOURCES)
+    return digest([[str(path.relative_to(PACKAGE)), path.read_text(encoding="utf-8")] for path in paths])
+
+
+@cache
+def digest_of_kernels() -> str:
+    """Return a digest of all kernels, with the functions and constants that they use."""
+
+    def compute() -> str:
+        return _digest_of(_reached(_all_kernels(), ()))
+
+    return _remembered(["kernels"], compute)
+
+
+def digest_of_code(*functions: Name, stop: Collection[str] = ()) -> str:
+    """Return a digest of what some functions, named by module and name, reach.
+
+    Parameters
+    ----------
+    *functions : pairs of str
+        Modules and names; an empty name is the whole module.
+    stop : collection of str
+        Modules whose definitions are not followed.
+    """
+
+    def compute() -> str:
+        return _digest_of(_reached(functions, stop))
+
+    return _remembered([sorted(functions), sorted(stop)], compute)
+
+
+def digest_of_callables(functions: Iterable[Callable[..., Any]], *more: Name, stop: Collection[str] = ()) -> str:
+    """Return a digest of what some functions reach, with the functions that they enclose."""
+    return digest_of_code(*_named(functions), *more, stop=stop)
+
+
+@cache
+def versions() -> str:
+    """Return the versions of the packages on which numbers depend, as text."""
+    from importlib.metadata import version  # which takes longer than all that is imported above
+
+    return ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+
+
+def cache_root() -> Path:
+    """Return the folder of everything that weier keeps for the user: in NUMBA_CACHE_DIR, or his cache.
+
+    Raises
+    ------
+    OSError
+        If the user has no home directory, as in a container that knows no such user, and no variable names a cache.
+    """
+    if own := os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(own)
+    if caches := os.environ.get("XDG_CACHE_HOME"):
+        return Path(caches, "weier")
+    try:
+        return Path.home() / ".cache" / "weier"
+    except RuntimeError:
+        raise OSError("there is no home directory for the cache") from None
+
+
+def _remembered(what: Any, compute: Callable[[], str]) -> str:
+    """Return a digest of code, which is computed once for each state of the package.
+
+    Syntax trees of the package take half a second, and its texts some milliseconds.
+    """
+    known: Path | None = None
+    with suppress(OSError):
+        known = cache_root() / "digests" / digest([what, digest_of_sources("")])[:32]
+        if len(found := known.read_text(encoding="ascii")) == 64:
+            return found
+    found = compute()
+    if known is not None:
+        with suppress(OSError):
+            known.parent.mkdir(parents=True, exist_ok=True)
+            beside = known.with_name(f".{known.name}.{os.getpid()}")
+            beside.write_text(found, encoding="ascii")
+            beside.replace(known)
+    return found
+
+
+def _named(functions: Iterable[Any]) -> Iterator[Name]:
+    """Yield the definitions of functions, and those of the functions that they enclose; of a lambda its module."""
+    for function in functions:
+        inner = getattr(function, "function", getattr(function, "func", function))  # of a kernel or a partial
+        if not callable(inner) or not hasattr(inner, "__qualname__"):
+            continue
+        first = inner.__qualname__.partition(".")[0]
+        yield inner.__module__, first if first.isidentifier() else ""
+        yield from _named(cell.cell_contents for cell in getattr(inner, "__closure__", None) or ())
+
+
+@cache
+def _source(module: str) -> Path | None:
+    """Return the file of a module of the package; None if it is none."""
+    top, _, rest = module.partition(".")
+    if top != PACKAGE.name:
+        return None
+    path = PACKAGE.joinpath(*rest.split(".")) if rest else PACKAGE
+    return next((file for file in (path / "__init__.py", path.with_suffix(".py")) if file.is_file()), None)
+
+
+@cache
+def _definitions(module: str) -> Definitions:
+    """Return the statements of a module by the names that they define; others have numbers for names."""
+    path = _source(module)
+    tree = ast.parse(path.read_text(encoding="utf-8")) if path else ast.Module([], [])
+    found: Definitions = {}
+    for number, statement in enumerate(_Plain().visit(tree).body):
+        for name in _defined_by(statement) or [str(number)]:
+            found[name] = statement
+    return found
+
+
+def _defined_by(statement: ast.stmt) -> list[str]:
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return [statement.name]
+    if isinstance(statement, ast.Import | ast.ImportFrom):
+        return [alias.asname or alias.name.partition(".")[0] for alias in statement.names]
+    if isinstance(statement, ast.Assign | ast.AnnAssign):
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        return [node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)]
+    return []
+
+
+class _Plain(ast.NodeTransformer):
+    """Remove docstrings, annotations of functions, and what only a type checker reads."""
+
+    def _without_docstring(self, node: Any) -> Any:
+        self.generic_visit(node)
+        first = node.body[0] if node.body else None
+        if (
+            isinstance(first, ast.Expr)
+            and isinstance(first.value, ast.Constant)
+            and isinstance(first.value.value, str)
+        ):
+            del node.body[0]
+        return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> Any:
+        node.returns = None
+        return self._without_docstring(node)
+
+    visit_Module = visit_ClassDef = _without_docstring  # noqa: N815 - names that ast gives
+
+    def visit_arg(self, node: ast.arg) -> Any:
+        node.annotation = None
+        return node
+
+    def visit_If(self, node: ast.If) -> Any:
+        if isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+            return None
+        return self.generic_visit(node)
+
+
+def _all_kernels() -> list[Name]:
+    found = []
+    for path in (path for part in KERNELS for path in sorted((PACKAGE / part).rglob("*.py"))):
+        if f"@{DECORATOR}" in path.read_text(encoding="utf-8"):
+            module = ".".join((PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts))
+            found += [(module, name) for name, each in _definitions(module).items() if _defines_kernel(each)]
+    return found
+
+
+def _reached(functions: Iterable[Name], stop: Collection[str]) -> dict[Name, ast.stmt]:
+    """Return the definitions that functions use, and those that these use in turn."""
+    found: dict[Name, ast.stmt] = {}
+    waiting, whole = list(functions), set[str]()
+    while waiting:
+        module, name = waiting.pop()
+        if name not in _definitions(module):  # a whole module, or a name that it defines in a block
+            waiting += [(module, each) for each in _definitions(module) if module not in whole]
+            whole.add(module)
+            continue
+        if (module, name) in found:
+            continue
+        statement = _definitions(module)[name]
+        if isinstance(statement, ast.ImportFrom):
+            waiting += _imported(module, statement, name, stop)
+            continue
+        found[module, name] = statement
+        # Statements that define nothing, such as registrations, count wherever anything of their module is used.
+        waiting += [(module, other) for other in _definitions(module) if other.isdigit()]
+        waiting += [(module, used) for used in _used_by(statement) if used in _definitions(module)]
+        waiting += [
+            each
+            for node in ast.walk(statement)
+            if isinstance(node, ast.ImportFrom)  # within a function
+            for alias in node.names
+            for each in _imported(module, node, alias.asname or alias.name, stop)
+        ]
+    return found
+
+
+def _used_by(statement: ast.stmt) -> set[str]:
+    """Return the names that a statement uses; a kernel does not run its decorator."""
+    used = {node.id for node in ast.walk(statement) if isinstance(node, ast.Name)}
+    return used - {DECORATOR} if _defines_kernel(statement) else used
+
+
+def _defines_kernel(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.FunctionDef) and any(
+        isinstance(decorator, ast.Name) and decorator.id == DECORATOR for decorator in statement.decorator_list
+    )
+
+
+def _imported(module: str, statement: ast.ImportFrom, name: str, stop: Collection[str]) -> list[Name]:
+    """Return the definition that an import names: of a module all its definitions."""
+    source = statement.module or ""
+    if source in {MACHINERY, *stop} or _source(source) is None:
+        return []
+    original = next(alias.name for alias in statement.names if (alias.asname or alias.name) == name)
+    if _source(inner := f"{source}.{original}"):
+        return [] if inner in stop else [(inner, "")]
+    return [(source, original)]
+
+
+def _digest_of(definitions: dict[Name, ast.stmt]) -> str:
+    return digest([[*name, _as_lists(definitions[name])] for name in sorted(definitions)])
+
+
+def _as_lists(node: Any) -> Any:
+    """Return a syntax tree as lists; empty fields differ between versions of Python, and are left out."""
+    if isinstance(node, list):
+        return [_as_lists(each) for each in node]
+    if not isinstance(node, ast.AST):
+        return repr(node)
+    fields = [(name, value) for name, value in ast.iter_fields(node) if value is not None and value != []]
+    return [type(node).__name__, *([name, _as_lists(value)] for name, value in fields)]

@@ -22,37 +22,51 @@ PATIENCE = 120  # seconds
 
 PROGRAM = """
 from weier.kernels.jit import kernel
-import constants
+from weier.theory import constants
 
 @kernel
 def value():
     return constants.VALUE
 
-print(value())
+def unused():
+    return 1
 """
 
 
-def test_a_constant_of_another_module_does_not_go_stale(tmp_path):
-    """numba alone returns the old constant; the folder's name brings a fresh compilation."""
-    package = tmp_path / "weier"
-    package.mkdir()
-    for name in ("", "kernels", "surface", "theory"):
-        (package / name).mkdir(exist_ok=True)
-        (package / name / "__init__.py").touch()
-    for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
-        (package / path.relative_to(PACKAGE)).write_text(path.read_text())
-    (package / "main.py").write_text(PROGRAM.replace("import constants", "from weier.theory import constants"))
+@compiled
+def test_kernels_are_compiled_again_for_their_code_alone(tmp_path):
+    """A constant of another module, which numba alone would miss; no docstring, comment or place."""
 
-    def run(value):
-        (package / "theory" / "constants.py").write_text(f"VALUE = {value}\n")
+    def package(name):
+        folder = tmp_path / name / "weier"
+        for part in ("", "kernels", "theory"):
+            (folder / part).mkdir(parents=True)
+            (folder / part / "__init__.py").touch()
+        for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
+            (folder / path.relative_to(PACKAGE)).write_text(path.read_text())
+        (folder / "theory/main.py").write_text(PROGRAM)
+        (folder / "theory/constants.py").write_text("VALUE = 1\n")
+        return folder
+
+    def run(folder):
+        program = "from weier.theory import main; print(main.value())"
         environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"}
-        program = [sys.executable, "-m", "weier.main"]
-        done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
-        return done.stdout
+        command = [sys.executable, "-c", program]
+        options = {"env": environment, "capture_output": True, "text": True, "check": True}
+        done = subprocess.run(command, cwd=folder.parent, **options)
+        return done.stdout.strip(), "compiling" in done.stderr
 
-    assert run(1) == "1\n"
-    assert run(2) == "2\n"
-    assert len(list((tmp_path / "cache").iterdir())) == 2
+    one, other = package("one"), package("other")
+    assert run(one) == ("1", True)
+    assert run(other) == run(one) == ("1", False)
+    main = one / "theory/main.py"
+    main.write_text(
+        '"""What this is."""\n# Why.\n\n' + main.read_text().replace("return 1", '"""One."""\n    return 2')
+    )
+    assert run(one) == ("1", False)
+    (one / "theory/constants.py").write_text("VALUE = 2\n")
+    assert run(one) == ("2", True)
+    assert run(other) == ("1", False)
 
 
 def test_kernels_are_made_of_the_folders_that_name_the_cache():

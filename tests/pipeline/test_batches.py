@@ -67,7 +67,7 @@ def test_only_what_is_missing_is_solved(solved, changes, count, methods):
 
 
 def test_another_program_solves_all_again(solved, monkeypatch):
-    monkeypatch.setattr(batches, "digest_of_program", lambda *parts: "another")
+    monkeypatch.setattr(batches, "digest_of_sources", lambda *parts: "another")
     assert len(missing(solved)) == 12
 
 
@@ -135,6 +135,6 @@ def test_batches_of_another_program_go(solved, tmp_path, monkeypatch):
     Solutions(load(tmp_path, loads=[3.0]), tmp_path / "batches").files()  # planned and not solved
     Solutions(scene_then, tmp_path / "batches").tidy()
     assert [len(list((tmp_path / "batches").glob(f"*.{kind}"))) for kind in ("json", "nc")] == [1, 1]
-    monkeypatch.setattr(batches, "digest_of_program", lambda *parts: "another")
+    monkeypatch.setattr(batches, "digest_of_sources", lambda *parts: "another")
     Solutions(scene_then, tmp_path / "batches").tidy()
     assert list(tmp_path.glob("batches/*")) == []

@@ -18,9 +18,10 @@ from contextvars import ContextVar
 from pathlib import Path
 from threading import RLock
 from time import perf_counter
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
-from weier.digests import KERNELS, PACKAGE, digest, digest_of_program
+from weier.digests import PACKAGE, cache_root, digest, digest_of_kernels
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -34,6 +35,7 @@ LOCK = RLock()
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 
+OPTIONS = {"nogil": True, "error_model": "numpy"}  # of numba, for all kernels
 # Kernels that are not yet registered with numba.
 UNREGISTERED: list[Kernel] = []
 
@@ -52,28 +54,20 @@ def _say_once(what: str) -> None:
 
 @functools.cache
 def cache_folder() -> Path:
-    """Where compiled kernels live, in NUMBA_CACHE_DIR or the cache of the user: named by a digest of their sources.
+    """Return the folder of compiled kernels, named by a digest of their code and of the versions that compiled it.
 
-    numba alone stamps a kernel with its own file, so that an edited callee or constant of another module is ignored.
-    It compiles again for sources in another place, whose folder has another name then, too.
-    What a process has imported stays as it is, whatever is edited meanwhile.
+    A comment, a docstring, or code that no kernel runs does not change the digest. Copies of the same code share the
+    folder. What a process has imported stays as it is, whatever is edited meanwhile.
 
     Raises
     ------
     OSError
-        If the user has no home directory, as in a container that knows no such user, and no variable names a cache.
+        If there is no folder to keep anything in: see `cache_root`.
     """
     from importlib.metadata import version  # which takes longer than all that is imported above
 
-    made_of = digest_of_program(*KERNELS), str(PACKAGE), version("numba"), version("rocket-fft")
-    own = os.environ.get("NUMBA_CACHE_DIR")
-    caches = os.environ.get("XDG_CACHE_HOME")
-    if not own and not caches:
-        try:
-            caches = str(Path.home() / ".cache")
-        except RuntimeError:
-            raise OSError("there is no home directory for the cache") from None
-    return Path(own or Path(str(caches), "weier"), f"weier-{digest(made_of)[:16]}")
+    made_of = digest_of_kernels(), OPTIONS, version("numba"), version("rocket-fft")
+    return cache_root() / f"weier-{digest(made_of)[:16]}"
 
 
 class Kernel:
@@ -116,7 +110,7 @@ class Kernel:
         except Exception as error:  # there is no home, a folder or disk takes no files, or pickle reads torn ones
             with suppress(OSError):
                 shutil.rmtree(cache_folder() / self.name)
-            compiled = self._compiled(types)  # which raises what is wrong with the kernel, if that was it
+            compiled = self._compiled(self.function, types)  # which raises what is wrong with the kernel itself
             warnings.warn(NOT_CACHED.format(f"{type(error).__name__}: {error}"), RuntimeWarning, stacklevel=1)
             return compiled
 
@@ -133,15 +127,28 @@ class Kernel:
                 announce(self.function.__module__)
             before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
             try:
-                return self._compiled(types, cache=True)
+                return self._compiled(self._without_place(folder), types, cache=True)
             finally:
                 numba.config.CACHE_DIR = before
 
-    def _compiled(self, types: tuple[Any, ...], **options: Any) -> Any:
-        """The kernel, compiled for arguments of these types."""
+    def _without_place(self, folder: Path) -> Callable[..., Any]:
+        """Return the function without its file and line, which numba digests: the name of the folder is enough.
+
+        The folder has a digest of kernels of the package only: others keep their files.
+        """
+        if not self.name.startswith(f"{PACKAGE.name}."):
+            return self.function
+        file = folder / "source.py"
+        file.touch()
+        code = self.function.__code__.replace(co_filename=str(file), co_firstlineno=1)
+        function = FunctionType(code, self.function.__globals__, None, self.function.__defaults__)
+        return functools.update_wrapper(function, self.function)
+
+    def _compiled(self, function: Callable[..., Any], types: tuple[Any, ...], **options: Any) -> Any:
+        """The function, compiled for arguments of these types."""
         import numba
 
-        compiled = numba.njit(nogil=True, error_model="numpy", **options)(self.function)
+        compiled = numba.njit(**OPTIONS, **options)(function)
         with _raising_lost_interrupts():
             compiled.compile(types)
         return compiled

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from weier.data.files import write_text
-from weier.digests import KERNELS, digest, digest_of_program
+from weier.digests import KERNELS, digest, digest_of_sources
 from weier.kernels.arrays import Array
 from weier.methods.errors import OutOfReachError
 from weier.methods.planned.plan import Plan
@@ -79,7 +79,7 @@ class Solutions:
         self.to_solve: dict[Path, Sequence[Missing]] = {}
         self._described: dict[str, Path] = {}  # the batch of each of their curves
         self.common = {
-            "program": digest_of_program(*NUMBERS),
+            "program": digest_of_sources(*NUMBERS),
             "loads": scene.loads.tolist(),
             "contact_edges": scene.contact_edges,
         }

@@ -16,7 +16,7 @@ from typing import Any
 
 from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
 from weier.data.netcdf import check_whole
-from weier.digests import digest, digest_of_program
+from weier.digests import digest, digest_of_sources
 from weier.kernels.jit import DISABLED, cache_folder
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
@@ -148,7 +148,7 @@ class Scenes:
         that was solved long ago is older than the product, hence the names and not the dates.
         """
         batches = sorted(Path(path).stem for path in self._batches(name, studies))
-        return digest([entry, batches, digest_of_program(*code)])
+        return digest([entry, batches, digest_of_sources(*code)])
 
     def begin(self) -> None:
         """Clean up after earlier runs, and stop if a scene would take longer than it allows."""
