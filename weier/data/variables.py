@@ -23,8 +23,8 @@ ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as n
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
-    "By contact patches it is a proved bound, from the contact conditions that their solution violates; by boundary "
-    "elements a bound that is proved at first touch and was exceeded at no load that was tried."
+    "By contact patches it is an a-posteriori bound by a theorem, with sampled residuals; by boundary elements a "
+    "bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
 PHYSICAL = ("rad", "s", "m")  # These units of the table are units of UDUNITS, which CF requires.

@@ -7,8 +7,9 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
-from weier.methods.patches import fields, inequalities, many_contacts
-from weier.methods.patches.inequalities import NEGATIVE, check_violation, contact_residual
+from weier.methods.patches import certificate, fields, many_contacts
+from weier.methods.patches.certificate import check_violation, contact_residual
+from weier.methods.patches.inequalities import NEGATIVE
 from weier.methods.patches.many_contacts import solve_many_contacts
 from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.solver import TOLERANCE
@@ -123,7 +124,7 @@ def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     """Closed forms at some of the points are the reference."""
     state = patches.solve_load(FOUR_WAVES, 1.5).state
     assert state.segments.centre.size > fields.MIN_SUM_SEGMENTS
-    monkeypatch.setattr(inequalities, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
+    monkeypatch.setattr(certificate, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)
     assert contact_residual(wrong, surface_of(FOUR_WAVES).series(state.dual)).max() > 1e-8
 
@@ -144,10 +145,10 @@ def test_a_long_period(profile, load):
 def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
     random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
     state = patches.solve_load(THREE_WAVES, 0.5).state
-    nodes, (first, _, y) = np.diff(state.segments.first_node), inequalities.sample_points(state.segments, apart)
+    nodes, (first, _, y) = np.diff(state.segments.first_node), certificate.sample_points(state.segments, apart)
     for j, where in enumerate(np.split(y, first[1:-1])):
         at = (where - state.segments.centre[j]) / state.segments.half_width[j]
         for _ in range(100):
             coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)
             wave = np.polynomial.Chebyshev(coefficients + 1e-9)
-            assert np.abs(wave(everywhere)).max() <= inequalities.SAMPLED_FACTOR * np.abs(wave(at)).max()
+            assert np.abs(wave(everywhere)).max() <= certificate.SAMPLED_FACTOR * np.abs(wave(at)).max()

@@ -10,7 +10,6 @@ from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches import start
-from weier.methods.patches.inequalities import error_bound
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 
@@ -202,17 +201,6 @@ def test_any_tolerance_is_kept(profile, loads):
 @hard_series("found_at_any_tolerance")
 def test_contacts_are_found_at_any_tolerance(profile, loads):
     assert_any_tolerance_is_kept(profile, loads)
-
-
-def test_each_condition_that_is_violated_counts_in_the_bound():
-    solution = patches.solve_load(THREE_WAVES, 0.5)
-    state, R = solution.state, solution.state.resistance
-    assert error_bound(state, 0.0, 0.0, 1.0, 1.0) < 1e-12
-    assert error_bound(state, 1e-5, 1e-6, 1.0, 1.0) == pytest.approx(1e-5 + 1e-6 * R, abs=1e-12)
-    assert error_bound(state, 0.0, 1.0, 1e-9, 1.0) == pytest.approx(1e-9 * (2 + 2 * np.log(5e8) + R), rel=1e-3)
-    elsewhere = state._replace(load=0.5 + 1e-4)
-    deviation = abs(patches.solve_load(THREE_WAVES, 0.5 + 1e-4).mean_gap - solution.mean_gap)
-    assert deviation == pytest.approx(error_bound(elsewhere, 0.0, 0.0, 1.0, 1.0), rel=1e-2)
 
 
 def test_a_gap_too_narrow_to_be_solved_for_goes_on_as_wider_ones_do():

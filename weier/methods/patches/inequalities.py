@@ -1,7 +1,7 @@
 """The inequalities of contact: no tension on the contacts, no overlap outside them; and what a solution violates.
 
 The formulas are those of docs/patches.md: "Inequalities" for where violations are looked for and for the width of new
-segments, "The bound on the compliance" for the bounds, and "Edges" for how far a crack opens.
+segments, and "Edges" for how far a crack opens.
 
 The equations on the segments do not imply the inequalities. Both solvers look for violations here:
 
@@ -10,9 +10,7 @@ The equations on the segments do not imply the inequalities. Both solvers look f
   be negative, and `_negative_minima` finds it. `find_missing` does so with fast sums while the set is corrected, and
   `minima_outside` with closed forms, for a solution.
 - On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
-- `contact_residual` is what the equations leave at points where they were not imposed.
-
-`certify` takes all of these, refuses a solution that violates too much, and bounds the error of the others.
+What is left of them in a solution enters its bound (`certificate`).
 """
 
 from __future__ import annotations
@@ -25,18 +23,14 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
-from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import Problem, Step
 from weier.methods.patches.fields import (
-    MIN_SUM_SEGMENTS,
     at_point,
     complementary_residuals,
-    residuals_by_sums,
-    residuals_one_by_one,
     smooth_part,
 )
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments, contacts_of, distances_between
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 # Each interval between segments has so many probes for each of the finest waves and so many more. From a crest, an
@@ -57,77 +51,15 @@ NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension,
 # Largest half-width of a new segment over the distance to its nearest neighbour: two new ones side by side must not
 # touch.
 MAX_NEW_WIDTH = 0.4
-# The largest residual that is accepted, over the relative tolerance. Looser targets, which are tried where rounding
-# keeps edges from settling, are held to this as well.
-MAX_RESIDUAL = 100
 # How far a minimum may lie below the lowest of three probes, over the depth that the parabola through them may have:
 # a safety factor, for what is no parabola.
 MAX_FALL = 3
-# A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
-# twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
-SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
-DIRECT_SUMS = 40  # The residuals of many segments are checked at so many points without fast sums.
-# A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
-# largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
-# of e comes from tension or load, this is an estimate.
-GAP_FACTOR = 4.0
-# Rounding of a gap, over the sum of the amplitudes: twice the largest difference that was measured between the gaps
-# of profiles and of the same ones shifted along x.
-GAP_ROUNDING = 1e-13
 
 
 Residual = Callable[[Array], Array]
 # Of each bracket the probe before it, the lowest one, the one after, and the index of its interval, each an array of
 # shape (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
-
-
-def error_bound(state: ContactState, gap: float, pressure: float, width: float, period: float) -> float:
-    """A bound on the error of the compliance, in g_0, from the conditions of contact that a state violates.
-
-    Parameters
-    ----------
-    gap : largest gap on a contact or overlap anywhere, in g_0: eps
-    pressure : largest pressure in a gap or tension anywhere, in p_0*: sigma
-    width : of the period, on which that stands, in lambda_0: W; 0 stands for no bound by it
-
-    Notes
-    -----
-    Let D(P) be the mean gap under the mean pressure P, and g = d - z + u that of a state whose pressure p has this
-    mean, where g >= -eps everywhere, |g| <= eps on its contacts, p >= -sigma everywhere and |p| <= sigma in its gaps.
-    Then D(P + sigma) - eps <= d <= D(P - sigma) + eps:
-
-    The exact u_1 and p_1 under P + sigma differ from u and p. Where u_1 - u is largest, p_1 - p exceeds its mean
-    sigma by the maximum principle, so that p_1 > 0, and this is a contact: u_1 = z - D. Then 0 = mean(u_1 - u) is at
-    most u_1 - u = d - D - g <= d - D + eps. Under P - sigma, where u_1 - u is smallest, p > p_1 + sigma >= sigma, so
-    that the state is in contact, and 0 >= u_1 - u = g_1 - D - g + d >= d - D - eps.
-
-    Or such pressures and tensions, on the width W, are taken off, which changes P by at most sigma W/L. It moves u
-    one way by at most sigma int -2 ln|2 sin(pi x/L)| dx over that width round x = 0, which is at most
-    2 sigma W (1 - ln(2 W/L)) as sin y >= 2 y/pi, and the other way by at most 2 sigma W ln 2; so by no more than
-    2 sigma W (1 + max(-ln(2 W/L), 0)). Then none are left, and eps is larger by as much. The smaller of both bounds
-    is returned: the second where W is small.
-
-    To first order, D(P) - D(P + sigma) is the resistance times sigma. The same factor turns a load that the contacts
-    do not carry into an error.
-
-    """
-    by_pressure = state.resistance * pressure
-    if width > 0:
-        moved = 2 * pressure * width * (1 + max(np.log(0.5 * period / width), 0.0))
-        by_pressure = min(by_pressure, moved + by_pressure * width / period)
-    return float(gap + by_pressure + state.resistance * abs(carried_load(state, period) - state.load))
-
-
-@kernel
-def carried_load(state: ContactState, period: float) -> float:
-    """The mean pressure that contacts carry, (pi/2) sum r a_0 / L; gaps are solved for under the load itself."""
-    if state.dual:
-        return state.load
-    segments, force = state.segments, 0.0
-    for j in range(segments.half_width.size):
-        force += 0.5 * np.pi * segments.half_width[j] * state.coefficient[segments.first_node[j]]
-    return force / period
 
 
 # An interval on a segment where the pressure (primal) or the gap (dual) is negative:
@@ -239,133 +171,6 @@ def _find_zero(a: Array, negative: float, positive: float) -> float:
         else:
             positive = middle
     return positive
-
-
-def contact_residual(state: ContactState, series: CosineSeries) -> Array:
-    """The largest residual on each segment: the gap on a contact or, dual, the pressure in a gap.
-
-    The potentials come from closed forms, or from fast sums for many segments, at points between the nodes, so that
-    neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some
-    points.
-    """
-    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
-    first, crest, y = sample_points(segments, by_sums)
-    if not by_sums:
-        return np.asarray(np.maximum.reduceat(np.abs(residuals_one_by_one(state, series, crest, y)), first[:-1]))
-    count = np.diff(first)
-    middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
-    residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
-    # The seed is fixed, so that each run checks the same points.
-    some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
-    residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
-    return np.asarray(np.maximum.reduceat(residual, first[:-1]))
-
-
-@kernel
-def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
-    """Points for the residual: the first of each segment and, last, their number; their crests and distances.
-
-    They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
-    2 of them among K nodes, which serve for fast sums; else they are so many that the factor `SAMPLED_FACTOR` holds.
-    """
-    first, n = np.zeros_like(segments.first_node), segments.centre.size
-    for j in range(n):
-        nodes = segments.first_node[j + 1] - segments.first_node[j]
-        count = 2 * (nodes + 1) if apart else int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
-        first[j + 1] = first[j] + count
-    crest, y = np.empty(first[n], np.int64), np.empty(first[n])
-    for j in range(n):
-        count = first[j + 1] - first[j]
-        for i in range(count):
-            crest[first[j] + i] = segments.crest[j]
-            y[first[j] + i] = segments.centre[j] - segments.half_width[j] * np.cos((i + 0.5) * (np.pi / count))
-    return first, crest, y
-
-
-def certify(
-    state: ContactState,
-    residual: Array,
-    minima: Records,
-    negative: Records,
-    series: CosineSeries,
-    tolerance: float,
-    margin: float,
-) -> ContactState:
-    """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
-
-    The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and
-    sigma from the pressures on segments. Of gaps (dual), the residual is a pressure: sigma comes from the complement,
-    and eps from the overlap in segments and from what these do not close.
-
-    residual : the largest on each segment, of `contact_residual`
-    minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
-        and, of gaps, all below the margin
-    negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
-    tolerance : relative, of which `MAX_RESIDUAL` times may be left
-    margin : below which the minima are given; they are looked for again if the gaps turn out to be known less well
-
-    ConvergenceError is raised if the conditions are violated by more, or if contacts do not carry the load.
-    """
-    r, closure, height, period = state.segments.half_width, 0.0, residual, series.period
-    if state.dual:  # A pressure counts as the displacement that it makes over the width of its gap.
-        height = 2 * r * residual
-        closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
-    state = state._replace(residual=max(float(height.max()), closure))
-    check_violation(state, period, tolerance)
-    largest, lowest = SAMPLED_FACTOR * float(residual.max()), float(minima["value"].min(initial=0.0))
-    of_complement, of_density, width = max(largest, -lowest), closure, 0.0
-    if negative.size > 0:
-        of_density = max(closure, -float(negative["lowest"].min()))
-        width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
-    violated = (of_density, of_complement, period) if state.dual else (of_complement, of_density, width)
-    error = error_bound(state, *violated, period)
-    # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
-    of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
-    tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
-    state = state._replace(error=error, height_error=of_heights, tensions=tensions)
-    uncertainty = gap_uncertainty(of_heights, series)
-    if state.dual:
-        minima = minima_of_gaps(state)
-    elif uncertainty > margin:
-        minima = minima_outside(state, series, uncertainty)
-    return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
-
-
-def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
-    """Intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
-    if negative.size == 0:
-        return np.empty((0, 3))
-    t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
-    return np.stack([negative["segment"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
-
-
-def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
-    """The same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
-    found = minima[minima["value"] < 0]
-    extent = contacts_of(state.segments.extent, True, period)
-    origin, centre, r = (values[found["interval"]] for values in extent)
-    t = (found["position"] - (origin + centre)) / r
-    b = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], 1e-300)) / r
-    return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
-
-
-def gap_uncertainty(error: float, series: CosineSeries) -> float:
-    """The uncertainty of a gap, in g_0, in a state that is exact for heights which differ by `error` at most."""
-    return GAP_FACTOR * error + GAP_ROUNDING * series.total_amplitude
-
-
-def check_violation(state: ContactState, period: float, tolerance: float) -> None:
-    """ConvergenceError is raised if the residual of a state is not small, or if contacts do not carry the load."""
-    scale = state.load * period if state.dual else state.approach
-    relative = state.residual / scale if scale > 0 else np.inf  # Without an indentation, rounding has left no digit.
-    relative = max(relative, abs(carried_load(state, period) / state.load - 1))
-    if not relative <= MAX_RESIDUAL * tolerance:
-        raise ConvergenceError(
-            f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
-            f"more than {MAX_RESIDUAL * tolerance:.1e}; take a larger tolerance or boundary elements",
-            relative,
-        )
 
 
 def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> Records:

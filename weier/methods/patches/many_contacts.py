@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Records
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
     UNRESOLVED,
@@ -46,11 +47,8 @@ from weier.methods.patches.inequalities import (
     MAX_INNER,
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
-    certify,
-    contact_residual,
     find_missing,
     find_negative_intervals,
-    gap_uncertainty,
 )
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,

@@ -10,8 +10,8 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import error_model, many_contacts
+from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
-from weier.methods.patches.inequalities import sample_points
 from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
@@ -91,7 +91,7 @@ METHOD = Method(
     summary="the edges of contact as unknowns, ten digits; finite m, any number of contacts",
     solve=_solve_loads,
     settings={
-        "tolerance": "largest error of the compliance that is accepted, in g_0, from 1e-13 to 1; it is proved",
+        "tolerance": "largest accepted error of the compliance, in g_0, from 1e-13 to 1; the bound is within it",
     },
     applies=applies_to_resolvable,
     takes_traces=True,

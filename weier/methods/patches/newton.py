@@ -45,13 +45,8 @@ from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import Table, gauss_rule, log_moments
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.inequalities import (
-    certify,
-    contact_residual,
-    find_negative_intervals,
-    gap_uncertainty,
-    minima_outside,
-)
+from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
+from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     Blocks,

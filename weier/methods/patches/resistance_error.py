@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from weier.kernels.jit import kernel
-from weier.methods.patches.inequalities import GAP_ROUNDING, NEW_GAP_WIDTH, SAMPLED_FACTOR, gap_uncertainty
+from weier.methods.patches.certificate import GAP_ROUNDING, SAMPLED_FACTOR, gap_uncertainty
+from weier.methods.patches.inequalities import NEW_GAP_WIDTH
 from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,

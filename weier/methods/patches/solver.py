@@ -18,8 +18,8 @@ from weier.kernels.blas import one_thread
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts, newton
+from weier.methods.patches.certificate import check_violation
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.inequalities import check_violation
 from weier.methods.patches.resistance_error import resistance_error
 from weier.methods.patches.segments import ContactState, Extent, Sides, contacts_of, edge_strengths
 from weier.methods.patches.start import MIN_TOLERANCE, Starts

@@ -1,0 +1,80 @@
+"""The bound on the compliance: it holds where it is sharp, and each violated condition counts in it."""
+
+import numpy as np
+import pytest
+
+from tests.profiles import THREE_WAVES
+from weier.methods import patches
+from weier.methods.patches.certificate import certify, contact_residual, error_bound, largest_displacement
+from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
+
+
+def one_wave(load):
+    """Compliance of one wave, by Westergaard, which is the indentation from first contact as well."""
+    return load * (1 - np.log(load))
+
+
+@pytest.mark.parametrize("load", [1e-6, 0.1, 0.9])
+@pytest.mark.parametrize("part", [1e-3, 0.1, 0.5, 0.9])
+def test_the_bound_holds_for_states_that_use_up_their_tension(load, part):
+    """A pressure in the gaps that is exact once sigma is taken off it, and one with sigma added everywhere."""
+    sigma = part * load
+    for other in (load - sigma, load + sigma):
+        state, exact = one_wave(other) if other < 1 else 1.0, one_wave(load)
+        bound = error_bound(state, load, load, 0.0, sigma, 0.0, 1.0)
+        assert abs(state - exact) <= bound
+        assert abs(state - exact) + 1e-3 <= error_bound(state, load, load, 1e-3, sigma, 0.0, 1.0)
+        by_load = error_bound(state, load, other, 0.0, 0.0, 0.0, 1.0)
+        assert by_load == pytest.approx(bound, rel=1e-12)
+    drop = one_wave(load) - one_wave(load - sigma)
+    # h is nearly a straight line under a light load, so that the bound is hardly larger than the difference.
+    sharp = error_bound(one_wave(load - sigma), load, load, 0.0, sigma, 0.0, 1.0)
+    assert drop <= sharp
+    assert load > 1e-5 or sharp < 1.3 * drop
+    assert sigma * -np.log(load) < drop  # R sigma is no bound
+
+
+def test_no_bound_follows_from_as_much_tension_as_load():
+    assert error_bound(0.3, 0.1, 0.1, 0.0, 0.1, 0.0, 1.0) == np.inf
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("width", [1e-3, 0.1, 0.5, 0.9])
+def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period, width):
+    """The potential of a constant pressure on the width, from the Fourier series of -2 ln|2 sin|."""
+    k, width = np.arange(1, 100_000), width * period
+    half = 0.5 * width
+    # int_{-W/2}^{W/2} -2 ln|2 sin(pi x/L)| dx = (2 L/pi) sum sin(pi k W/L)/k^2, and its negative around L/2.
+    most = 2 * period / np.pi * float(np.sum(np.sin(2 * np.pi * k * half / period) / k**2))
+    least = 2 * period / np.pi * float(np.sum((-1.0) ** k * np.sin(2 * np.pi * k * half / period) / k**2))
+    bound = largest_displacement(1.0, width, period)
+    assert max(most, -least) <= bound * (1 + 1e-4)
+    assert max(most, -least) > 0.9 * bound or width > 0.01 * period
+
+
+def test_each_condition_that_is_violated_counts_in_the_bound():
+    assert error_bound(0.3, 0.5, 0.5, 1e-5, 0.0, 0.0, 1.0) == 1e-5
+    assert error_bound(0.3, 0.5, 0.5, 1e-5, 1e-6, 0.0, 1.0) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
+    assert error_bound(0.3, 0.5, 0.5, 0.0, 0.1, 1e-9, 2.0) == pytest.approx(
+        2e-10 * (1 + np.log(1e9)) + 3e-11, rel=1e-6
+    )
+    assert error_bound(0.3, 0.5, 0.5 + 1e-6, 0.0, 0.0, 0.0, 1.0) == pytest.approx(1e-6 * 0.6, rel=1e-4)
+
+
+@pytest.mark.parametrize("load", [0.5, 4.0])
+def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(load):
+    """Contacts, and gaps: the state of another load, and a plane that is off."""
+    solution = patches.solve_load(THREE_WAVES, load)
+    state, series = solution.state, solution.surface.series(solution.state.dual)
+    assert state.dual == (load > 1)
+
+    def certified(wrong):
+        residual, negative = contact_residual(wrong, series), find_negative_intervals(wrong)
+        return certify(wrong, residual, minima_outside(wrong, series, 0.0), negative, series, 1e-3, 0.0).error
+
+    assert certified(state) < 1e-12
+    if not state.dual:  # the residual of gaps is a pressure
+        assert 1e-7 <= certified(state._replace(approach=state.approach + 1e-7)) < 2.1e-7
+    moved = patches.solve_load(THREE_WAVES, load * (1 + 1e-6)).state
+    deviation = abs(moved.approach - state.approach)
+    assert deviation <= certified(moved._replace(load=load))
