@@ -21,6 +21,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from weier import units
 from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # A message shows at most so many characters of a value, to stay in one line.
@@ -53,8 +54,10 @@ def hinting(function: Callable[Parameters, Result]) -> Callable[Parameters, Resu
     return called
 
 
-def checked_number(name: str, value: Any, condition: str = "be a number", holds: Condition = np.isreal) -> float:
-    """A number as a float.
+def checked_number(
+    name: str, value: Any, condition: str = "be a number", holds: Condition = np.isreal, unit: str = units.NONE
+) -> float:
+    """A number as a float; a quantity with a unit of its own is converted to `unit`.
 
     Parameters
     ----------
@@ -66,24 +69,28 @@ def checked_number(name: str, value: Any, condition: str = "be a number", holds:
         The condition on the number, in words that follow "must", such as "be positive".
     holds : callable
         Whether a float meets the condition.
+    unit : str
+        Unit of the argument, such as "Pa"; by default a plain number.
 
     Raises
     ------
     ValueError
-        If the value is not a number, or does not meet the condition.
+        If the value is not a number, has a unit of another quantity, or does not meet the condition.
     """
-    number = _number(value)
+    number = _number(units.in_unit(name, value, unit))
     if number is None or not holds(number):
         raise ValueError(f"{name} must {condition}, got {_described(value)}")
     return number
 
 
-def checked_numbers(name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal) -> Array:
+def checked_numbers(
+    name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal, unit: str = units.NONE
+) -> Array:
     """A number, or an array or nested list of numbers, as an array of floats of the same shape; see `checked_number`.
 
     NaN counts as a number unless `holds`, which takes the whole array, refuses it.
     """
-    numbers = _numbers(name, values)
+    numbers = _numbers(name, values, unit)
     failing: Flags = ~np.asarray(holds(numbers), bool)
     if failing.any():
         where = f" at position {int(failing.ravel().argmax())}" if numbers.ndim else ""
@@ -193,9 +200,9 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _numbers(name: str, values: Any) -> Array:
-    """The values as an array of floats of the same shape."""
-    array = _array(values)
+def _numbers(name: str, values: Any, unit: str) -> Array:
+    """The values as an array of floats of the same shape, in the unit."""
+    array = _array(units.in_unit(name, values, unit))
     if array is None or array.dtype.kind not in "iufO":
         raise ValueError(f"{name} must be a number or an array of numbers, got {_described(values)}")
     if np.ma.is_masked(array):
@@ -204,7 +211,7 @@ def _numbers(name: str, values: Any) -> Array:
     if array.dtype.kind != "O":
         with np.errstate(over="ignore"):  # a long double beyond the floats is inf
             return np.asarray(array, float)
-    numbers = [_number(value) for value in array.ravel().tolist()]
+    numbers = [_number(units.in_unit(name, value, unit)) for value in array.ravel().tolist()]
     if None in numbers:
         at = numbers.index(None)
         what = f"got {_described(array.ravel()[at])}" + (f" at position {at}" if array.ndim else "")

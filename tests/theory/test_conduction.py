@@ -149,7 +149,7 @@ def test_fields_have_si_units():
 
 
 def test_a_quantity_of_another_unit_is_refused():
-    with pytest.raises(ValueError, match=r"normalised must be in p_0\*, got resistance in g_0/p_0\*"):
+    with pytest.raises(ValueError, match=r"normalised must be in p_0\*, got values in g_0/p_0\*"):
         interface().pressure(CURVE.resistance)
     with pytest.raises(ValueError, match=r"data must be a Dataset or a DataArray of weier, got \[1.0\]"):
         interface().in_si([1.0])
@@ -175,12 +175,104 @@ def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
     trace = Trace(heights, 1e-3, ends="periodic", unit="m")
     curve = solve(trace, [0.1, 1.0], "bem", staircase="kept")
     own = {"lambda_0": trace.lambda_0, "g_0": trace.g_0}
-    assert interface(**own).in_si(curve).mean_pressure.units == "Pa"
-    for name in own:
-        with pytest.raises(ValueError, match=rf"{name} must be that of the trace, .* m, got 0\.5 m"):
-            interface(**own | {name: 0.5}).in_si(curve)
-    with pytest.raises(ValueError, match="g_0 must be that of the trace"):
-        interface(**own | {"g_0": 0.5}).compliance(curve.compliance)
+    expected = interface(**own).in_si(curve)
+    assert expected.mean_pressure.values == pytest.approx(interface(**own).pressure([0.1, 1.0]), rel=1e-15)
+    for bodies in (interface(), interface(lambda_0=None, g_0=None), interface(lambda_0=None, g_0=None).at(trace)):
+        assert bodies.in_si(curve).equals(expected)
+        assert bodies.in_si(curve.compliance).equals(expected.compliance)
+        assert bodies.at(curve) == bodies.at(trace) == interface(**own)
+        assert (bodies.in_si(curve).attrs["lambda_0"], bodies.in_si(curve).attrs["g_0"]) == (1e-3, trace.g_0)
+
+
+def test_each_curve_of_several_traces_and_series_has_its_own_scale():
+    """Their common loads in p_0* are different ones in Pa."""
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
+    surfaces = [Trace(z, 1e-3, ends="periodic", unit="m"), Profile(1.25, 5, 2, 1.0), Trace(2 * z, 3e-3, unit="m")]
+    curves = solve(surfaces, [0.1, 1.0], ["bem"], bem={"staircase": "kept"})
+    found = interface().in_si(curves)
+    assert found.mean_pressure.dims == ("case", "load")
+    assert found.resistance.dims == ("case", "solution_method", "load")
+    for row, surface in enumerate(surfaces):
+        own = interface().at(surface)
+        assert found.mean_pressure[row].values == pytest.approx(own.pressure([0.1, 1.0]), rel=1e-15)
+        for name in ("compliance", "resistance"):
+            expected = getattr(own, name)(curves[name][row].values)
+            assert found[name][row].values == pytest.approx(expected, rel=1e-15, nan_ok=True), name
+    table = found.weier.table()
+    assert table["mean_pressure"].nunique() == 6
+    assert table["compliance"].tolist() == found.compliance.values[np.isfinite(found.compliance.values)].tolist()
+    with pytest.raises(ValueError, match="surface must be one"):
+        interface().at(curves)
+    with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series"):
+        interface(lambda_0=None, g_0=None).in_si(curves)
+
+
+NORMALISED_TWICE = [
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve)),
+    lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).compliance),
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).contact_fraction),
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
+    lambda bodies, curve: bodies.in_si(fields_in_si(bodies)),
+    lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure),
+    lambda bodies, curve: bodies.resistance(bodies.in_si(curve).resistance),
+    lambda bodies, curve: bodies.compliance(bodies.in_si(curve).compliance.variable),
+    lambda bodies, curve: bodies.compliance(curve.resistance),
+    lambda bodies, curve: bodies.compliance(curve.resistance.variable),
+    lambda bodies, curve: bodies.resistance(curve.contact_fraction),
+    lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),
+]
+
+
+def fields_in_si(bodies):
+    return bodies.in_si(fields(Profile(1.25, 5, 1), 0.1))
+
+
+@pytest.mark.parametrize("convert", NORMALISED_TWICE)
+def test_a_conversion_happens_once(convert):
+    with pytest.raises(ValueError, match=r"(must be (normalised|in)|must have no unit)"):
+        convert(interface(), CURVE)
+
+
+def test_what_has_lost_its_unit_is_refused_until_it_is_given_again():
+    bodies = interface()
+    lost = CURVE.mean("mean_pressure", keep_attrs=False)
+    with pytest.raises(ValueError, match="compliance has lost its unit, as by a mean or a ratio"):
+        bodies.in_si(lost)
+    with pytest.raises(ValueError, match="resistance has lost its unit"):
+        bodies.in_si(lost.resistance)
+    assert bodies.in_si(lost.resistance, unit="g_0/p_0*") == bodies.resistance(lost.resistance.values)
+    assert bodies.resistance(lost.resistance) == bodies.resistance(lost.resistance.values)
+    with pytest.raises(ValueError, match=r"unit must be that of the data, g_0, got p_0\*"):
+        bodies.in_si(CURVE.compliance, unit="p_0*")
+    with pytest.raises(ValueError, match="unit must be one of"):
+        bodies.in_si(lost.compliance, unit="Pa")
+    with pytest.raises(ValueError, match="unit must be left out for a Dataset"):
+        bodies.in_si(CURVE, unit="g_0")
+    with pytest.raises(ValueError, match="data must be a Dataset or a DataArray of weier"):
+        bodies.in_si(CURVE.compliance.to_series())
+    unlabelled = CURVE.assign_coords(mean_pressure=CURVE.mean_pressure.values)
+    with pytest.raises(ValueError, match="mean_pressure has lost its unit"):
+        bodies.in_si(unlabelled)
+    own = CURVE.assign(share=CURVE.compliance / CURVE.first_contact if "first_contact" in CURVE else CURVE.work / 2)
+    own["share"].attrs = {"units": "1"}
+    assert bodies.in_si(own).share.equals(own.share.assign_coords(bodies.in_si(own).share.coords))
+
+
+def test_ratios_and_counts_say_that_they_have_no_unit():
+    units = {name: CURVE[name].attrs["units"] for name in ("contact_fraction", "patch_count", "D", "gamma", "m")}
+    assert set(units.values()) == {"1"}
+
+
+def test_two_bodies_alone_have_no_scale():
+    bodies = interface(lambda_0=None, g_0=None)
+    assert bodies.composite_modulus == interface().composite_modulus
+    for use in (lambda: bodies.full_contact_pressure, lambda: bodies.pressure(0.1), lambda: bodies.in_si(CURVE)):
+        with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series, in m"):
+            use()
+    with pytest.raises(ValueError, match=r"lambda_0 and g_0 must be given together, .*: g_0 is missing"):
+        interface(g_0=None)
+    assert "p_0*" not in bodies._repr_html_()
 
 
 def test_no_contact_has_no_conductance_whatever_the_bodies_are():

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 from weier.checks import suggestion
 from weier.cli.options import FILE, STDOUT, output
 from weier.data.files import write_text
 from weier.data.yaml import number, parse_yaml
-from weier.theory.conduction import Interface, at_scale_of
+from weier.theory.conduction import Interface
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -53,35 +52,26 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
 
 def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
     """The table in SI units, which the headings name, for the bodies of a file; traces have their own scale."""
-    import pandas as pd
-
     from weier.data.selection import as_cases
 
     data = as_cases(data)
-    trace = data["trace_digest"].values if "trace_digest" in data.coords else np.full(data.sizes["case"], "")
-    bodies = _read_interface(path, (trace == "").any())
-    groups = [data.isel(case=np.flatnonzero(trace == digest)) for digest in dict.fromkeys(trace.tolist())]
-    tables = []
-    for group in groups:
-        curves = at_scale_of(group.isel(case=0), bodies).in_si(group)
-        table = curves.weier.table()
-        units = {name: curves[name].attrs.get("units", "1") for name in table if name in curves}
-        tables.append(table.rename(columns={name: f"{name} ({unit})" for name, unit in units.items() if unit != "1"}))
-    return pd.concat(tables, ignore_index=True)
+    curves = _read_interface(path).in_si(data)
+    units = {name: values.attrs.get("units", "1") for name, values in curves.variables.items()}
+    table = curves.weier.table()
+    return table.rename(columns={name: f"{name} ({units[name]})" for name in table if units.get(name, "1") != "1"})
 
 
-def _read_interface(path: Path, scaled: bool) -> Interface:
-    """The bodies of a file; without `scaled`, lambda_0 and g_0 may be missing."""
+def _read_interface(path: Path) -> Interface:
+    """The bodies of a file."""
     given, known = parse_yaml(path.read_text(encoding="utf-8")), signature(Interface).parameters
-    scale = {} if scaled else {"lambda_0": 1.0, "g_0": 1.0}
     needed = [name for name, value in known.items() if value.default is value.empty]
     given = given if isinstance(given, dict) else {}
     if strange := [name for name in given if name not in known]:
         raise ValueError(
             f"{path} has a key {strange[0]!r}, which is none of {', '.join(known)}{suggestion(strange[0], known)}"
         )
-    if missing := [name for name in needed if name not in scale | given]:
+    if missing := [name for name in needed if name not in given]:
         raise ValueError(
             f"{path} must have {', '.join(needed)} and a modulus of each body, and lacks {', '.join(missing)}"
         )
-    return Interface(**(scale | {name: number(name, value) for name, value in given.items()}))
+    return Interface(**{name: number(name, value) for name, value in given.items()})

@@ -14,10 +14,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from weier import units
 from weier.checks import checked_number, checked_numbers, shown
 from weier.data.variables import CURVE, VARIABLES
 from weier.kernels.arrays import Flags
 from weier.surface.profile import PARAMETERS, Profile, checked_ratio
+from weier.theory.conduction import LOAD, LOADS
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -106,11 +108,12 @@ class CurvesAccessor:
         1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
         """
         data = as_cases(self._data)
+        curve = curve_dims(data)
         phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
         labels = [name for name in _labels(data) if name != "case"]
-        quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
+        quantities = [name for name, values in data.data_vars.items() if values.dims == curve]
         rows = data[quantities].drop_vars("phases", errors="ignore")
-        frame = rows.assign_coords(phases=("case", phases)).to_dataframe(dim_order=CURVE).reset_index()
+        frame = rows.assign_coords(phases=("case", phases)).to_dataframe(dim_order=curve).reset_index()
         frame = frame.dropna(how="all", subset=quantities)[[*labels, "phases", *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
@@ -130,11 +133,16 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
                 f"the dataset holds no curves, since there is {'no' if kind == 'nothing' else 'a damaged'} {name}: "
                 "take a result of weier.solve, or a file of curves"
             )
-    for dim in reversed(CURVE):
+    for dim in reversed(curve_dims(data)):
         if dim not in data.dims:
             values = {name: _along(dim, str(name), variable) for name, variable in data.variables.items()}
             data = xr.Dataset(values, attrs=data.attrs).set_coords(list(data.coords))
     return data
+
+
+def curve_dims(data: xr.Dataset) -> tuple[str, ...]:
+    """The dimensions of curves; over LOAD in place of mean_pressure if the loads depend on the case."""
+    return tuple(LOAD if dim == LOADS and LOAD in data.dims else dim for dim in CURVE)
 
 
 def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
@@ -246,7 +254,7 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
         texts = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
         fits = np.array([[text in str(label).split(", ") for text in texts] for label in labels])
     else:
-        numbers = np.array([_number(name, value) for value in wanted])
+        numbers = np.array([_number(name, value, units.unit_of(data[name]) or units.NONE) for value in wanted])
         # Equality is tested as well, for inf.
         fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
     if not fits.any(axis=0).all():
@@ -255,15 +263,15 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     return np.asarray(fits.any(axis=1))
 
 
-def _number(name: str, value: Any) -> float:
+def _number(name: str, value: Any, unit: str) -> float:
     if name == "gamma":
         return float(checked_ratio(value))
-    return checked_number(name, value, "be a number", lambda number: number == number)
+    return checked_number(name, value, "be a number", lambda number: number == number, unit)
 
 
 def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     """Whether each case has these phases: of every term but the first, or of each; an infinite series has any."""
-    given = checked_numbers("phases", wanted, "be finite", np.isfinite)
+    given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
     if given.ndim > 1 or given.size == 0:
         raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
     phases = data["phases"].values

@@ -299,6 +299,8 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str
         known["units"] = entry.unit  # of UDUNITS, as CF requires; dimensionless variables need none
     elif entry.unit != "1":
         known["unit"] = entry.unit  # which xarray writes at axes, too
+    elif entry.dtype == "f8":
+        known["units"] = entry.unit  # so that what has lost its unit differs from a ratio or a count
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:

@@ -28,7 +28,7 @@ from weier.methods.registry import PLANNED, names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import Interface, at_scale_of
+from weier.theory.conduction import Interface
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
 MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.
@@ -113,7 +113,7 @@ def _curves(
     numerical, found = numerical_names(), []
     traces = names_of_traces(cases)
     for position, (case, trace) in enumerate(zip(cases, traces, strict=True)):
-        of = interface and at_scale_of(case, interface)
+        of = interface and interface.at(case)
         units = (of.pressure(1.0), getattr(of, quantity)(1.0)) if of else (1.0, 1.0)
         shown = of.in_si(case) if of else case
         parameters = _parameters(case, position, trace)

@@ -141,5 +141,5 @@ def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: obje
     data = {}
     for name, value in values.items():
         long_name, unit = ATTRIBUTES[name]
-        data[name] = (dims, value, {"long_name": long_name} | ({} if unit == "1" else {"unit": unit}))
+        data[name] = (dims, value, {"long_name": long_name, "units" if unit == "1" else "unit": unit})
     return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})

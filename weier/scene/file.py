@@ -245,7 +245,7 @@ def _interface(raw: Raw) -> Interface | None:
     missing = {"lambda_0", "g_0"} - values.keys()
     if missing and not all("trace" in _mapping(raw["studies"], study) for study in _mapping(raw, "studies")):
         raise ValueError(f"{' and '.join(sorted(missing))} must be given, the scale of the series in m")
-    return Interface(**dict.fromkeys(missing, 1.0), **values)
+    return Interface(**values)
 
 
 def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes) -> Figure:

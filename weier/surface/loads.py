@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier import units
 from weier.checks import checked_number, checked_numbers
 from weier.kernels.arrays import Array, Indices
 from weier.surface.waves import Waves
@@ -28,7 +29,7 @@ def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
 
 def positive_loads(mean_pressure: ArrayLike) -> Array:
     """The loads as an array, if they are positive and finite, in the order given."""
-    loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure))
+    loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure, unit=units.NORMALISED_PRESSURE))
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
     checked_numbers("mean_pressure", loads, "be finite", np.isfinite)
@@ -51,7 +52,8 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 
 def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
     """One load; ValueError unless it is positive and finite."""
-    return checked_number(name, mean_pressure, "be one load, positive and finite", lambda load: 0 < load < np.inf)
+    condition = "be one load, positive and finite"
+    return checked_number(name, mean_pressure, condition, lambda load: 0 < load < np.inf, units.NORMALISED_PRESSURE)
 
 
 def unit_doubt(profile: Waves, loads: Array) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from weier import units
 from weier.checks import checked_count, checked_number, checked_numbers, shown
 from weier.kernels.arrays import Array
 from weier.surface import series
@@ -253,7 +254,7 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     """The phases; ValueError unless they are finite, and one for all terms or one for each of m."""
     if isinstance(phases, RandomPhases):
         return phases
-    values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite)
+    values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite, units.RADIAN)
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
     others = np.abs(values[values != 0])

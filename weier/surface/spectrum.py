@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
 
+from weier import units
 from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.surface.measured.trace import DECIMAL_ROUNDING, Trace
@@ -155,6 +156,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         finest if shortest is None else shortest,
         f"be at least that of the trace, {least:.6g} m",
         lambda x: least <= x * DECIMAL_ROUNDING,
+        units.METRE,
     )
     fewest = max(MIN_RATIO, float(ratio)) * last
     first = checked_number(
@@ -163,6 +165,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
         f"trace, {trace.lambda_0:.6g} m",
         lambda x: fewest <= x * DECIMAL_ROUNDING and x <= trace.lambda_0 * DECIMAL_ROUNDING,
+        units.METRE,
     )
     return first, math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
 

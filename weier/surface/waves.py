@@ -133,7 +133,7 @@ class Waves(ABC):
             ) from None
 
     def _sum(self, x: ArrayLike, coefficient: Array, wave: np.ufunc) -> Array:
-        x = checked_numbers("x", x, f"lie in [-{MAX_X:g}, {MAX_X:g}]", lambda x: np.abs(x) <= MAX_X)
+        x = checked_numbers("x", x, f"lie in [-{MAX_X:g}, {MAX_X:g}]", lambda x: np.abs(x) <= MAX_X, "lambda_0")
         total = np.zeros_like(x)
         for c, k, phi in zip(coefficient, self._waves_per_length, self.phase, strict=True):
             cycles = x * k

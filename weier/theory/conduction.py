@@ -8,14 +8,17 @@ area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import InitVar, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import Condition, checked_number, checked_numbers, shown
+from weier import units
+from weier.checks import Condition, checked_number, checked_numbers, checked_word, shown
 from weier.kernels.arrays import Array
+from weier.surface.waves import checked_surface
 from weier.tables import html_table
 
 beyond_floats = np.errstate(over="ignore")  # Values larger than the largest float become inf.
@@ -75,7 +78,7 @@ def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: 
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
-    slope = checked_numbers("compliance_slope", compliance_slope)
+    slope = checked_numbers("compliance_slope", compliance_slope, unit="m/Pa")
     return np.asarray(_checked("modulus", modulus) * _sum(rho_1, rho_2) * slope)
 
 
@@ -116,23 +119,30 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     return np.asarray(_checked("rho_1", rho_1) + _checked("rho_2", rho_2))
 
 
-# The condition on each quantity, in words that follow "must" and as a function.
-RANGES: dict[str, tuple[str, Condition]] = {
+# The condition on each quantity, in words that follow "must" and as a function, and its unit.
+RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(
-        ("mu_1", "mu_2", "E_1", "E_2", "modulus"), ("be positive (inf for a rigid body)", lambda mu: mu > 0)
+        ("mu_1", "mu_2", "E_1", "E_2", "modulus"),
+        ("be positive (inf for a rigid body)", lambda mu: mu > 0, units.PASCAL),
     ),
-    **dict.fromkeys(("nu_1", "nu_2"), ("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5))),
-    **dict.fromkeys(("rho_1", "rho_2"), ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf))),
-    **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf))),
-    **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0)),
+    **dict.fromkeys(("nu_1", "nu_2"), ("lie in (-1, 0.5]", lambda nu: (nu > -1) & (nu <= 0.5), units.NONE)),
+    **dict.fromkeys(
+        ("rho_1", "rho_2"),
+        ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf), units.OHM_METRE),
+    ),
+    **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
+    **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0, units.METRE)),
 }
+BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
-SCALE_TOLERANCE = 1e-6  # Lengths that differ by less, relative, are the same: people copy six or seven digits.
 # The coordinates of curves that hold the scale of a trace, in m.
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 # The units of the scalars of `weier.fields`, which are attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
+LOADS = "mean_pressure"
+LOCATED = (LOADS, "x")  # The coordinates with normalised units.
+CASE, LOAD = "case", "load"  # Dimensions; cases of different scale have different loads in Pa, over LOAD.
 
 
 def _checked(name: str, values: ArrayLike) -> Array:
@@ -141,7 +151,9 @@ def _checked(name: str, values: ArrayLike) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """Two bodies and the scale of their roughness: turns normalised results into SI units.
+    """Two bodies in contact: turns normalised results into SI units.
+
+    All values may be quantities of pint or astropy, or arrays with the attribute `units`, which are converted.
 
     Parameters
     ----------
@@ -153,13 +165,14 @@ class Interface:
         Poisson's ratios, in (-1, 0.5].
     rho_1, rho_2 : float
         Resistivities, in ohm m. 0 is a perfect conductor.
-    lambda_0, g_0 : float
-        Wavelength and amplitude of the coarsest wave, in m; for a `Trace`, its own lambda_0 and g_0.
+    lambda_0, g_0 : float, optional
+        Wavelength and amplitude of the coarsest wave of a series, in m. The curves of a `Trace` carry its own.
 
     Raises
     ------
     ValueError
-        If a value lies outside its range, both or neither of mu and E are given, or both bodies are rigid.
+        If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
+        or if both bodies are rigid.
 
     Examples
     --------
@@ -177,8 +190,8 @@ class Interface:
     nu_2: float
     rho_1: float
     rho_2: float
-    lambda_0: float
-    g_0: float
+    lambda_0: float | None = None
+    g_0: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
 
@@ -187,13 +200,18 @@ class Interface:
             "mu_1": _shear_modulus(1, self.mu_1, E_1, self.nu_1),
             "mu_2": _shear_modulus(2, self.mu_2, E_2, self.nu_2),
         }
-        vars(self).update(moduli)
         # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
-        vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in vars(self).items()})
-        if not 0 < self.full_contact_pressure < math.inf:  # which refuses two rigid bodies
+        given = {name: value for name, value in (vars(self) | moduli).items() if value is not None}
+        vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in given.items()})
+        if (self.lambda_0 is None) != (self.g_0 is None):
+            missing = "lambda_0" if self.lambda_0 is None else "g_0"
+            raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
+        scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
+        full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
+        if not 0 < full < math.inf:
             raise ValueError(
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
-                f"floats, got {self.full_contact_pressure}"
+                f"floats, got {full}"
             )
 
     def _repr_html_(self) -> str:
@@ -201,8 +219,11 @@ class Interface:
         rows = [
             [str(body), *(f"{vars(self)[f'{name}_{body}']:.6g}" for name in ("mu", "nu", "rho"))] for body in (1, 2)
         ]
-        scale = f"lambda_0 = {self.lambda_0:.6g} m, g_0 = {self.g_0:.6g} m, M = {self.composite_modulus:.6g} Pa"
         header = ["body", "shear modulus mu, Pa", "Poisson's ratio nu", "resistivity rho, ohm m"]
+        modulus = f"M = {self.composite_modulus:.6g} Pa"
+        if self.lambda_0 is None:
+            return html_table(modulus, header, rows)
+        scale = f"lambda_0 = {self.lambda_0:.6g} m, g_0 = {self.g_0:.6g} m, {modulus}"
         return html_table(scale, header, rows, f"p_0* = {self.full_contact_pressure:.6g} Pa")
 
     @property
@@ -213,7 +234,30 @@ class Interface:
     @property
     def full_contact_pressure(self) -> float:
         """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
-        return 2 * math.pi * self.composite_modulus * self.g_0 / self.lambda_0
+        return float(self._units()["p_0*"][0])
+
+    def at(self, surface: Any) -> Interface:
+        """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
+
+        Parameters
+        ----------
+        surface : Profile, Trace or Dataset
+            The surface, or one curve of it.
+
+        Raises
+        ------
+        ValueError
+            If the surface is a series, and this interface has no lambda_0 and g_0.
+        """
+        if hasattr(surface, "data_vars"):
+            lambda_0, g_0 = self._scale_of(surface)
+            if _varies((lambda_0, g_0)):
+                raise ValueError("surface must be one, got curves of traces of several lengths or heights")
+        elif hasattr(checked_surface(surface), "g_0"):
+            lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
+        else:
+            lambda_0, g_0 = map(np.asarray, self._scale())
+        return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Any:
         """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
@@ -221,7 +265,7 @@ class Interface:
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
         """Pressures in p_0*, which `weier.solve` takes, from pressures in Pa, of any shape."""
-        return np.asarray(checked_numbers("pressure", pressure) / self.full_contact_pressure)
+        return np.asarray(checked_numbers("pressure", pressure, unit=units.PASCAL) / self.full_contact_pressure)
 
     def compliance(self, normalised: ArrayLike) -> Any:
         """Compliances, heights and gaps in m, from those in g_0, likewise."""
@@ -231,24 +275,30 @@ class Interface:
         """Specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
-    def in_si(self, data: Any) -> Any:
+    def in_si(self, data: Any, unit: str | None = None) -> Any:
         """All of a Dataset or DataArray in SI units, coordinates too.
 
         Parameters
         ----------
         data : Dataset or DataArray
-            Of weier, such as a curve of `weier.solve`: the attribute `unit` says what a variable is in.
+            Of weier, such as a curve of `weier.solve`: the attribute `unit` says what a variable is in. Curves of
+            traces are converted by the length and height of each trace, others by lambda_0 and g_0 of this interface.
+        unit : str, optional
+            Unit of a DataArray that has lost it, as by a mean or a ratio: "g_0", "p_0*", "g_0/p_0*", "lambda_0" or
+            "1".
 
         Returns
         -------
         Dataset or DataArray
-            The same with `units` such as "Pa", and with this interface among the attributes of a Dataset. What has no
-            unit stays as it is, and so does NaN, where a value is missing.
+            The same with `units` such as "Pa", and with this interface among the attributes of a Dataset. What has
+            another unit stays as it is, and so does NaN, where a value is missing. Where traces of several lengths
+            or heights have common normalised loads, the loads in Pa depend on the case, and the dimension
+            mean_pressure becomes `load`.
 
         Raises
         ------
         ValueError
-            If this is no data of weier, or a curve of a trace whose lambda_0 and g_0 are others.
+            If this is no data of weier, is in SI units already, or has lost a unit.
 
         Examples
         --------
@@ -259,78 +309,132 @@ class Interface:
         >>> print(f"{curve.mean_pressure.values[0]:.3e}", curve.mean_pressure.units, curve.resistance.units)
         2.142e+07 Pa ohm m^2
         """
-        if hasattr(data, "data_vars"):
-            self._check_scale(data)
-            # By methods of the dataset itself, so that nothing of xarray has to be imported here.
-            values = {name: self._converted(variable) for name, variable in data.variables.items()}
-            found = data.assign(values).assign_attrs(vars(self))
-            for name in SCALARS.keys() & found.attrs.keys():
-                found.attrs[name] = found.attrs[name] * self._units[SCALARS[name]][0]
-            found.attrs.pop("normalisation", None)
-            return found
         if hasattr(data, "to_dataset"):
-            return self.in_si(data.to_dataset(name="_"))["_"].rename(data.name)
-        raise ValueError(f"data must be a Dataset or a DataArray of weier, got {shown(data)}")
+            name = data.name if isinstance(data.name, str) and data.name not in data.coords else "data"
+            named = data.rename(name) if unit is None else _with_unit(data.rename(name), unit)
+            return self.in_si(named.to_dataset())[name].rename(data.name)
+        if not hasattr(data, "data_vars"):
+            raise ValueError(f"data must be a Dataset or a DataArray of weier, got {shown(data)}")
+        if unit is not None:
+            raise ValueError(f"unit must be left out for a Dataset, whose variables have units, got {shown(unit)}")
+        _check_normalised(data)
+        scale = self._scale_of(data)
+        found = _over_loads(data) if _varies(scale) and LOADS in data.dims else data
+        known = self._units(*scale)
+        # By methods of the dataset itself, so that nothing of xarray has to be imported here.
+        values = {name: _converted(variable, known) for name, variable in found.variables.items()}
+        coordinates = list(found.coords)
+        found = found.assign(values).set_coords(coordinates)
+        own = {name: value for name, value in vars(self).items() if value is not None}
+        if not _varies(scale):
+            own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
+        found = found.assign_attrs(own)
+        if "normalisation" in found.attrs:
+            for name in SCALARS.keys() & found.attrs.keys():
+                found.attrs[name] = found.attrs[name] * float(known[SCALARS[name]][0])
+            del found.attrs["normalisation"]
+        return found
 
-    def _check_scale(self, data: Any) -> None:
-        """Refuse curves of traces in units of another length or height than their own."""
-        for name, of_trace in OF_TRACE.items():
-            known = np.asarray(data.coords.get(of_trace, math.nan), float)
-            strange = known[np.abs(known / getattr(self, name) - 1) > SCALE_TOLERANCE]
-            if strange.size:
-                raise ValueError(
-                    f"{name} must be that of the trace, {strange[0]:.9g} m, got {getattr(self, name):g} m: "
-                    "take an Interface with it, for the curves of this trace alone"
-                )
+    def _scale_of(self, data: Any) -> tuple[Array, Array]:
+        """lambda_0 and g_0 of the curves, a number or one for each case: of their traces, else of this interface."""
+        own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
+        if not np.isfinite(own).all():
+            own = [
+                np.where(np.isfinite(values), values, of_series)
+                for values, of_series in zip(own, self._scale(), strict=True)
+            ]
+        lambda_0, g_0 = own if _varies(own) else [values.flat[0] for values in own]
+        return lambda_0, g_0
 
-    @property
-    def _units(self) -> dict[str, tuple[float, str]]:
-        """The value of each normalised unit in SI units."""
-        p = self.full_contact_pressure
-        slope = specific_resistance(self.g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
+    def _scale(self) -> tuple[float, float]:
+        if self.lambda_0 is None or self.g_0 is None:
+            raise ValueError(
+                "lambda_0 and g_0 must be given for a series, in m: weier.Interface(..., lambda_0=1e-3, g_0=1e-6)"
+            )
+        return self.lambda_0, self.g_0
+
+    def _units(self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None) -> dict[str, tuple[Array, str]]:
+        """The value of each normalised unit in SI units, at the scale given or at that of this interface."""
+        scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
+        length, height = (np.asarray(value, float) for value in scale)
+        p = 2 * math.pi * self.composite_modulus * height / length
+        slope = specific_resistance(height / p, self.composite_modulus, self.rho_1, self.rho_2)
         return {
-            "lambda_0": (self.lambda_0, "m"),
-            "g_0": (self.g_0, "m"),
+            "lambda_0": (length, "m"),
+            "g_0": (height, "m"),
             "p_0*": (p, "Pa"),
-            "g_0/p_0*": (float(slope), "ohm m^2"),
-            "p_0*/lambda_0^(1/2)": (p / math.sqrt(self.lambda_0), "Pa m^-0.5"),
+            "g_0/p_0*": (slope, "ohm m^2"),
+            "p_0*/lambda_0^(1/2)": (p / np.sqrt(length), "Pa m^-0.5"),
         }
 
     def _of_unit(self, unit: str, normalised: Any) -> Any:
-        """Values of one unit; a DataArray that says it is of another one is refused."""
+        """Values of one unit; those that say they are of another one are refused."""
         if not hasattr(normalised, "to_dataset"):
-            return _scaled(normalised, self._units[unit][0])
-        own = normalised.attrs.get("unit", unit)
-        if own != unit:
-            raise ValueError(
-                f"normalised must be in {unit}, got {normalised.name} in {own}: take in_si, or another one"
-            )
+            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._units()[unit][0])
+        if (own := units.unit_of(normalised) or unit) != unit:
+            raise ValueError(f"normalised must be in {unit}, got values in {own}")
         return self.in_si(normalised.assign_attrs(unit=unit))
 
-    def _converted(self, variable: Any) -> tuple[Any, Any, dict[str, Any]]:
-        """Dimensions, values and attributes of a variable, in SI units where it has a unit."""
-        attributes = dict(variable.attrs)
-        unit = attributes.pop("unit", None)
-        if unit not in self._units:
-            return variable.dims, variable.values, dict(variable.attrs)
-        factor, attributes["units"] = self._units[unit]
-        if "symbol" in attributes:
-            attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
-        limits = {name: attributes[name] * factor for name in ("valid_min", "valid_max") if name in attributes}
-        return variable.dims, _scaled(variable.values, factor), attributes | limits
+
+def _with_unit(data: Any, unit: str) -> Any:
+    """A DataArray with a unit, if it has none."""
+    checked_word("unit", unit, (*units.NORMALISED, units.NONE))
+    if (own := units.unit_of(data)) not in ("", unit):
+        raise ValueError(f"unit must be that of the data, {own}, got {unit}: leave it out")
+    return data.assign_attrs(unit=unit)
 
 
-@beyond_floats
-def _scaled(normalised: ArrayLike, unit: float) -> Array:
+def _check_normalised(data: Any) -> None:
+    """Refuse a Dataset that has lost a unit, or is in SI units already."""
+    for name, variable in data.variables.items():
+        own = name in data.data_vars or name in LOCATED
+        if own and variable.dtype.kind == "f" and not units.unit_of(variable):
+            raise ValueError(
+                f'{name} has lost its unit, as by a mean or a ratio: give it again by data["{name}"].attrs["unit"] = '
+                '"g_0", or "1" for a plain number, or for one DataArray by in_si(data, unit="g_0")'
+            )
+    if not any(units.unit_of(variable) in units.NORMALISED for variable in data.variables.values()):
+        raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
+    if known := {*BODIES} & data.attrs.keys():
+        raise ValueError(
+            f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
+        )
+
+
+def _over_loads(data: Any) -> Any:
+    """The same over the dimension LOAD in place of mean_pressure, which then is a coordinate without an index."""
+    return data.reset_index(LOADS).rename_dims({LOADS: LOAD})
+
+
+def _varies(scale: Iterable[Array]) -> bool:
+    """Whether cases differ in scale."""
+    return any(np.ptp(values) > 0 for values in scale)
+
+
+def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
+    """Dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
+    attributes = dict(variable.attrs)
+    unit = attributes.pop("unit", None)
+    if unit not in known:
+        return variable.dims, variable.values, dict(variable.attrs)
+    factor, attributes["units"] = known[unit]
+    if "symbol" in attributes:
+        attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
+    dims, values = variable.dims, variable.values
+    if factor.ndim:
+        dims = (CASE, *(dim for dim in dims if dim != CASE))
+        values = np.moveaxis(values, variable.dims.index(CASE), 0) if CASE in variable.dims else values[None]
+        factor = factor.reshape(-1, *(1 for _ in dims[1:]))
+    for name in ("valid_min", "valid_max"):
+        if name in attributes:
+            attributes[name] = float(attributes[name] * factor.max())
+    return dims, _scaled(values, factor), attributes
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _scaled(values: Array, unit: Array) -> Array:
     """Values in a unit; NaN, where a value is missing, stays NaN.
 
     An infinite resistance is that of no contact, and stays infinite for perfect conductors, too, whose unit is 0.
     """
-    values = checked_numbers("normalised", normalised)
-    return np.asarray(np.multiply(values, unit, out=values.copy(), where=np.isfinite(values)))
-
-
-def at_scale_of(curves: Any, bodies: Interface) -> Interface:
-    """Two bodies at the length and height of the trace whose curves these are, or as they are for a series."""
-    own = {name: float(np.squeeze(curves.coords.get(of_trace, math.nan))) for name, of_trace in OF_TRACE.items()}
-    return replace(bodies, **own) if math.isfinite(own["g_0"]) else bodies
+    return np.where(np.isfinite(values), np.asarray(values, float) * unit, values)

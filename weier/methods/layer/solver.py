@@ -23,6 +23,7 @@ from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, scal
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import Mesh, midpoints
 from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
+from weier.units import NORMALISED_PRESSURE
 
 POINTS = 24  # The compliance is then within 5e-6 of the total amplitude; see the notes of `curve`.
 ACCURACY = 1e-5
@@ -206,7 +207,9 @@ def _may_be_infinite(bottom: float, model: Model) -> bool:
 
 def _checked_loads(mean_pressure: ArrayLike) -> Array:
     condition = f"be finite and at least {MIN_LOADS[1]:g} p_0*"
-    loads = checked_numbers("mean_pressure", mean_pressure, condition, lambda p: (p >= MIN_LOADS[1]) & np.isfinite(p))
+    loads = checked_numbers(
+        "mean_pressure", mean_pressure, condition, lambda p: (p >= MIN_LOADS[1]) & np.isfinite(p), NORMALISED_PRESSURE
+    )
     if loads.size == 0:
         raise ValueError("mean_pressure must be at least one load, got none")
     return loads

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from weier import units
 from weier.checks import checked_count, checked_number, checked_numbers, checked_word
 from weier.kernels.arrays import Array, Flags, Indices
 
@@ -60,7 +61,7 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
 
     Masked values, None, pandas.NA and what equals `missing_value` are missing.
     """
-    values = getattr(heights, "magnitude", heights)  # of pint
+    values = units.bare(heights)
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
         with suppress(TypeError):  # a dataset of xarray, which is no array and is refused below
             values = np.asanyarray(values)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from weier.surface.measured.units import length_unit, unit_of
+from weier.surface.measured.units import length_unit
+from weier.units import unit_of
 
 
 class Line(NamedTuple):

@@ -61,16 +61,6 @@ def units_in(heading: str) -> list[str]:
     return found[0] if len(cells) == 1 else [units[-1] if units else "" for units in found]
 
 
-def unit_of(values: Any) -> str:
-    """The unit that an array of xarray, pandas, pint or astropy has; empty if there is none."""
-    attributes = getattr(values, "attrs", None)
-    if isinstance(attributes, Mapping):
-        named = attributes.get("units", attributes.get("unit"))
-    else:
-        named = getattr(values, "units", getattr(values, "unit", None))
-    return "" if named is None else str(named)
-
-
 def length_unit(name: str) -> str:
     """The unit of length for a name in a file or an array; ValueError if it is unknown."""
     known = _known(name.strip())

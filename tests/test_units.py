@@ -1,0 +1,183 @@
+"""Units that values carry: converted or refused wherever a number is given, never dropped."""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pint
+import pytest
+import xarray as xr
+
+import weier
+from weier.theory.conduction import composite_modulus, holm, specific_resistance
+from weier.units import factor
+
+UREG = pint.UnitRegistry()
+STEEL = {"nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.4e-7, "rho_2": 1.4e-7}
+BODIES = weier.Interface(mu_1=80e9, mu_2=80e9, **STEEL, lambda_0=1e-3, g_0=1e-6)
+PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+
+
+class Quantity(np.ndarray):
+    """An array with a unit as astropy and unyt have it, whose values are plain numbers for NumPy."""
+
+    value = property(lambda self: self.view(np.ndarray))
+
+
+def with_unit(values, unit):
+    found = np.asarray(values, float).view(Quantity)
+    found.unit = unit
+    return found
+
+
+def of_pint(values, unit):
+    return UREG.Quantity(np.asarray(values, float)[()], unit)
+
+
+def of_xarray(values, unit):
+    return xr.DataArray(values, attrs={"units": unit})
+
+
+def of_pint_in_xarray(values, unit):
+    return xr.DataArray(of_pint(np.asarray(values, float), unit))
+
+
+def of_pandas(values, unit):
+    found = pd.Series(np.atleast_1d(values))
+    found.attrs["units"] = unit
+    return found
+
+
+def one_by_one(values, unit):
+    return [of_pint(value, unit) for value in values]
+
+
+def in_an_array_of_objects(values, unit):
+    found = np.empty(len(values), object)
+    found[:] = one_by_one(values, unit)
+    return found
+
+
+SCALARS = (of_pint, with_unit, of_xarray, of_pint_in_xarray)
+ARRAYS = (*SCALARS, of_pandas, one_by_one, in_an_array_of_objects)
+
+
+@pytest.mark.parametrize("of", SCALARS)
+def test_quantities_of_bodies_are_converted(of):
+    found = weier.Interface(
+        E_1=of(2.08e-1, "TPa"),
+        mu_2=of(80e3, "N / mm**2"),
+        **STEEL | {"rho_1": of(14.0, "uohm cm"), "nu_1": of(0.3, "dimensionless")},
+        lambda_0=of(1.0, "mm"),
+        g_0=of(1.0, "micrometer"),
+    )
+    for name, value in vars(BODIES).items():
+        assert getattr(found, name) == pytest.approx(value, rel=1e-14), name
+    assert composite_modulus(mu_1=of(80, "GPa"), mu_2=of(80, "GPa"), nu_1=0.3, nu_2=0.3) == pytest.approx(
+        BODIES.composite_modulus, rel=1e-14
+    )
+    assert specific_resistance(of(3.0, "nm/MPa"), of(1.0, "GPa"), 1e-7, of(10.0, "uohm cm")) == pytest.approx(
+        3e-15 * 1e9 * 2e-7, rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("of", ARRAYS)
+def test_pressures_with_a_unit_are_converted(of):
+    expected = BODIES.normalised_pressure([10e6, 20e6])
+    assert BODIES.normalised_pressure(of([10, 20], "MPa")) == pytest.approx(expected, rel=1e-14)
+    assert holm(of([1, 2], "um"), 1e-7, 1e-7) == pytest.approx(holm([1e-6, 2e-6], 1e-7, 1e-7), rel=1e-14)
+
+
+@pytest.mark.parametrize("of", ARRAYS)
+@pytest.mark.parametrize(
+    ("call", "unit"),
+    [
+        (partial(weier.solve, PROFILE, method="demelio"), "MPa"),
+        (partial(weier.solve, PROFILE, method="demelio"), "Pa"),
+        (BODIES.normalised_pressure, "mm"),
+        (BODIES.normalised_pressure, "p_0*"),
+        (BODIES.normalised_pressure, "nonsense"),
+        (BODIES.pressure, "Pa"),
+        (BODIES.compliance, "um"),
+        (BODIES.resistance, "ohm m^2"),
+        (PROFILE.height, "mm"),
+        (partial(weier.Profile, 1.25, 5, 2), "mm"),
+    ],
+)
+def test_quantities_of_another_kind_are_refused(call, unit, of):
+    if unit in ("nonsense", "p_0*") and of in (of_pint, of_pint_in_xarray, one_by_one, in_an_array_of_objects):
+        return  # which pint does not make
+    with pytest.raises(ValueError, match=r"must (be in|have no unit).*got values in"):
+        call(of([0.1, 0.2], unit))
+
+
+@pytest.mark.parametrize("of", SCALARS)
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda value: weier.Profile(value, 5, 2),
+        lambda value: weier.Profile(1.25, value, 2),
+        lambda value: weier.Profile(1.25, 5, value),
+        lambda value: weier.Interface(mu_1=value, mu_2=80e9, **STEEL),
+        lambda value: weier.Interface(mu_1=80e9, mu_2=80e9, **STEEL | {"nu_1": value}),
+        lambda value: weier.fields(PROFILE, value),
+        lambda value: weier.events(PROFILE, 1e-3, value),
+        lambda value: weier.solve(PROFILE, [0.1], "bem", tolerance=value),
+        lambda value: weier.solve(PROFILE, [0.1], "bem", points=value),
+    ],
+)
+def test_plain_numbers_have_no_unit(call, of):
+    with pytest.raises(ValueError, match=r"(must|gamma)"):
+        call(of(1.5, "mm"))
+
+
+def test_normalised_values_are_taken_with_their_own_unit_alone():
+    curve = weier.solve(PROFILE, [0.1, 0.2], "demelio")
+    assert weier.solve(PROFILE, curve.mean_pressure, "demelio").compliance.equals(curve.compliance)
+    assert weier.Profile(1.25, 5, 2, curve.phases).phase.tolist() == PROFILE.phase.tolist()
+    assert weier.Profile(1.25, 5, 2, of_pint(180 / np.pi, "deg")).phase == pytest.approx([0, 1], rel=1e-14)
+    with pytest.raises(ValueError, match=r"mean_pressure must be in p_0\*, got values in g_0: weier.Interface"):
+        weier.solve(PROFILE, curve.compliance, "demelio")
+    with pytest.raises(ValueError, match="D must have no unit, got values in g_0"):
+        weier.Profile(curve.compliance[0], 5, 2)
+
+
+@pytest.mark.parametrize(
+    ("unit", "value"),
+    [
+        ("GPa", 1e9),
+        ("N/mm²", 1e6),
+        ("N mm-2", 1e6),
+        ("kg m-1 s-2", 1.0),
+        ("kgf/mm^2", 9.80665e6),
+        ("ksi", 6.894757293168362e6),
+        ("dyn / cm2", 0.1),
+    ],
+)
+def test_spellings_of_units(unit, value):
+    assert factor("pressure", unit, "Pa") == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", ["µΩ·cm", "uOhm cm", "microohm * centimeter"])
+def test_spellings_of_resistivities(unit):
+    assert factor("rho_1", unit, "ohm m") == pytest.approx(1e-8, rel=1e-12)
+
+
+NO_UNITS = [
+    "Pa",
+    "1e-8 ohm m",
+    "x" * 500,
+    "9**9**9**9",
+    "m**9**9**9",
+    "(9)**(9)**(9)",
+    "",
+    "(",
+    "a" * 38 + "!",
+    "degC",
+]
+
+
+@pytest.mark.parametrize("unit", NO_UNITS)
+def test_a_text_that_is_no_unit_of_the_quantity_is_refused(unit):
+    with pytest.raises(ValueError, match=r"^rho_1 must be in ohm m, got values in .{0,90}$"):
+        factor("rho_1", unit, "ohm m")

@@ -1,0 +1,93 @@
+"""Units that values carry: the attribute `units` of xarray and pandas, and quantities of pint, astropy and unyt.
+
+Normalised units, such as p_0*, equal only themselves. All others are parsed by pint, which is imported when a value
+has a unit that differs from the expected one, since that takes half a second.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pint
+
+NONE = "1"  # The unit of plain numbers.
+WITHOUT = ("", NONE, "dimensionless")
+NORMALISED_PRESSURE = "p_0*"
+NORMALISED = ("lambda_0", "g_0", NORMALISED_PRESSURE, "g_0/p_0*", "p_0*/lambda_0^(1/2)")
+PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
+MAX_NAME = 40  # No unit is longer than this.
+# Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.
+UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")
+# Spellings that pint does not know: powers as in "N mm-2", which are those of UDUNITS, and "Ohm" of astropy.
+POWER, OHM = re.compile(r"\b([A-Za-z]+)(-?\d)\b"), re.compile(r"Ohm\b")
+
+
+def unit_of(values: Any) -> str:
+    """Return the unit that a number or an array carries; empty if there is none."""
+    attributes = getattr(values, "attrs", None)
+    if isinstance(attributes, Mapping):
+        named = attributes.get("units", attributes.get("unit"))
+        if named is not None:
+            return str(named)
+        values = getattr(values, "data", None)  # xarray may hold an array of pint
+    named = getattr(values, "units", getattr(values, "unit", None))
+    return "" if named is None else str(named)
+
+
+def in_unit(name: str, values: Any, unit: str) -> Any:
+    """Return values that carry no unit as they are, others as plain numbers in `unit`.
+
+    Lists are converted element by element.
+
+    Raises
+    ------
+    ValueError
+        If the unit is unknown, or is of another quantity.
+    """
+    if type(values) in (float, int):
+        return values
+    if isinstance(values, list | tuple):
+        return [in_unit(name, value, unit) for value in values]
+    given = unit_of(values)
+    if not given:
+        return values
+    scale = factor(name, given, unit)
+    return bare(values) if scale == 1 else bare(values) * scale
+
+
+def factor(name: str, given: str, unit: str) -> float:
+    """Return the value of the unit `given` in `unit`; ValueError if it is unknown or of another quantity."""
+    if given == unit or (given in WITHOUT and (unit in NORMALISED or unit in WITHOUT)):
+        return 1.0
+    wanted = "have no unit" if unit == NONE else f"be in {unit}"
+    if given in NORMALISED or unit in NORMALISED:
+        way = "" if unit == NONE else ": weier.Interface converts from and to SI units"
+        raise ValueError(f"{name} must {wanted}, got values in {given:.{MAX_NAME}}{way}")
+    try:
+        if len(given) > MAX_NAME or not UNIT.fullmatch(given):
+            raise ValueError("no unit")
+        return float(_registry().Quantity(1.0, given).to("" if unit == NONE else unit).magnitude)
+    except Exception as error:  # pint raises errors of many types for a text that is no unit
+        raise ValueError(f"{name} must {wanted}, got values in {given:.{MAX_NAME}}") from error
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    import pint
+
+    return pint.UnitRegistry(preprocessors=[lambda text: POWER.sub(r"\1**\2", OHM.sub("ohm", text))])
+
+
+def bare(values: Any) -> Any:
+    """Return the numbers of a quantity without its unit; values without a unit as they are."""
+    if not unit_of(values):
+        return values
+    for name in ("magnitude", "value"):  # of pint, and of astropy and unyt
+        if (found := getattr(values, name, None)) is not None:
+            return found
+    inner = getattr(values, "data", None)
+    return bare(inner) if unit_of(inner) else values
