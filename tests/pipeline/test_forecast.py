@@ -62,7 +62,7 @@ def test_where_no_plan_is_within_reach_the_fast_methods_are_named(seconds, monke
 
     monkeypatch.setattr("weier.pipeline.forecast.plan", refuse)
     (line,) = forecast(case("patches", 3), LOADS)
-    assert line.endswith("choose archard, demelio, layer, bem, fewer terms or fewer loads")
+    assert line.endswith("choose archard, demelio, persson, layer, bem, fewer terms or fewer loads")
 
 
 def forecast_of(folder, cores=1, **changes):

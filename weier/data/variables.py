@@ -165,9 +165,8 @@ VARIABLES = {
         "compliance",
         "g_0",
         "h",
-        least=0,
         files=ALL_MEASURED,
-        comment=f"{DATUM}; of a trace, from first contact.",
+        comment=f"{DATUM}; of a trace, from first contact. Persson's theory has negative ones under light loads.",
         axis="compliance $h/g_0$",
         plot="compliance h/g_0",
     ),
@@ -209,7 +208,12 @@ VARIABLES = {
     "resistance_deviation": _measured(
         CURVE, "distance of the resistance from that of the reference", "g_0/p_0*", files=(TRADEOFF,)
     ),
-    "indentation": Variable(CURVE, "compliance, counted from first contact", "g_0", least=-ROUNDING),
+    "indentation": Variable(
+        CURVE,
+        "compliance, counted from first contact",
+        "g_0",
+        comment="Estimates have negative ones where their compliance is below that at first contact.",
+    ),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
     "residual": Variable(

@@ -32,6 +32,14 @@ class Estimate(NamedTuple):
     resistance: Array
 
 
+class AreaEstimate(NamedTuple):
+    """The result of a closed form that also has the contact area; each of shape (loads,)."""
+
+    compliance: Array
+    resistance: Array
+    contact_fraction: Array
+
+
 class Style(NamedTuple):
     """The line of a method: its colour, the lengths of dashes and gaps (none for a solid line), and its marker."""
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 
 from weier.checks import checked_word
-from weier.methods import archard, bem, demelio, hybrid, layer, patches, planned, westergaard
+from weier.methods import archard, bem, demelio, hybrid, layer, patches, persson, planned, westergaard
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.surface.profile import Profile
@@ -19,6 +19,7 @@ METHODS: tuple[Method, ...] = (
     westergaard.METHOD,
     archard.METHOD,
     demelio.METHOD,
+    persson.METHOD,
     layer.METHOD,
     hybrid.METHOD,
     bem.METHOD,
@@ -26,7 +27,8 @@ METHODS: tuple[Method, ...] = (
     planned.planning_method(among=lambda: METHODS),
 )
 PLANNED = next(method.name for method in METHODS if method.runs_others)
-PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, layer, patches))  # Those of the paper's figures.
+# Those of the paper's figures, and Persson's theory beside them.
+PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, layer, patches))
 
 
 def default_method(*surfaces: Waves) -> str:

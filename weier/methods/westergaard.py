@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Estimate, Method, Style
+from weier.methods.method import AreaEstimate, Method, Style
 from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.surface.profile import Profile
 
@@ -71,8 +71,8 @@ def _wave(x: ArrayLike) -> tuple[Array, Array]:
     return np.sin(angle), np.cos(angle)
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
-    return Estimate(compliance(loads), resistance(loads))
+def _solve(profile: Profile, loads: Array) -> AreaEstimate:
+    return AreaEstimate(compliance(loads), resistance(loads), 2 * contact_half_width(loads))
 
 
 def _applies(profile: Profile) -> None:
