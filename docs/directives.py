@@ -18,7 +18,7 @@ from weier.figures import kinds, style
 from weier.figures.captions import caption
 from weier.methods.registry import METHODS, PLOTTED
 from weier.methods.settings import described
-from weier.scene.schema import kind_of, schema
+from weier.scene import keys
 
 ROOT = Path(__file__).resolve().parents[1]
 MAX_WORD = 24  # letters of a word that a cell of a table holds in one line
@@ -64,27 +64,14 @@ class TableOfVariables(SphinxDirective):
 
 
 class SceneKeys(SphinxDirective):
-    """Every key of a scene and of its parts, such as studies and figures, from the schema of scenes."""
-
-    parts = ("", "study", "profile", "trace", "figure", "interface", "range", "scale_and_ends")
+    """Every key of a scene and of its parts, such as studies and figures, from the models of scenes."""
 
     def run(self):
         """A table for each."""
-        known = schema()
         made = []
-        for part in self.parts:
-            within = known["$defs"][part] if part else known
-            caption = f"Keys of {within['title']}"
-            needed = within.get("required", [])
-            rows = [self.row(known, name, of, name in needed) for name, of in within["properties"].items()]
-            made.append(nodes.rubric("", caption))
-            made += self.parse_text_to_nodes(markdown.table(["key", "what it says", "value"], rows))
+        for title, table in keys.tables():
+            made += [nodes.rubric("", f"Keys of {title}"), *self.parse_text_to_nodes(table)]
         return made
-
-    def row(self, known, name, of, needed):
-        """Its cells, as Markdown."""
-        says = f"{of.get('description', '')}{' Required.' if needed else ''}"
-        return [f"`{name}`", markdown.plain(says), markdown.plain(kind_of(of, known))]
 
 
 class SettingsOfMethods(SphinxDirective):

@@ -1,7 +1,6 @@
 """The documentation: its examples are true, and it builds without a warning."""
 
 import doctest
-import json
 import pkgutil
 import re
 import shutil
@@ -24,7 +23,7 @@ from weier.methods import registry
 from weier.pipeline import batch, claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.claim import judge
-from weier.scene.schema import schema
+from weier.scene import keys
 
 
 @pytest.mark.parametrize(("name", "least"), [("index", 5), ("tutorial", 20), ("first_day", 20), ("measured", 20)])
@@ -153,9 +152,8 @@ def test_rows_of_tables_in_contributing_are_those_of_the_project():
     for name, shown in eval(f"{{{row}}}", vars(variables)).items():
         there = variables.VARIABLES[name]
         assert (there.dims, there.long_name) == (shown.dims, shown.long_name)
-    (entry,) = examples("json")
-    schema = json.loads(Path("weier/scene/schema.json").read_text(encoding="utf-8"))
-    assert json.loads(f"{{{entry}}}").items() <= schema["$defs"]["profile"]["properties"].items()
+    (field,) = (code for code in examples("python") if "= Field(" in code)
+    assert f"    {field.strip()}\n" in Path("weier/scene/models.py").read_text(encoding="utf-8")
 
 
 def test_the_names_in_the_glossary_exist():
@@ -257,15 +255,11 @@ def test_the_site_can_be_hosted_as_it_is(site):
 
 def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     text = page(site, "scenes")
-    known = schema()
-    keys = {*known["properties"], *(key for part in PARTS for key in known["$defs"][part]["properties"])}
+    known = {key for part in keys.PARTS for key in tuple(part.keys())}
     cells = re.findall(r"<td><p><code[^>]*>(.*?)</code>", text)
     listed = {re.sub("<[^>]*>", "", cell) for cell in cells}
-    assert keys | set(kinds()) <= listed
-    assert text.count("<table") == len(PARTS) + 2
-
-
-PARTS = ("study", "profile", "trace", "figure", "interface", "range", "scale_and_ends")
+    assert known | set(kinds()) <= listed
+    assert text.count("<table") == len(keys.PARTS) + 1
 
 
 def test_all_that_is_public_is_described(site):

@@ -138,12 +138,12 @@ def suggestion(value: Any, choices: Iterable[str]) -> str:
     return f": did you mean {near!r}?" if near else ""
 
 
-def nearest(value: Any, choices: Iterable[str]) -> str:
-    """The choice nearest to a mistyped word, regardless of case; empty if none is near."""
+def nearest(value: Any, choices: Iterable[str], similarity: float = 0.6) -> str:
+    """The choice nearest to a mistyped word, regardless of case; empty if none has this similarity (of difflib)."""
     if not isinstance(value, str):
         return ""
     folded = {choice.casefold(): choice for choice in choices}
-    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1)
+    near = get_close_matches(value[:MAX_SHOWN].casefold(), folded, n=1, cutoff=similarity)
     return folded[near[0]] if near else ""
 
 

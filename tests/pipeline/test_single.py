@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import yaml
 
 from tests.scenes import scene_in
 from weier.methods.errors import ConvergenceError
 from weier.pipeline import single
+from weier.scene.yaml import parse_yaml
 
 SERIES = {"D": 1.25, "gamma": "5/2", "m": 2, "phases": 1.0}
 LOADS = np.array([0.1, 1.0])
@@ -16,7 +16,7 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
     found = single.solve_one(SERIES, LOADS, ["layer"], {"layer": {"accuracy": 1e-6}})
     again = scene_in(tmp_path, found.attrs["scene"])
     assert [case.key for case in again.studies["one"]] == found["key"].values.tolist()
-    assert yaml.safe_load(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
+    assert parse_yaml(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
 
 
 def test_what_no_method_finds_raises():

@@ -1,8 +1,11 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
+import json
 import re
+import shutil
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 import yaml
@@ -10,7 +13,10 @@ import yaml
 from tests.toy_method import TOY
 from weier import load_scene, scene
 from weier.methods import registry
-from weier.scene.schema import schema
+from weier.scene import keys
+from weier.scene.keys import schema
+from weier.scene.models import SceneKeys
+from weier.scene.yaml import parse_yaml
 
 SCENES = sorted(Path("config").glob("*/*.yaml"))
 
@@ -42,9 +48,21 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
 
 
 def test_the_schema_knows_every_method(monkeypatch):
-    assert schema()["$defs"]["method"]["enum"] == registry.names()
+    def methods():
+        return schema()["properties"]["methods"]["items"]["enum"]
+
+    assert methods() == registry.names()
     monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, TOY))
-    assert schema()["$defs"]["method"]["enum"][-1] == TOY.name
+    assert methods()[-1] == TOY.name
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_the_schema_of_editors_takes_the_scenes_that_come_with_weier(path):
+    validator = jsonschema.Draft202012Validator(json.loads(Path("config/scene.schema.json").read_text()))
+    found = parse_yaml(path.read_text(encoding="utf-8"))
+    assert [error.message for error in validator.iter_errors(found)] == []
+    for changes in ({"lods": 1}, {"methods": ["bme"]}, {"batch": 0}, {"figures": {"f": {"drew": "compliance"}}}):
+        assert not validator.is_valid(found | changes)
 
 
 def test_the_loads_of_the_paper_are_dense_where_contacts_are_born_and_merge():
@@ -171,6 +189,36 @@ def test_all_mistakes_are_reported_together_with_their_lines(tmp_path):
     ]
 
 
+BELOW_MISSPELT_KEYS = """titel: test
+loads: {start: 1, to: 2, n: 1}
+method: [demelio]
+setings: {bme: {tolerence: 1}, bem: {tolerance: 2}}
+studys:
+  one: {produkt: {D: 1.5, gama: 5, m: 0}}
+figures: {f: {drew: "../f", facets: [D, D], studies: [two]}}
+"""
+
+
+def test_what_stands_below_a_misspelt_key_is_checked_too(tmp_path):
+    """As what the key means, which is not said to be missing."""
+    path = tmp_path / "scene.yaml"
+    path.write_text(BELOW_MISSPELT_KEYS)
+    with pytest.raises(scene.SceneError) as caught:
+        scene.load(path)
+    found = {
+        tuple(re.match(r"  line (\d+): ([^:]+): ", line).groups()) for line in str(caught.value).splitlines()[1:]
+    }
+    assert found == {
+        ("1", "titel"),
+        *(("2", place) for place in ("loads.start", "loads.n")),
+        ("3", "method"),
+        *(("4", f"setings{place}") for place in ("", ".bme", ".bme.tolerence", ".bem.tolerance")),
+        ("5", "studys"),
+        *(("6", f"studys.one.{place}") for place in ("produkt", "produkt.gama", "produkt.m")),
+        *(("7", f"figures.f.{place}") for place in ("drew", "facets", "studies.0")),
+    }
+
+
 def test_a_long_list_of_mistakes_is_cut_short(tmp_path):
     with pytest.raises(scene.SceneError, match=r"has 40 mistakes:(\n  line.*){30}\n  and 10 more$"):
         scene.load(write(tmp_path, **{f"key_{number}": 1 for number in range(40)}))
@@ -181,13 +229,19 @@ def test_a_missing_scene_is_refused(tmp_path):
         scene.load(tmp_path / "none.yaml")
 
 
-def test_the_readme_of_the_configuration_explains_every_key():
-    text = Path("config/README.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"`([a-z0-9_ ]+)`", text))
-    known = schema()
-    keys = {*known["properties"], *known["$defs"]["study"]["properties"], *known["$defs"]["figure"]["properties"]}
-    keys |= yaml.safe_load(Path("config/config.schema.json").read_text())["properties"].keys()
-    assert keys - named == set()
+def test_the_schema_and_the_table_of_keys_are_those_of_the_models(tmp_path):
+    shutil.copy("config/README.md", tmp_path)
+    keys.write(tmp_path)
+    for name in ("README.md", "scene.schema.json"):
+        written = (tmp_path / name).read_text(encoding="utf-8")
+        assert written == Path("config", name).read_text(encoding="utf-8"), "run python -m weier.scene"
+    named = set(re.findall(r"\| `(\w+)` \|", (tmp_path / "README.md").read_text(encoding="utf-8")))
+    assert {*SceneKeys.model_fields} <= named
+
+
+def test_the_readme_of_the_configuration_names_every_scene():
+    named = set(re.findall(r"`([a-z0-9_ ]+)`", Path("config/README.md").read_text(encoding="utf-8")))
+    assert yaml.safe_load(Path("config/config.schema.json").read_text())["properties"].keys() <= named
     assert {path.stem for path in Path("config/scenes").glob("*.yaml")} <= named
 
 

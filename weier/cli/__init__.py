@@ -18,7 +18,7 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
 
-EXTRA = {"bokeh", "jinja2", "jsonschema", "snakemake"}  # Only `pip install weier[pipeline]` installs these.
+EXTRA = {"bokeh", "jinja2", "snakemake"}  # Only `pip install weier[pipeline]` installs these.
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."

@@ -11,10 +11,10 @@ import numpy as np
 
 from weier.checks import checked_workers, nearest
 from weier.data.files import check_target
-from weier.data.yaml import parse_yaml
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, described, methods_with
+from weier.scene.yaml import parse_yaml
 from weier.surface.loads import MAX_LOADS, positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
 from weier.surface.measured.instruments import AXES

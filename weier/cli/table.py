@@ -11,7 +11,7 @@ import click
 from weier.checks import suggestion
 from weier.cli.options import FILE, STDOUT, output
 from weier.data.files import write_text
-from weier.data.yaml import number, parse_yaml
+from weier.scene.yaml import number, parse_yaml
 from weier.theory.conduction import Interface
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-import yaml
 
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
@@ -21,6 +20,7 @@ from weier.pipeline.progress import TERMINAL_SECONDS, waiting
 from weier.pipeline.solve import settings_by_method
 from weier.scene import Case
 from weier.scene.case import trace_parameters
+from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
 
 OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
@@ -102,4 +102,4 @@ def _text(title: str, case: Case, loads: Array) -> str:
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
     studies = {"one": {"trace": trace} if trace else {"product": product}}
-    return yaml.safe_dump(scene | {"studies": studies}, sort_keys=False)
+    return write_yaml(scene | {"studies": studies})

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from weier.data.yaml import number
 from weier.methods.registry import find_method
+from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile, RandomPhases, random_phases

@@ -21,6 +21,8 @@ from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
 
 Item = TypeVar("Item")
+# Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
+NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
 MAX_BATCH_CASES = 1000  # A process that solves and writes so many cases together takes 0.3 GB.
 
 

@@ -7,44 +7,28 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weier.checks import checked_file, shown, suggestion
+from weier.checks import checked_file, suggestion
 from weier.data.variables import of_curves
-from weier.data.yaml import number, read_yaml
-from weier.kernels.arrays import Array
-from weier.methods.method import Method
 from weier.methods.registry import METHODS, PLANNED, find_method
 from weier.methods.settings import checked_settings
 from weier.scene.case import trace_parameters
-from weier.scene.cases import MAX_BATCH_CASES, Scene
-from weier.scene.figure import FREE, Axis, Figure, Grouping
+from weier.scene.cases import MAX_BATCH_CASES, NAME, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
-from weier.scene.schema import mistakes_of_form
-from weier.scene.study import (
-    MAX_CASES,
-    CaseProduct,
-    Study,
-    axis,
-    check_count,
-    check_number,
-    check_value,
-    distinct_values,
-    products,
-)
-from weier.surface.loads import check_range, listed_loads
-from weier.surface.profile import PARAMETERS, Profile
-from weier.theory.conduction import Interface
+from weier.scene.study import CaseProduct, Study, check_number
+from weier.scene.yaml import read_yaml
+from weier.surface.profile import PARAMETERS
 
-# The names of scenes are names of files and parts of paths of Snakemake.
-NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
+if TYPE_CHECKING:
+    from weier.scene.models import SceneKeys, StudyKeys
+
 MAX_BATCH_BYTES = 4 * 2**30  # A batch must fit into the memory of one core of a usual machine.
-# Settings that are words are checked on this profile, since they are valid for all profiles or for none.
-ONE_WAVE = Profile(1.5, 2, 1)
+# Parts with a mistake are left out by themselves down to this depth below these keys, and others whole.
+DEPTHS = {"studies": 1, "figures": 2, "claims": 1}
 
-Raw = Mapping[str, Any]  # The plain values of a file or a part of it.
 Check = Callable[[Scene], Iterable[Mistake]]
 
 
@@ -74,10 +58,10 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()
-    mistakes.add(mistakes_of_form(document.values))
+    keys = _validated(document.values, mistakes)
     if not isinstance(document.values, dict):
         raise mistakes.error(path, document)
-    scene = _scene(document.values, text, path, mistakes)
+    scene = _scene(keys, text, path, mistakes)
     for check in checks:
         mistakes.add(check(scene))
     if mistakes:
@@ -98,102 +82,86 @@ def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequen
     return load(Path(folder, f"{name}.yaml"), checks)
 
 
-def _scene(raw: Raw, text: str, path: Path, mistakes: Mistakes) -> Scene:
+def _validated(raw: Any, mistakes: Mistakes) -> SceneKeys:
+    """Return the keys of a file, without those that have mistakes."""
+    # Pydantic and the models take longer to import than the rest of a scene, and a job that solves needs neither.
+    from pydantic import ValidationError
+
+    from weier.scene.models import SceneKeys, SoundKeys
+    from weier.scene.part import mistakes_of
+
+    most = raw.get("max_cases") if isinstance(raw, dict) else None
+    context = {"max_cases": most} if isinstance(most, int) else {}
+    try:
+        return SceneKeys.model_validate(raw, context=context)
+    except ValidationError as error:
+        mistakes.add(mistakes_of(error, raw))
+    sound = _without_mistakes(raw, (), mistakes) if isinstance(raw, dict) else {}
+    return SoundKeys.model_validate(sound, context=context)
+
+
+def _without_mistakes(values: Mapping[str, Any], keys: Keys, mistakes: Mistakes) -> dict[str, Any]:
+    """Return the parts of a file at these keys that have no mistake."""
+    kept = {}
+    for key, value in values.items():
+        place = (*keys, key)
+        if not mistakes.within(*place):
+            kept[key] = value
+        elif place not in mistakes and len(place) <= DEPTHS.get(str(place[0]), 0):
+            kept[key] = _without_mistakes(value, place, mistakes)
+    if keys == ("figures",):
+        return {name: figure for name, figure in kept.items() if "draw" in figure}
+    return kept
+
+
+def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     """The scene without the parts that have mistakes."""
-
-    def sound(key: str, instead: Any) -> Any:
-        return mistakes.attempt((key,), lambda: raw.get(key, instead), instead)
-
-    _check_settings(("settings",), raw.get("settings"), mistakes)
-    plan: dict[str, Any] = mistakes.attempt(("tolerance",), partial(_plan, raw), {})
-    known = _mapping(raw, "studies")
-    most = sound("max_cases", MAX_CASES)
-    if not mistakes.within("studies"):
-        mistakes.attempt(("max_cases",), partial(check_count, known, int(most)), None)
-    wanted = {} if mistakes.within("max_cases") else known
-    read = {study: _study(study, raw, plan, path.parent, mistakes) for study in wanted}
+    count = sum(study.count for study in keys.studies.values())
+    mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
+    wanted = {} if mistakes.within("max_cases") else keys.studies
+    read = {name: _study(name, study, keys, path.parent, mistakes) for name, study in wanted.items()}
     lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
-    mistakes.attempt(("max_cases",), partial(check_number, lines, int(most)), None)
-    interface = mistakes.attempt(("interface",), partial(_interface, raw), None)
+    mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
+    bodies = keys.interface.bodies() if keys.interface else None
     scene = Scene(
         name=path.stem,
-        title=sound("title", ""),
-        loads=mistakes.attempt(("loads",), partial(_loads, raw), np.empty(0)),
-        studies={study: cases for study, cases in read.items() if cases is not None},
-        figures={figure: _figure(figure, raw, interface, mistakes) for figure in _mapping(raw, "figures")},
-        claims={claim: tuple(of) for claim, of in _mapping(raw, "claims").items() if isinstance(of, list)},
-        max_seconds=sound("max_seconds", None),
-        contact_edges=sound("contact_edges", False),
+        title=keys.title,
+        loads=np.array(keys.loads, float),
+        studies={name: study for name, study in read.items() if study is not None},
+        figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
+        claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
+        max_seconds=keys.max_seconds,
+        contact_edges=keys.contact_edges,
         text=text,
     )
-    _check_references(scene, known, mistakes)
-    most_cases = sound("batch", None)
     if mistakes:
         return scene
-    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, most_cases), 1))
+    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, keys.batch), 1))
 
 
-def _mapping(raw: Raw, key: str) -> Raw:
-    """The value of a key if it is a mapping, else an empty one."""
-    value = raw.get(key)
-    return value if isinstance(value, dict) else {}
-
-
-def _loads(raw: Raw) -> Array:
-    if "loads" not in raw:  # the form reports it
-        return np.empty(0)
-    loads, _ = listed_loads([number("a load", value) for value in axis(raw["loads"])])
-    check_range(loads)
-    return loads
-
-
-def _plan(raw: Raw) -> dict[str, Any]:
-    """Settings of the planning method, for all studies of a scene with a tolerance; empty without one."""
-    if "tolerance" not in raw:
-        return {}
-    quantity = {"quantity": raw["quantity"]} if "quantity" in raw else {}
-    return checked_settings(find_method(PLANNED), quantity | {"tolerance": number("tolerance", raw["tolerance"])})
-
-
-def _check_settings(keys: Keys, settings: Any, mistakes: Mistakes) -> None:
-    """Check each setting of each method separately."""
-    if not isinstance(settings, dict) or mistakes.within(*keys):
-        return
-    for method, values in settings.items():
-        for name, value in values.items():
-            mistakes.attempt((*keys, method, name), partial(_check_setting, find_method(method), name, value), None)
-
-
-def _check_setting(method: Method, name: str, value: Any) -> None:
-    """Refuse a setting that is invalid for every profile and all other settings."""
-    checked_settings(method, {name: value})
-    if isinstance(value, str):
-        method.check(ONE_WAVE, **{name: value})
-
-
-def _study(name: str, raw: Raw, plan: Raw, folder: Path, mistakes: Mistakes) -> Study | None:
+def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes: Mistakes) -> Study | None:
     """The cases of a study; None if it has mistakes, or if its methods do."""
     keys: Keys = ("studies", name)
-    study = _mapping(raw["studies"], name)
-    _check_settings((*keys, "settings"), study.get("settings"), mistakes)
-    axes = [_axes((*keys, *place), product, folder, mistakes) for place, product in products(study)]
-    methods = study.get("methods", raw.get("methods", ()))
-    if "trace" in study and not mistakes.within("methods"):
+    methods = scene.methods if study.methods is None else study.methods
+    if study.trace and not mistakes.within("methods"):
         mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
+    made = [(place, _axes((*keys, *place), product, folder, mistakes)) for place, product in study.products]
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
-    settings = study.get("settings", raw.get("settings", {}))
-    if plan and "trace" not in study:  # there are no plans for traces
-        methods, settings = dict.fromkeys((*methods, PLANNED)), {PLANNED: plan} | settings
-    if not methods:  # the form reports it of profiles
+    settings: Mapping[str, Mapping[str, Any]] = scene.settings if study.settings is None else study.settings
+    if scene.tolerance is not None and not study.trace:  # there are no plans for traces
+        plan = {"quantity": scene.quantity} if scene.quantity else {}
+        methods = [*dict.fromkeys((*methods, PLANNED))]
+        settings = {PLANNED: plan | {"tolerance": scene.tolerance}} | dict(settings)
+    if not methods:  # which is a mistake of its own
         return None
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
-    made = [CaseProduct(values, tuple(methods), own) for values in axes]
-    for (place, _), product in zip(products(study), made, strict=True):
+    products = [CaseProduct(axes, tuple(methods), own) for _, axes in made]
+    for (place, _), product in zip(made, products, strict=True):
         mistakes.attempt((*keys, *place), product.check, None)
-    mistakes.attempt(keys, partial(_check_methods, made), None)
-    return None if mistakes.within(*keys) else Study(made)
+    mistakes.attempt(keys, partial(_check_methods, products), None)
+    return None if mistakes.within(*keys) else Study(products)
 
 
 def _check_methods_of_trace(methods: Sequence[str]) -> None:
@@ -221,96 +189,14 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
     raise ValueError(f"no method applies to any of these profiles: {listed}")
 
 
-def _axes(keys: Keys, product: Raw, folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
-    """The values of each parameter, each checked separately."""
-    if trace := product.get("trace"):  # The file must exist in any case. It is read if the study has no mistake.
-        mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
-        wrong = mistakes.within(*keys[:2])  # in its study
-        return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
-    axes: dict[str, list[Any]] = {
-        name: mistakes.attempt((*keys, name), partial(distinct_values, name, values), [])
-        for name, values in product.items()
-    }
-    for name, values in axes.items():
-        for value in values:
-            mistakes.attempt((*keys, name), partial(check_value, name, value), None)
-    return axes
-
-
-def _interface(raw: Raw) -> Interface | None:
-    """The two bodies of a scene, if it has them, with the scale of its series; traces have their own scale."""
-    if "interface" not in raw:
-        return None
-    values = {name: number(name, value) for name, value in raw["interface"].items()}
-    missing = {"lambda_0", "g_0"} - values.keys()
-    if missing and not all("trace" in _mapping(raw["studies"], study) for study in _mapping(raw, "studies")):
-        raise ValueError(f"{' and '.join(sorted(missing))} must be given, the scale of the series in m")
-    return Interface(**values)
-
-
-def _figure(name: str, raw: Raw, interface: Interface | None, mistakes: Mistakes) -> Figure:
-    """A figure without the parts that have mistakes."""
-    keys: Keys = ("figures", name)
-    figure = _mapping(raw["figures"], name)
-
-    def sound(key: str, instead: Any, read: Callable[[Any], Any]) -> Any:
-        return mistakes.attempt((*keys, key), lambda: read(figure[key]) if key in figure else instead, instead)
-
-    return Figure(
-        draw=sound("draw", "", str),
-        studies=sound("studies", (), tuple),
-        title=sound("title", "", str),
-        grouping=mistakes.attempt(keys, partial(_grouping, figure), Grouping()),
-        x=sound("x", FREE, _axis),
-        y=sound("y", FREE, _axis),
-        size=sound("size", None, tuple),
-        interface=mistakes.attempt((*keys, "units"), partial(_bodies, figure, raw, interface), None),
-    )
-
-
-def _bodies(figure: Raw, raw: Raw, interface: Interface | None) -> Interface | None:
-    """The bodies that convert a figure into SI units; None if it is normalised."""
-    if "units" not in figure:
-        return None
-    if "interface" not in raw:
-        raise ValueError("SI units need the key interface of the scene, with the two bodies and their roughness")
-    return interface
-
-
-def _grouping(figure: Raw) -> Grouping:
-    facet, over = (
-        tuple(given if isinstance(given := figure.get(key, []), list) else [given])
-        for key in ("facet", "median over")
-    )
-    grouping = Grouping(figure.get("colour", ""), facet, over)
-    given = [parameter for parameter in (grouping.colour, *facet, *over) if parameter]
-    for parameter in given:
-        if given.count(parameter) > 1:
-            raise ValueError(f"{parameter} can be the colour, the facet or one to take the median over, not two")
-    return grouping
-
-
-def _axis(given: str | Raw) -> Axis:
-    axis = Axis(given) if isinstance(given, str) else Axis(given.get("scale", ""), given.get("from"), given.get("to"))
-    ends = [end for end in axis[1:] if end is not None]
-    if not np.isfinite(ends).all():
-        raise ValueError("the ends of an axis must be finite")
-    if axis.scale == "log" and min(ends, default=1.0) <= 0:
-        raise ValueError(f"a logarithmic axis must lie above 0, got {min(ends):g}")
-    if len(ends) == 2 and ends[0] >= ends[1]:
-        raise ValueError(f"an axis must begin below its end, got {ends[0]:g} to {ends[1]:g}")
-    return axis
-
-
-def _check_references(scene: Scene, studies: Raw, mistakes: Mistakes) -> None:
-    """Refuse figures and claims of unknown studies."""
-    lists: dict[Keys, Sequence[str]] = {("claims", name): of for name, of in scene.claims.items()}
-    lists |= {("figures", name, "studies"): figure.studies for name, figure in scene.figures.items()}
-    for keys, listed in lists.items():
-        for position, study in enumerate(() if mistakes.within(*keys) else listed):
-            if study not in studies:
-                what = f"there is no study {shown(study)}, only {', '.join(studies) or 'none':.300}"
-                mistakes.add([Mistake((*keys, position), f"{what}{suggestion(study, studies)}")])
+def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
+    """The values of each parameter; a trace is read if its study has no mistake, and its file must exist anyway."""
+    if "trace" not in product:
+        return dict(product)
+    trace = product["trace"]
+    mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
+    wrong = mistakes.within(*keys[:2])  # in its study
+    return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
 
 
 def _batch_size(scene: Scene, wanted: int | None) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from weier.checks import MAX_SHOWN
-from weier.data.yaml import Document
+from weier.scene.yaml import Document
 
 MAX_LISTED = 30  # A message lists at most so many mistakes, to fit on a screen.
 
@@ -35,6 +35,10 @@ class Mistakes(dict[Keys, str]):
         for keys, text in found:
             if not self.within(*keys):
                 self[keys] = text
+
+    def listed(self) -> list[Mistake]:
+        """The mistakes in the order in which they were found."""
+        return [Mistake(keys, text) for keys, text in self.items()]
 
     def within(self, *keys: str | int) -> bool:
         """Whether there are mistakes in the part of the file at these keys."""

@@ -1,0 +1,558 @@
+"""The keys of scene files as models: types, limits and descriptions.
+
+Messages, the JSON schema for editors and the tables of keys follow from them: a new key is one field here, and
+`python -m weier.scene` writes `config/scene.schema.json` and the table of `config/README.md` again.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    ValidationInfo,
+    field_validator,
+)
+
+from weier.checks import checked_word, nearest, shown, suggestion
+from weier.methods.registry import PLANNED, find_method, names
+from weier.methods.settings import checked_settings
+from weier.scene.cases import NAME
+from weier.scene.figure import FREE, Axis, Figure, Grouping
+from weier.scene.mistakes import Keys, Mistake, Mistakes
+from weier.scene.part import LIST, NUMBER, RANGE, OneOf, Part, Pattern, all_of, check_once
+from weier.scene.study import MAX_CASES, check_number, check_value
+from weier.scene.yaml import number
+from weier.surface.loads import check_range, listed_loads
+from weier.surface.measured.artefacts import DETREND, MISSING
+from weier.surface.measured.instruments import AXES
+from weier.surface.measured.trace import ENDS
+from weier.surface.measured.units import UNITS
+from weier.surface.profile import Profile
+from weier.theory.conduction import Interface
+
+LINE = r"[^\x00-\x1f\x7f\ud800-\udfff]{0,200}"
+MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.
+# Settings that are words are checked on this profile, since they are valid for all profiles or for none.
+ONE_WAVE = Profile(1.5, 2, 1)
+ABSENT: Any = None  # The value of a key that a file need not have.
+NUMBERS = "a number, a range, or a list of these"
+FILES = "the name of a file, or a list of these"
+SCALE = "log, linear, or {scale, from, to}"
+
+
+def _check_number(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"this must be a number, got {shown(value)}")
+    return value
+
+
+def _check_channel(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise ValueError(f"this must be a text or a whole number, got {shown(value)}")
+    return value
+
+
+def _as_list(value: Any) -> Any:
+    return value if isinstance(value, list) else [value]
+
+
+def _as_files(value: Any) -> Any:
+    if not isinstance(value, str | list):
+        raise ValueError(f"this must be {FILES}, got {shown(value)}")
+    return _as_list(value)
+
+
+def _as_numbers(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | float | str | dict | list):
+        raise ValueError(f"this must be {NUMBERS}, got {shown(value)}")
+    return _as_list(value)
+
+
+def _as_whole(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _as_axis(value: Any) -> Any:
+    if not isinstance(value, str | dict):
+        raise ValueError(f"this must be {SCALE}, got {shown(value)}")
+    return {"scale": value} if isinstance(value, str) else value
+
+
+def _kind(value: Any) -> str:
+    return RANGE if isinstance(value, dict | Range) else LIST if isinstance(value, list) else NUMBER
+
+
+def _parameters() -> list[str]:
+    """Return the parameters that figures can show."""
+    return ["method", *ProfileKeys.keys(), "trace"]
+
+
+class Range(Part):
+    """Numbers in equal steps or ratios."""
+
+    model_config = ConfigDict(title="a range")
+    # The names of numpy.linspace and others.
+    synonyms: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("n", "num"), "count"),
+        **dict.fromkeys(("start", "min"), "from"),
+        **dict.fromkeys(("stop", "end", "max"), "to"),
+    }
+    first: float = Field(alias="from", description="First value.")
+    last: float = Field(alias="to", description="Last value.")
+    count: Several = Field(description="Number of values, both ends included.")
+    spacing: Annotated[str, OneOf("linear", "log")] = Field(
+        "linear", description="Equal steps (linear, the default) or equal ratios (log)."
+    )
+
+    def values(self) -> list[float]:
+        """Return the numbers; those that are whole as integers."""
+        if self.count > MAX_RANGE_VALUES:
+            raise ValueError(f"a range must have at most {MAX_RANGE_VALUES} values, got {self.count}")
+        if self.spacing == "log" and not min(self.first, self.last) > 0:
+            raise ValueError(f"a range in equal ratios must lie above 0, got {min(self.first, self.last):g}")
+        if not np.isfinite(self.last - self.first):
+            raise ValueError(f"a range must have finite ends, got {self.first:g} and {self.last:g}")
+        space = np.geomspace if self.spacing == "log" else np.linspace
+        return [int(v) if v.is_integer() else v for v in space(self.first, self.last, self.count).tolist()]
+
+
+# Kinds of values, each with its limits, and with its name in messages and tables.
+# A limit behind the validator of whole floats would not be in the JSON schema.
+Position = Annotated[int, Field(ge=0), BeforeValidator(_as_whole)]
+Count = Annotated[int, Field(ge=1), BeforeValidator(_as_whole)]
+Several = Annotated[int, Field(ge=2), BeforeValidator(_as_whole)]
+Number = Annotated[
+    float | str, PlainValidator(_check_number, json_schema_input_type=float | str), Field(title="a number")
+]
+Line = Annotated[str, Pattern(LINE, "one line of at most 200 characters"), Field(title="a text")]
+Name = Annotated[str, Pattern(NAME, "letters, digits, _ and -, at most 64"), Field(title="a name")]
+Names = Annotated[list[Name], Field(min_length=1, title="a list of names")]
+MethodName = Annotated[str, OneOf(of=names)]
+Methods = Annotated[list[MethodName], Field(min_length=1), AfterValidator(check_once)]
+Parameter = Annotated[str, OneOf(of=_parameters)]
+Unit = Annotated[str, OneOf(*UNITS)]
+FileName = Annotated[str, Field(min_length=1, title="the name of a file")]
+
+NumberOrRange = Annotated[Annotated[Number, Tag(NUMBER)] | Annotated[Range, Tag(RANGE)], Discriminator(_kind)]
+Numbers = Annotated[
+    list[NumberOrRange],
+    Field(min_length=1, title=NUMBERS),
+    BeforeValidator(
+        _as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[NumberOrRange], Field(min_length=1)]
+    ),
+]
+Phase = Annotated[
+    Annotated[Number, Tag(NUMBER)] | Annotated[list[float], Tag(LIST)] | Annotated[Range, Tag(RANGE)],
+    Discriminator(_kind),
+]
+Phases = Annotated[
+    list[Phase],
+    Field(min_length=1, title=f"{NUMBERS}, or of lists"),
+    BeforeValidator(_as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[Phase], Field(min_length=1)]),
+]
+FileNames = Annotated[
+    list[FileName],
+    Field(min_length=1, title=FILES),
+    AfterValidator(check_once),
+    BeforeValidator(_as_files, json_schema_input_type=FileName | list[FileName]),
+]
+Parameters = Annotated[
+    list[Parameter],
+    Field(min_length=1),
+    AfterValidator(check_once),
+    BeforeValidator(_as_list, json_schema_input_type=Parameter | list[Parameter]),
+]
+
+
+def distinct(values: list[Any]) -> list[Any]:
+    """Return each of some plain values once."""
+    return list({json.dumps(value): value for value in values}.values())
+
+
+def values_of(parts: list[Any]) -> list[Any]:
+    """Return the values of a list of numbers and ranges."""
+    return [value for part in parts for value in (part.values() if isinstance(part, Range) else [part])]
+
+
+def _loads(parts: list[Any]) -> list[float]:
+    loads, _ = listed_loads([number("a load", value) for value in values_of(parts)])
+    check_range(loads)
+    return loads.tolist()
+
+
+class ProfileKeys(Part):
+    """A product of parameters of the series: each combination of their values is a case."""
+
+    model_config = ConfigDict(title="a profile")
+    D: Numbers = Field(description="Fractal dimension, between 1 and 2.")
+    gamma: Numbers = Field(description='Ratio of wavelengths: 5 or "5/2".')
+    m: Numbers = Field(description="Number of terms, or inf.")
+    phases: Phases = Field(
+        [],
+        description="Phases in radians, as in weier.Profile: a number for every term but the first, or a list of all "
+        "m; several of them are a list.",
+    )
+    seed: Numbers = Field([], description="Seed of random phases.")
+
+    @field_validator("*")
+    @classmethod
+    def _values(cls, parts: list[Any], info: ValidationInfo) -> list[Any]:
+        """Return each value once. Too many are refused before they are made, since each is checked."""
+        name, most = str(info.field_name), (info.context or {}).get("max_cases", MAX_CASES)
+        check_number(sum(part.count if isinstance(part, Range) else 1 for part in parts), most)
+        values = distinct(values_of(parts))
+        for value in values:
+            check_value(name, value)
+        return values
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """Phases are given or drawn."""
+        if {"phases", "seed"} <= values.keys():
+            yield Mistake((), "a profile takes phases or a seed, not both")
+
+
+class TraceKeys(Part):
+    """Measured heights, as `weier.Trace.read` takes them."""
+
+    model_config = ConfigDict(title="a trace")
+    file: FileNames = Field(
+        description="A file of text with one or two columns or of an instrument, or a list of files, from the folder "
+        "of the scene."
+    )
+    shortest: Number = Field(ABSENT, description="Shortest wavelength kept, in m; two steps by default.")
+    length: Number = Field(
+        ABSENT, description="Length of the trace, if the file does not say it: in m, or in x_unit or unit."
+    )
+    ends: Annotated[str, OneOf(*ENDS)] = Field(
+        ABSENT, description="How the trace is extended beyond its ends; mirrored by default."
+    )
+    unit: Unit = Field(ABSENT, description="Unit of both columns and of length, if the file does not name it.")
+    x_unit: Unit = Field(ABSENT, description="Unit of positions and of length.")
+    height_unit: Unit = Field(ABSENT, description="Unit of heights.")
+    detrend: Annotated[str, OneOf(*DETREND)] = Field(
+        ABSENT,
+        description="What is removed from the heights: their mean; a straight line, by default; or a parabola, the "
+        "form.",
+    )
+    missing: Annotated[str, OneOf(*MISSING)] = Field(
+        ABSENT, description="What to do with missing heights; refuse by default."
+    )
+    max_gap: Count = Field(ABSENT, description="Longest run of missing heights that is interpolated; 5 by default.")
+    missing_value: Number = Field(
+        ABSENT, description="A number that stands for missing heights, in the unit of the heights."
+    )
+    line: Position = Field(
+        ABSENT, description="Which line of a map, from 0; without it, and with across, each line is a case."
+    )
+    across: Annotated[str, OneOf(*AXES)] = Field(
+        ABSENT, description="The axis along which the lines of a map run, across its grooves."
+    )
+    channel: Annotated[str | int, PlainValidator(_check_channel, json_schema_input_type=str | int)] = Field(
+        ABSENT, description="Which channel of a file with several: its name, or a number from 0."
+    )
+
+
+def _check_settings(settings: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Check each setting separately, those of a misspelt method as those of the method it means."""
+    found = Mistakes()
+    for name, own in settings.items():
+        found.attempt((name,), partial(checked_word, "this", name, names()), None)
+        if method := name if name in names() else nearest(name, names()):
+            for setting, value in own.items():
+                found.attempt((name, setting), partial(_check_setting, method, setting, value), None)
+    if found:
+        raise all_of(found.listed())
+    return settings
+
+
+def _check_setting(name: str, setting: str, value: Any) -> None:
+    """Refuse a setting that is invalid for every profile and all other settings."""
+    method = find_method(name)
+    checked_settings(method, {setting: value})
+    if isinstance(value, str):
+        method.check(ONE_WAVE, **{setting: value})
+
+
+Settings = Annotated[
+    dict[Annotated[str, Field(json_schema_extra=lambda schema: schema.update(enum=names()))], dict[str, Any]],
+    Field(title="settings by method"),
+    AfterValidator(_check_settings),
+]
+
+
+class StudyKeys(Part):
+    """A set of profiles or measured heights, and how they are solved."""
+
+    model_config = ConfigDict(
+        title="a study", json_schema_extra={"oneOf": [{"required": [key]} for key in ("product", "cases", "trace")]}
+    )
+    product: ProfileKeys = Field(ABSENT, description="Profiles: every combination of the values given.")
+    cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles: one by one.")
+    trace: TraceKeys = Field(ABSENT, description="Measured heights.")
+    methods: Methods = Field(ABSENT, description="Instead of the scene's methods.")
+    settings: Settings = Field(ABSENT, description="Instead of the scene's settings.")
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """A study has one kind of surfaces."""
+        kinds = "product", "cases", "trace"
+        given = [kind for kind in kinds if kind in values]
+        if len(given) != 1:
+            yield Mistake((), f"one of {', '.join(kinds)} must be given, and not {' and '.join(given) or 'none'}")
+
+    @property
+    def count(self) -> int:
+        """The number of cases; a map is one until its lines are counted."""
+        if self.trace:
+            return len(self.trace.file)
+        return sum(math.prod(map(len, axes.values())) for _, axes in self.products)
+
+    @property
+    def products(self) -> list[tuple[Keys, dict[str, Any]]]:
+        """The axes of each product, with its keys in the file; each trace is one."""
+        if self.product:
+            return [(("product",), self.product.given)]
+        if self.cases:
+            return [(("cases", position), case.given) for position, case in enumerate(self.cases)]
+        files, of_all = self.trace.file, self.trace.given
+        places: list[Keys] = [("trace", "file", number) for number in range(len(files))]
+        traces = [{"trace": of_all | {"file": file}} for file in files]
+        return list(zip(places if len(files) > 1 else [("trace", "file")], traces, strict=True))
+
+
+class InterfaceKeys(Part):
+    """The values of `weier.Interface`."""
+
+    model_config = ConfigDict(title="the values of weier.Interface")
+    mu_1: Number = Field(ABSENT, description="Shear modulus of the first body, in Pa; inf for a rigid one.")
+    mu_2: Number = Field(ABSENT, description="Shear modulus of the second body.")
+    E_1: Number = Field(
+        ABSENT, description="Young's modulus of the first body, E = 2 mu (1 + nu), in Pa, in place of mu_1."
+    )
+    E_2: Number = Field(ABSENT, description="Young's modulus of the second body, in place of mu_2.")
+    nu_1: Number = Field(description="Poisson's ratio of the first body, in (-1, 0.5].")
+    nu_2: Number = Field(description="Poisson's ratio of the second body.")
+    rho_1: Number = Field(description="Resistivity of the first body, in ohm m.")
+    rho_2: Number = Field(description="Resistivity of the second body.")
+    lambda_0: Number = Field(
+        ABSENT, description="Wavelength of the coarsest wave of the series, in m; traces have their own."
+    )
+    g_0: Number = Field(
+        ABSENT, description="Amplitude of the coarsest wave of the series, in m; traces have their own."
+    )
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """Each body has one modulus."""
+        for kinds in ("mu_1", "E_1"), ("mu_2", "E_2"):
+            given = [kind for kind in kinds if kind in values]
+            if len(given) != 1:
+                yield Mistake((), f"one of {', '.join(kinds)} must be given, and not {' and '.join(given) or 'none'}")
+
+    def checked(self) -> InterfaceKeys:
+        """Return these keys, if the values are possible."""
+        self.bodies()
+        return self
+
+    def bodies(self) -> Interface:
+        """Return the two bodies."""
+        return Interface(**{name: number(name, value) for name, value in self.given.items()})
+
+
+class AxisKeys(Part):
+    """The scale and the ends of an axis."""
+
+    model_config = ConfigDict(title="an axis")
+    scale: Annotated[str, OneOf("linear", "log")] = Field(
+        "", description="Equal distances for equal differences (linear) or equal ratios (log)."
+    )
+    first: float = Field(ABSENT, alias="from", description="Where the axis begins.")
+    last: float = Field(ABSENT, alias="to", description="Where it ends.")
+
+    def checked(self) -> AxisKeys:
+        """Return these keys, if the ends and the scale are possible."""
+        ends = [end for end in self.axis[1:] if end is not None]
+        if not np.isfinite(ends).all():
+            raise ValueError("the ends of an axis must be finite")
+        if self.scale == "log" and min(ends, default=1.0) <= 0:
+            raise ValueError(f"a logarithmic axis must lie above 0, got {min(ends):g}")
+        if len(ends) == 2 and ends[0] >= ends[1]:
+            raise ValueError(f"an axis must begin below its end, got {ends[0]:g} to {ends[1]:g}")
+        return self
+
+    @property
+    def axis(self) -> Axis:
+        """The axis."""
+        return Axis(self.scale, self.first, self.last)
+
+
+Scale = Annotated[
+    AxisKeys,
+    Field(title=SCALE),
+    AfterValidator(AxisKeys.checked),
+    BeforeValidator(_as_axis, json_schema_input_type=Annotated[str, OneOf("linear", "log")] | AxisKeys),
+]
+Inches = Annotated[float, Field(gt=0, le=100)]
+
+
+class FigureKeys(Part):
+    """What a figure draws, from which studies, and how."""
+
+    model_config = ConfigDict(title="a figure")
+    draw: Name = Field(description="A module of weier.figures.")
+    studies: Names = Field([], description="The studies it shows.")
+    title: Line = Field("", description="One line over the figure.")
+    x: Scale = Field(ABSENT, description="The axis of loads: its scale, and its ends.")
+    y: Scale = Field(ABSENT, description="The other axis.")
+    units: Annotated[str, OneOf("si")] = Field(
+        "",
+        description="si: the axes of a figure of compliance or resistance, and their ends, are in Pa, m and ohm m^2; "
+        "it needs the scene's interface.",
+    )
+    size: Annotated[list[Inches], Field(min_length=2, max_length=2)] = Field(
+        ABSENT, description="Width and height in inches; a column of a journal is 3.5 wide."
+    )
+    colour: Parameter = Field("", description="The parameter that sets the colour of a curve.")
+    facet: Annotated[Parameters, Field(max_length=2)] = Field(
+        [],
+        description="The parameter that each panel has one value of; or two, one for the rows of panels and one for "
+        "the columns.",
+    )
+    median_over: Parameters = Field(
+        [],
+        alias="median over",
+        description="Parameters over which a median is drawn, with a band that holds all curves.",
+    )
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """A parameter is shown in one way."""
+        parts = [_as_list(values.get(key, [])) for key in ("colour", "facet", "median over")]
+        for name in set[str]().union(*(filter(lambda name: isinstance(name, str), part) for part in parts)):
+            if sum(name in part for part in parts) > 1:
+                yield Mistake((), f"{name} can be the colour, the facet or one to take the median over, not two")
+
+    def figure(self, interface: Interface | None) -> Figure:
+        """Return the figure, in SI units of the bodies if it has these units."""
+        return Figure(
+            draw=self.draw,
+            studies=tuple(self.studies),
+            title=self.title,
+            grouping=Grouping(self.colour, tuple(self.facet), tuple(self.median_over)),
+            x=self.x.axis if self.x else FREE,
+            y=self.y.axis if self.y else FREE,
+            size=(self.size[0], self.size[1]) if self.size else None,
+            interface=interface if self.units else None,
+        )
+
+
+def _check_tolerance(value: Any) -> Any:
+    return checked_settings(find_method(PLANNED), {"tolerance": number("tolerance", value)})["tolerance"]
+
+
+class SceneKeys(Part):
+    """What to solve and what to draw: studies of profiles under one list of loads, and figures made from them."""
+
+    model_config = ConfigDict(title="a scene")
+    title: Annotated[Line, Field(min_length=1)] = Field(description="One line that says what the scene is about.")
+    max_cases: Count = Field(MAX_CASES, description="The most cases that this scene may have; 10000 by default.")
+    loads: Annotated[Numbers, AfterValidator(_loads)] = Field(
+        description="Mean pressures in p_0*, positive, in any order: a number, a range, or a list of numbers and "
+        "ranges. Files have each load once, increasing."
+    )
+    methods: Methods = Field([], description="Methods to run on every case; `weier solve --help` lists them.")
+    tolerance: Annotated[Number, AfterValidator(_check_tolerance)] = Field(
+        ABSENT,
+        description="Run on every case the cheapest plan that keeps within this: of the compliance, in g_0; of the "
+        "resistance, relative to the larger of itself and 1 g_0/p_0*. See `weier plan`.",
+    )
+    quantity: Annotated[str, OneOf("compliance", "resistance")] = Field(
+        "", description="What the tolerance is of: compliance or resistance."
+    )
+    max_seconds: Annotated[float, Field(gt=0)] = Field(
+        ABSENT,
+        description="The most seconds that solving this scene may take, as expected before it begins; 600 by default "
+        "for a scene with a tolerance, no limit for others.",
+    )
+    settings: Settings = Field(
+        {}, description="Settings of each method, as keywords of weier.solve: {bem: {points_per_wave: 16}}."
+    )
+    contact_edges: bool = Field(
+        False, description="Keep the edges of all contacts, for figures that draw contact_tree."
+    )
+    interface: Annotated[InterfaceKeys, AfterValidator(InterfaceKeys.checked)] = Field(
+        ABSENT,
+        description="The two bodies and the scale of their roughness, as in weier.Interface, for figures in SI "
+        "units.",
+    )
+    batch: Count = Field(
+        ABSENT, description="The most cases to solve in one job; 1000 by default, or as many as fit into memory."
+    )
+    studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
+        description="Named sets of profiles, each with a product of D, gamma, m and phases or seed, or a list of "
+        "cases, or a trace of measured heights; and, where they differ from the scene's, methods and settings of its "
+        "own. A profile of several studies is solved once."
+    )
+    figures: dict[Name, FigureKeys] = Field(
+        {},
+        description="Named figures: what each draws, from which studies, its title and size, the scales, ends and "
+        "units of its axes, and the parameters that it shows by colour, facet and median over.",
+    )
+    claims: dict[Name, Names] = Field(
+        {},
+        description="Statements of the paper to check: the name of each in weier.pipeline.claims, and the studies "
+        "that it looks at.",
+    )
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """Keys go together, and figures and claims are of studies of the scene."""
+        if not values.keys() & {"methods", "tolerance"}:
+            yield Mistake(("methods",), f"this key is missing: {cls.keys()['methods']}")
+        if "quantity" in values and "tolerance" not in values:
+            yield Mistake((), "quantity needs tolerance")
+        studies, figures, claims, bodies = (
+            value if isinstance(value := values.get(key), dict) else {}
+            for key in ("studies", "figures", "claims", "interface")
+        )
+        scale = [name for name in ("g_0", "lambda_0") if name not in bodies]
+        if bodies and scale and not all(isinstance(study, dict) and "trace" in study for study in studies.values()):
+            yield Mistake(("interface",), f"{' and '.join(scale)} must be given, the scale of the series in m")
+        lists: list[tuple[Keys, Any]] = [(("claims", name), listed) for name, listed in claims.items()]
+        for name, figure in figures.items():
+            if isinstance(figure, dict):
+                lists.append((("figures", name, "studies"), figure.get("studies")))
+                if "units" in figure and "interface" not in values:
+                    what = "SI units need the key interface of the scene, with the two bodies and their roughness"
+                    yield Mistake(("figures", name, "units"), what)
+        for place, listed in lists:
+            for position, study in enumerate(listed if isinstance(listed, list) else ()):
+                if isinstance(study, str) and study not in studies:
+                    what = f"there is no study {shown(study)}, only {', '.join(studies) or 'none':.300}"
+                    yield Mistake((*place, position), f"{what}{suggestion(study, studies)}")
+
+
+class SoundKeys(SceneKeys):
+    """The keys of a scene without those that have mistakes: none is needed, and none needs another one."""
+
+    title: Line = ""
+    loads: Annotated[Numbers, AfterValidator(_loads)] = Field([])
+    studies: dict[Name, StudyKeys] = Field({})
+
+    @classmethod
+    def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
+        """Yield nothing: the rules of the scene are about the whole file."""
+        yield from ()
