@@ -95,7 +95,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {those('grouped')}"
     if figure.interface and not kind.units:
         yield "units", f"{figure.draw} has no SI units: leave them out, or draw {those('units')}"
-    if figure.interface and figure.draw == "resistance" and not figure.interface.resistance(1.0):
+    if (bodies := figure.interface) and figure.draw == "resistance" and not bodies.rho_1 + bodies.rho_2:
         yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
     if not kind.grouped and figure.grouping != BY_DEFAULT:
         yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {those('grouped')}"
