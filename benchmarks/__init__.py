@@ -3,8 +3,6 @@
 to_error : processor time to a given error, beside other programs
 trade : seconds and errors of each method on random series
 stated_errors : whether methods keep the errors that they state, on families of hard series
-planned : whether plans keep the errors and seconds that they expect
-memory : the memory that error models state
 parts : what estimates, batches, the import and compiling cost
 float32 : what single precision would gain
 """

@@ -87,15 +87,3 @@ rule draw:
         depends_on=digest_of_sources(*PICTURES),
     shell:
         "python -m weier draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
-
-
-# The plans of the scenes of the configuration: snakemake --cores 1 plan --config scenes=planned
-rule plan:
-    input:
-        scenes=expand(str(CONFIG / "scenes/{scene}.yaml"), scene=SCENES),
-    log:
-        "results/logs/plan.log",
-    conda:
-        "environment.yaml"
-    shell:
-        'for scene in {input.scenes:q}; do python -m weier plan "$scene"; done 2>&1 | tee -i {log:q}'

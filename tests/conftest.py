@@ -4,11 +4,8 @@ import signal
 
 import pytest
 
-from weier.methods import bem, patches
-from weier.methods.errors import ConvergenceError
-
 # Minutes of work, so that nothing runs beside idle processes at the end: they run programs and compile nothing.
-LONGEST = ("test_pipeline.py", "test_faults.py", "test_truncations.py", "test_docs.py")
+LONGEST = ("test_pipeline.py", "test_faults.py", "test_docs.py")
 
 
 def pytest_collection_modifyitems(items):
@@ -31,20 +28,3 @@ def ctrl_c():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
-
-
-@pytest.fixture
-def unsolvable(monkeypatch):
-    """Make a load that no plan can solve, although it expects to: boundary elements stop there, and patches pass."""
-    solve_grid = bem.method.curve
-    monkeypatch.setattr(patches.error_model, "MAX_CONTACTS", 0)
-
-    def stop_at(load):
-        def stop(profile, mean_pressure, **settings):
-            if load in mean_pressure:
-                raise ConvergenceError("stopped")
-            return solve_grid(profile, mean_pressure, **settings)
-
-        monkeypatch.setattr(bem.method, "curve", stop)
-
-    return stop_at

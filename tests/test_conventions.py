@@ -24,17 +24,17 @@ from weier.pipeline import claims
 SCENE = """
 title: Ünïcode waves
 loads: [0.01, 0.1, 1.0]
-methods: [westergaard, demelio, bem, patches]
-tolerance: 0.5
+methods: [westergaard, demelio, bem, patches, auto]
 contact_edges: true
 settings:
   bem: {tolerance: 1.0e-3}
+  auto: {tolerance: 0.5}
 studies:
   waves: {product: {D: 1.25, gamma: 5, m: [1, 2, .inf]}}
 claims:
   one_wave_bounds: [waves]
 """
-METHODS = ["westergaard", "demelio", "bem", "patches", "planned"]
+METHODS = ["westergaard", "demelio", "bem", "patches", "auto"]
 
 TRADE = """
 title: Speed against accuracy

@@ -268,10 +268,7 @@ def test_all_that_is_public_is_described(site):
     public |= {
         "weier.accuracy.convergence.measure_convergence",
         "weier.methods.method.Method",
-        "weier.methods.planned.plan.Plan",
-        "weier.methods.planned.solver.curve",
-        "weier.methods.plan_part.PlanPart",
-        "weier.pipeline.plan.ScenePlan",
+        "weier.methods.auto.Choice",
         "weier.scene.Scene",
     }
     modules = {f"weier.methods.{name}" for name in registry.names()}

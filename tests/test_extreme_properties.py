@@ -105,7 +105,7 @@ def test_any_curve_is_monotone_concave_and_within_its_bounds(method, how_many):
     check_random_curves(method, DRAWN[method], how_many)
 
 
-@pytest.mark.parametrize("method", ["bem", "patches", "planned"])
+@pytest.mark.parametrize("method", ["bem", "patches", "auto"])
 @pytest.mark.parametrize("gamma", ["1000001/1000000", "1000000"])
 @pytest.mark.parametrize("m", [3, 1000])
 def test_what_no_computer_holds_is_refused_in_a_sentence(method, gamma, m):

@@ -42,7 +42,7 @@ values = st.recursive(
     atoms, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(keys, inner, max_size=4), max_leaves=6
 )
 PRODUCT_KEYS = ["D", "gamma", "m", "phases", "seed", "other"]
-SOLVING_KEYS = ["loads", "methods", "settings", "tolerance", "quantity", "contact_edges"]
+SOLVING_KEYS = ["loads", "methods", "settings", "tolerance", "contact_edges"]
 SCENE_KEYS = ["title", "studies", "figures", "claims", "batch", "max_cases", *SOLVING_KEYS]
 METHODS = [name for name in names() if name not in ("westergaard", "hybrid")]  # for one wave only
 SETTINGS = ["points", "tolerance", "accuracy", "solver", "resistance", "quantity"]
@@ -101,14 +101,14 @@ words = (
     | st.floats().map(str)
     | st.integers().map(str)
 )
-OPTIONS = ["-D", "--gamma", "-m", "--phases", "--seed", "--loads", "--set"]
+OPTIONS = ["-D", "--gamma", "-m", "--phases", "--seed", "--loads", "--set", "--tolerance"]
 
 
 @st.composite
 def arguments(draw):
     """A sound command with some options replaced by others."""
     given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--method": "demelio"}
-    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard", "planned"]))
+    given["--method"] = draw(st.sampled_from(["archard", "demelio", "layer", "westergaard", "auto"]))
     for option in draw(st.lists(st.sampled_from(OPTIONS), max_size=3)):
         given[option] = draw(words)
     if draw(st.booleans()):
@@ -116,20 +116,7 @@ def arguments(draw):
     return ["solve", *(part for pair in given.items() for part in pair)]
 
 
-@st.composite
-def plan_arguments(draw):
-    """The same of `weier plan`, with a scene beside the profile or without."""
-    given = {"-D": "1.25", "--gamma": "5", "-m": "2", "--loads": "0.1,1", "--tolerance": "1e-3"}
-    for option in draw(st.lists(st.sampled_from([*OPTIONS[:-1], "--tolerance", "--quantity"]), max_size=3)):
-        given[option] = draw(words)
-    if draw(st.booleans()):
-        given["--quantity"] = draw(st.sampled_from(["compliance", "resistance"]))
-    others = draw(st.lists(words, max_size=1)) if draw(st.integers(0, 9)) == 0 else []
-    return ["plan", *(part for pair in given.items() for part in pair), *others]
-
-
 def check_arguments(folder, given):
-    # Of the processor: a plan of an infinite series takes 8 s, and twice as long where others work.
     start, out, err = time.thread_time() - COMPILING_SECONDS.get(), StringIO(), StringIO()
     before = sys.argv
     sys.argv = ["weier", *given]
@@ -147,8 +134,7 @@ def check_arguments(folder, given):
 
 
 FUZZED = [(scenes(), check_scene), (TEXT, check_text), (arguments(), check_arguments)]
-FUZZED += [(plan_arguments(), check_arguments)]
-NAMES = ["scenes", "texts", "arguments", "plans"]
+NAMES = ["scenes", "texts", "arguments"]
 
 
 def check_random(strategy, check, how_many, folder):

@@ -60,15 +60,6 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     assert (tmp_path / "figure.png").stat().st_size > 0
 
 
-def test_a_plan_may_choose_it():
-    """It offers itself to loads above 0.05 p_0* as free and exact; below, only contact patches are so accurate."""
-    plan = weier.plan(PROFILE, LOADS, tolerance=1e-9)
-    assert [part.method for part in plan.parts] == ["patches", "toy"]
-    curve = weier.solve(PROFILE, LOADS, "planned", tolerance=1e-9)
-    assert curve.planned_method.values.tolist() == ["patches", "toy", "toy"]
-    assert curve.compliance.values[1:] == pytest.approx(0.5 * LOADS[1:])
-
-
 def test_it_is_compiled_with_the_others(monkeypatch):
     solved = []
 

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from weier.data.dataset import open_dataset as open_dataset
     from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
+    from weier.methods.auto import choose as choose
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
     from weier.methods.errors import OutOfReachError as OutOfReachError
     from weier.pipeline.fields import events as events
     from weier.pipeline.fields import fields as fields
-    from weier.pipeline.plan import plan as plan
     from weier.pipeline.solve import solve as solve
     from weier.surface.measured.trace import Trace as Trace
     from weier.surface.profile import Profile as Profile
@@ -35,12 +35,12 @@ _MODULES = {
     "OutOfReachError": "methods.errors",
     "Profile": "surface.profile",
     "Trace": "surface.measured.trace",
+    "choose": "methods.auto",
     "events": "pipeline.fields",
     "fields": "pipeline.fields",
     "fit": "surface.spectrum",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",
-    "plan": "pipeline.plan",
     "profile_of": "data.selection",
     "random_phases": "surface.profile",
     "solve": "pipeline.solve",

@@ -26,7 +26,7 @@ def described(command):
     return (cli if command is None else cli.commands[command]).help
 
 
-@pytest.mark.parametrize("command", ["solve", "plot", "plan"])
+@pytest.mark.parametrize("command", ["solve", "plot"])
 def test_help_teaches_by_examples(run, command):
     code, out, _ = run(command, "--help")
     assert code == 0
@@ -60,11 +60,11 @@ def test_help_names_every_command_of_a_user(run):
     assert code == 0
     commands = out.partition("Commands:")[2].partition("Exit codes")[0]
     assert "..." not in commands  # a line says it all
-    assert set(re.findall(r"^  (\w+) +\S", commands, re.M)) == {"solve", "plot", "plan", "table", "compile"}
+    assert set(re.findall(r"^  (\w+) +\S", commands, re.M)) == {"solve", "plot", "table", "compile"}
 
 
 def test_the_first_help_shows_the_commands_for_one_profile():
-    assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "plan", "table"}
+    assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "table"}
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ REQUIRED = {
 OWN = {("convergence", "scene_file"): "infinite.yaml"}  # of one command
 # What is no argument, and needed: a profile.
 SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]
-NEEDED = {"solve": SERIES, "plot": SERIES, "plan": SERIES}
+NEEDED = {"solve": SERIES, "plot": SERIES}
 # What can be left out of a command line, but not of what it does.
 REFUSED = {"draw": "weier: the figure work_precision is drawn from one file, that of `weier tradeoff`"}
 

@@ -32,10 +32,6 @@ WRONG_USAGE = [
         "--across names the axis of a line: give its number by --line",
     ),
     (["solve", "-D", "1.5"], "a profile takes -D, --gamma and -m, or --trace; missing: --gamma, -m"),
-    (["plan"], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got neither"),
-    (["plan", "--tolerance", "1e-3"], "got neither"),
-    (["plan", "scene.yaml", *PROFILE], "a plan is of a SCENE or of a profile (-D, --gamma, -m), got both"),
-    (["plan", "-D", "1.5"], "a profile takes -D, --gamma and -m; missing: --gamma, -m"),
     (["table", "curve.nc", "curves.txt"], "the name must end in one of .csv"),
     (["table", "none.nc", "resluts/curves.csv"], "there is no folder resluts: make it first, or name another one"),
     ([*SOLVE, "-o", "resluts/curves.csv"], "there is no folder resluts: make it first, or name another one"),
@@ -63,11 +59,12 @@ BAD_INPUT = [
     ),
     ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),
     ([*SOLVE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
-    ([*SOLVE, "-m", "inf", "--phases", "0"], "method must be given where m = inf: choose one of archard, demelio"),
-    (["plan", *PROFILE, "--tolerance", "0"], "tolerance must be positive and finite, got 0.0"),
-    (["plan", "-D", "1.5", "--gamma", "3", "-m", "1e9"], "m must be a whole number of terms, from 1 to 1000000, or"),
-    (["plan", "-D", "1.5", "--gamma", "3", "-m", "1e6"], "m must be at most 1000"),
-    (["plan", "-D", "1.95", "--gamma", "2", "-m", "inf"], "tolerance must be larger, or the series shorter, got 0"),
+    (
+        [*SOLVE, "-m", "inf", "--phases", "0"],
+        "a tolerance or a method must be given where m = inf: tolerance=1e-3, or one of",
+    ),
+    (["solve", *PROFILE, "--tolerance", "0"], "tolerance of auto must lie in [1e-15, 1), got 0.0"),
+    (["solve", "-D", "1.95", "--gamma", "2", "-m", "inf", "--tolerance", "1e-3"], "tolerance must be at least "),
 ]
 
 
@@ -84,7 +81,7 @@ def test_a_setting_given_as_an_option_is_reported_with_its_method(run):
     for option in ("--quantity", "--quantitiy"):
         code, _, err = run("solve", "-D", "1.25", "--gamma", "5", "-m", "3", option, "1e-4")
         assert code == 2
-        assert f"there is no option {option}; quantity is a setting of a method: --method planned" in err
+        assert f"there is no option {option}; quantity is a setting of a method: --method auto" in err
     assert "'--method'" in run("solve", "--metod", "bem")[2]
 
 

@@ -42,13 +42,18 @@ def test_other_processes_solve_the_same(run):
     assert of_methods[0] == of_methods[1]
 
 
-def test_json_tells_what_a_plan_took_of_the_plan_alone(run):
-    _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "planned")
+def test_json_tells_the_choice_of_auto_alone(run):
+    _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "auto")
     methods = json.loads(out)["methods"]
-    assert methods["planned"]["planned_method"] == ["bem", "full contact"]
-    assert methods["planned"]["planned_terms"] == [2.0, 2.0]
-    assert methods["planned"]["planned_points"][1] is None
-    assert "planned_terms" not in methods["demelio"]
+    assert (methods["auto"]["chosen_method"], methods["auto"]["chosen_terms"]) == ("bem", 2)
+    assert "chosen_terms" not in methods["demelio"]
+
+
+def test_a_tolerance_is_the_choice_also_of_the_infinite_series(run):
+    series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1", "--tolerance", "0.1"]
+    methods = json.loads(run("solve", *series)[1])["methods"]
+    assert list(methods) == ["auto"]
+    assert max(methods["auto"]["compliance_error"]) <= 0.1
 
 
 @pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--phases", "1"], ["--seed", "3"], []])
@@ -122,20 +127,6 @@ def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
         assert np.isfinite(data.compliance.sel(solution_method="demelio").values).all()
 
 
-def test_a_plan_that_failed_at_some_loads_is_delivered_and_says_so(run, unsolvable):
-    unsolvable(0.1)
-    code, out, err = run("solve", *PROFILE, "--loads", "0.1,1", "--method", "planned")
-    assert code == 1
-    compliance = json.loads(out)["methods"]["planned"]["compliance"]
-    assert [value is None for value in compliance] == [True, False]
-    why, last = err.splitlines()[-2:]
-    assert "planned: the compliance is not within 0.001 at 1 of 2 loads: bem with 2 terms was expected to do" in why
-    assert (
-        last
-        == "weier: planned missed its tolerance at some loads, for the reasons above; all other numbers were written"
-    )
-
-
 @pytest.mark.parametrize(("name", "written"), [("x.png", {"x.png"}), ("x", {"x.png", "x.pdf", "x.svg"})])
 def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
     methods = ["--method", "demelio", "--method", "layer"]
@@ -173,7 +164,7 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
     code, _, errors = run("solve", "--trace", shaft, *UNITS, "--loads", "0.1,1", "-o", path)
     assert code == 0, errors
     trace = weier.Trace.read(shaft, None, 1e-4, "periodic", "mm", "um")
-    exact = weier.solve(trace, [0.1, 1.0], "bem")
+    exact = weier.solve(trace, [0.1, 1.0])
     with weier.open_dataset(path) as data:
         one = data.isel(case=0, solution_method=0)
         np.testing.assert_array_equal(one.compliance.values, exact.compliance.values)
@@ -187,7 +178,10 @@ def test_a_file_that_names_its_units_needs_no_others(run, shaft):
     code, out, errors = run("solve", "--trace", shaft, *UNITS[4:], "--loads", "0.1")
     assert code == 0, errors
     with_units, out = out, run("solve", "--trace", shaft, *UNITS, "--loads", "0.1")[1]
-    assert json.loads(with_units)["methods"]["bem"]["compliance"] == json.loads(out)["methods"]["bem"]["compliance"]
+    assert (
+        json.loads(with_units)["methods"]["patches"]["compliance"]
+        == json.loads(out)["methods"]["patches"]["compliance"]
+    )
     code, _, errors = run("solve", "--trace", shaft, "--height-unit", "nm", "--loads", "0.1")
     assert code == 1
     assert "heights must have one unit, got height_unit='nm' and 'um' by itself" in errors

@@ -61,23 +61,6 @@ def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
     ]
 
 
-def test_plans_stand_over_a_figure_with_what_they_were_asked_for(sweep: xr.Dataset) -> None:
-    """The title has the quantity and the tolerance, not only "planned"."""
-    planned = sweep.sel(solution_method=["bem"]).assign_coords(solution_method=["planned"]).copy(deep=True)
-    planned["settings"][:] = '{"quantity": "compliance", "tolerance": 0.001}'
-    by_seed = {"colour": "gamma", "median_over": ("seed",)}
-    assert sketch(planned, **by_seed).axes[0].get_title() == (
-        "planned: compliance within 0.001 $g_0$,  $D=1.25$,  $m=3$"
-    )
-    planned["settings"][0] = '{"quantity": "resistance", "tolerance": 0.02}'
-    panels = sketch(planned, facet=("gamma",), median_over=("seed",))
-    title = "planned: compliance within 0.001 $g_0$ or resistance within 0.02,  $D=1.25$,  $m=3$"
-    assert panels.get_suptitle() == title
-    assert sketch(planned.assign(settings=planned["settings"].where(False, "")), **by_seed).axes[0].get_title() == (
-        "planned,  $D=1.25$,  $m=3$"
-    )
-
-
 def test_the_legend_says_what_dashes_mean_where_they_are_methods(sweep: xr.Dataset) -> None:
     figure = sketch(sweep, colour="gamma", median_over=("seed",))
     assert words(figure)[3:5] == ["Demelio", "boundary elements"]

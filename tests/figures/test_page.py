@@ -17,7 +17,7 @@ from weier import scene
 from weier.data import dataset, provenance
 from weier.data.variables import Check, Status
 from weier.figures import kinds, page, style
-from weier.figures.page import explorer, plans
+from weier.figures.page import explorer
 from weier.figures.page.formulae import typeset
 from weier.methods import registry
 from weier.pipeline import claims
@@ -125,7 +125,7 @@ def test_the_largest_residual_and_stated_errors_stand_beside_the_states():
     data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
     data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
     table = page._errors(data)
-    assert table.rows == [["demelio", 2, 0, 0, 0, "", "", ""], ["bem", 2, 0, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
+    assert table.rows == [["demelio", 2, 0, 0, "", "", ""], ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
     assert sum("stated" in heading for heading in table.header) == 2
     without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
     assert not any("stated" in heading for heading in without.header)
@@ -246,7 +246,7 @@ def test_errors_of_different_settings_stand_in_different_rows():
     )
     table = page._errors(labelled)
     assert [row[0] for row in table.rows] == ["bem, staircase removed", "bem, points 12, staircase kept"]
-    assert [row[5] for row in table.rows] == ["2.0e-06", "3.0e-02"]
+    assert [row[4] for row in table.rows] == ["2.0e-06", "3.0e-02"]
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
@@ -281,57 +281,6 @@ def test_the_contents_lead_to_every_section(text):
 )
 def test_symbols_and_numbers_are_typeset(text, html):
     assert typeset(text) == html
-
-
-@pytest.fixture
-def planned():
-    """What a scene with a tolerance leaves, with errors and seconds that are known; the last case is out of reach."""
-    data = dataset.blank(3, ["patches", "planned"], LOADS, 3, returned=registry.returned_by(["planned"]))
-    data["key"].values[:] = keys = ["one", "two", "three"]
-    seconds = [[np.nan, 0.5], [np.nan, 1.5], [np.nan, np.nan]]
-    data["settings"].values[:, 1] = '{"quantity": "compliance", "tolerance": 0.0001}'
-    data["status"].values[:, 1] = Status.solved, Status.solved, Status.not_applicable
-    data["planned_method"].values[:2] = ["westergaard"] * LOADS.size, ["bem"] * (LOADS.size - 1) + ["full contact"]
-    data["planned_seconds"].values[:2] = 0.25, 2.0
-    data["planned_error"].values[:2] = 2e-5, 6e-5
-    data["compliance"].values[:2] = 0.5
-    data["compliance"].values[:2, 1, 1] += [3e-5, -7e-5]
-    return data, seconds_of(keys, ["patches", "planned"], seconds)
-
-
-def test_a_plan_stands_beside_the_seconds_it_took_and_its_errors(planned):
-    data, cost = planned
-    assert plans.rows(data, cost) == [
-        ["westergaard", 1, "0.25", "0.5", "2", "1.0e-04", "2.0e-05", "3.0e-05"],
-        ["bem and full contact", 1, "2", "1.5", "0.75", "1.0e-04", "6.0e-05", "7.0e-05"],
-        ["out of reach", 1, "0", "0", "", "1.0e-04", "unknown", "unknown"],
-        ["all", 3, "2.25", "2", "0.89", "1.0e-04", "6.0e-05", "7.0e-05"],
-    ]
-    unmeasured = plans.rows(data.sel(solution_method=["planned"]), cost)
-    assert {row[7] for row in unmeasured} == {"unknown"}
-
-
-def test_a_plan_that_failed_at_some_loads_says_so(planned):
-    data, cost = planned
-    data["status"].values[0, 1] = Status.partly_solved
-    data["planned_method"].values[0, 1] = "out of reach"
-    data["compliance"].values[0, 1, 1] = np.nan
-    assert plans.rows(data, cost)[0] == [
-        *("westergaard and out of reach", 1, "0.25", "0.5", "2", "1.0e-04", "2.0e-05", "0.0e+00")
-    ]
-
-
-def test_an_error_of_the_resistance_is_relative_to_what_is_larger(planned):
-    data, cost = planned
-    data["settings"].values[:, 1] = '{"quantity": "resistance", "tolerance": 0.0001}'
-    data["resistance"].values[0] = [[4.0] * LOADS.size, [4.004] * LOADS.size]
-    data["resistance"].values[1] = [[0.5] * LOADS.size, [0.502] * LOADS.size]
-    assert [row[7] for row in plans.rows(data, cost)[:2]] == ["1.0e-03", "2.0e-03"]
-
-
-def test_a_scene_without_a_tolerance_has_no_plans():
-    data = dataset.blank(1, METHODS, LOADS, 3)
-    assert plans.rows(data, seconds_of(["a"])) == []
 
 
 def with_script(page, name):

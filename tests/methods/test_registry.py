@@ -62,9 +62,9 @@ def test_what_a_method_returns_is_known_before_it_runs(method):
 @pytest.mark.parametrize(
     ("method", "setting", "hint"),
     [
-        ("demelio", "tolerance", 'it takes none; \'tolerance\' is a setting of "bem", "patches", "planned"'),
-        ("layer", "tolerance_", 'did you mean \'tolerance\', of "bem", "patches", "planned"'),
-        ("layer", "quantity", "'quantity' is a setting of \"planned\""),
+        ("demelio", "tolerance", 'it takes none; \'tolerance\' is a setting of "bem", "patches", "auto"'),
+        ("layer", "tolerance_", 'did you mean \'tolerance\', of "bem", "patches", "auto"'),
+        ("layer", "quantity", "'quantity' is a setting of \"auto\""),
         ("layer", "Accuracy", "did you mean 'accuracy'[?]$"),
         ("layer", "xyz", "accuracy$"),
     ],

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-import weier
 from weier import Profile, random_phases, solve
 from weier.methods import registry
 from weier.methods.hybrid import newton
@@ -25,6 +24,7 @@ CASES = [
     ("archard", LONG, {}, 0.0, 0.0),
     ("demelio", SHORT, {}, 0.0, 0.0),
     ("demelio", LONG, {}, 0.0, 0.0),
+    ("persson", SHORT, {}, 0.0, 0.0),
     ("layer", SHORT, {}, 0.0, 0.0),
     ("layer", LONG, {}, 0.0, 0.0),
     ("hybrid", LONG, {"terms": 2}, NEWTON, 1e3 * NEWTON),
@@ -32,11 +32,9 @@ CASES = [
     ("patches", SHORT, {}, 0.0, 0.0),
     ("patches", Profile(1.5, 3, 3, math.pi), {"contact_edges": True}, 0.0, 0.0),
     ("patches", Profile(1.75, "5/2", 3, 2.0), {}, 0.0, 0.0),
-    ("planned", SHORT, {"tolerance": 1e-2}, 0.0, 0.0),
-    ("planned", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, 0.0, 0.0),
-    ("planned", LONG, {"tolerance": 0.02}, 0.0, 0.0),
-    ("planned", LONG, {"tolerance": 0.3}, NEWTON, 1e3 * NEWTON),
-    ("planned", LONG, {"tolerance": 0.25, "quantity": "resistance"}, 0.0, 0.0),
+    ("auto", SHORT, {"tolerance": 1e-2}, 0.0, 0.0),
+    ("auto", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}, 0.0, 0.0),
+    ("auto", LONG, {"tolerance": 0.02}, 0.0, 0.0),
 ]
 
 
@@ -58,25 +56,13 @@ def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile, sett
     for some in subsets(LOADS.size):
         alone = solve(profile, LOADS[some], method, **settings)
         for quantity, limit in limits.items():
-            bound_by_all_loads = {"resistance_error"} if method == "bem" else set()
+            bound_by_all_loads = {"resistance_error"} if method in ("bem", "auto") else set()
             for name in {quantity, f"{quantity}_error"} & set(together.data_vars) - bound_by_all_loads:
                 one, other = alone[name].values, together[name].values[some]
                 assert np.all(np.abs(one - other) <= limit * np.maximum(np.abs(other), 1)), (name, one - other)
-        for name in {"planned_method", "planned_terms", "planned_points", "patch_count"} & set(together.data_vars):
+        if "patch_count" in together:
+            name = "patch_count"
             np.testing.assert_array_equal(alone[name].values, together[name].values[some])
         if "contact_edge" in together:
             edges = [curve.contact_edge.values for curve in (alone, together.isel(mean_pressure=some))]
             np.testing.assert_array_equal(*(curve[np.isfinite(curve)] for curve in edges))
-
-
-def test_a_plan_for_one_load_is_that_for_many():
-    """Nothing is solved: the same method, terms and points, and the same foreseen error, bit for bit."""
-    for quantity, tolerance in (("compliance", 0.02), ("compliance", 0.3), ("resistance", 0.25)):
-        together = {
-            load: (part.method, part.terms, part.settings, error)
-            for part in weier.plan(LONG, LOADS, tolerance, quantity).parts
-            for load, error in zip(part.mean_pressure, part.error, strict=True)
-        }
-        for load in LOADS:
-            (part,) = weier.plan(LONG, [load], tolerance, quantity).parts
-            assert (part.method, part.terms, part.settings, part.error[0]) == together[load]

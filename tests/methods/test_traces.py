@@ -12,7 +12,6 @@ from benchmarks.problem import Problem, examine
 from benchmarks.programs import PROGRAMS
 from weier.methods.bem import error_model
 from weier.methods.errors import NotApplicableError
-from weier.methods.patches.error_model import BYTES_WAVE
 from weier.methods.patches.surface import surface_of
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -99,7 +98,7 @@ def test_fields_and_events_of_a_trace():
     assert float(events.mean_pressure[-1]) == pytest.approx(trace.full_contact_load, rel=1e-9)
 
 
-@pytest.mark.parametrize("method", ["westergaard", "archard", "demelio", "layer", "hybrid", "planned"])
+@pytest.mark.parametrize("method", ["westergaard", "archard", "demelio", "layer", "hybrid"])
 def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit(method):
     """The trace is one wave, which Westergaard's solution is for."""
     trace = Trace(random_heights(1, 200), 1e-3, ends="periodic", unit="m")
@@ -160,7 +159,7 @@ def test_what_contact_patches_hold_grows_with_the_waves_and_not_with_their_squar
     surface_of(trace)
     memory = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert memory < 4001 * BYTES_WAVE  # each wave at each crest would be four times as much, or more
+    assert memory < 4001 * 1e4  # bytes: each wave at each crest would be four times as much, or more
     exact, grid = (weier.solve(trace, [0.1], method) for method in ("patches", "bem"))
     assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error)
     np.testing.assert_array_equal(exact.patch_count, grid.patch_count)

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import NamedTuple
-
 import numpy as np
-import pytest
 
 from tests.scenes import scene_in
-from weier.methods import registry
-from weier.methods.registry import PLANNED, find_method
+from weier.methods.registry import find_method
 from weier.methods.solve import solve_checked
 from weier.pipeline import batch, workers
 
@@ -41,25 +36,11 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
     assert np.all(data["seconds"].values[:, 0] > 0)
 
 
-class Planned(NamedTuple):
-    """What a plan may return: arrays over the loads, and what it expected as numbers."""
-
-    compliance: np.ndarray
-    resistance: np.ndarray
-    planned_seconds: float
-    planned_error: float
-
-
-def test_what_a_plan_expected_is_stored_with_its_curves(tmp_path, monkeypatch):
-    def solve(profile, loads, tolerance: float = 1e-3, quantity: str = "compliance") -> Planned:
-        return Planned(loads, 1 / loads, 2.5, 1e-4 * profile.m)
-
-    planned = replace(registry.find_method(PLANNED), solve=solve)
-    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], planned))
-    study = {"product": {"D": 1.5, "gamma": 3, "m": [1, 2]}}
-    loaded = scene_in(tmp_path, {"title": "t", "loads": [0.1, 1], "tolerance": 0.01, "studies": {"one": study}})
+def test_the_choice_is_stored_with_its_curves(tmp_path):
+    study = {"product": {"D": 1.25, "gamma": 5, "m": [2, "inf"]}}
+    loaded = scene_in(tmp_path, {"title": "t", "loads": [0.1, 1], "tolerance": 0.1, "studies": {"one": study}})
     data = batch.solve_batch(loaded.studies["one"], loaded.loads)
-    assert data["planned_seconds"].values.tolist() == [2.5, 2.5]
-    assert data["planned_error"].values == pytest.approx([1e-4, 2e-4])
-    assert data["compliance"].values[0, 0].tolist() == [0.1, 1.0]
-    assert "planned_method" not in data, "what this plan does not return"
+    assert data["solution_method"].values.tolist() == ["auto"]
+    assert data["chosen_method"].values.tolist() == ["bem", "bem"]
+    assert data["chosen_terms"].values.tolist() == [2, 3]
+    assert np.all(data["compliance_error"].values <= 0.1)

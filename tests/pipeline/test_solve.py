@@ -10,7 +10,6 @@ import xarray as xr
 import weier
 from tests.scenes import scene_in
 from weier.data import provenance
-from weier.data.variables import Status
 from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
 from weier.pipeline.batch import solve_batch
@@ -100,24 +99,6 @@ def test_what_cannot_be_solved_is_named_and_the_others_are_there():
     assert found.status.values.tolist() == [[0, 0], [0, 2]]
     assert np.isfinite(found.compliance.values[found.status.values == 0]).all()
     assert np.isnan(found.compliance.values[1, 1]).all()
-
-
-def test_loads_that_a_plan_could_not_solve_are_named_and_the_others_are_there(unsolvable):
-    unsolvable(0.1)
-    why = r"the compliance is not within 0\.001 at 1 of 3 loads: bem with 2 terms was expected to do, and stopped"
-    with pytest.warns(UserWarning, match=why) as warned:
-        found = weier.solve(SMOOTH, LOADS, "planned")
-    assert [warning.filename for warning in warned] == [__file__]
-    assert found.attrs["unsolved"] == str(warned[0].message)
-    assert np.isfinite(found.compliance).values.tolist() == [True, False, True]
-    with pytest.warns(UserWarning, match=f"m = 2, planned: {why}") as warned:
-        both = weier.solve([SMOOTH], LOADS, ["demelio", "planned"])
-    assert [warning.filename for warning in warned] == [__file__]
-    assert both.status.values.tolist() == [[Status.solved, Status.partly_solved]]
-    assert both.planned_method.values.tolist() == [["bem", "out of reach", "bem"]]
-    assert both.compliance.values[0, 1] == pytest.approx(found.compliance.values, nan_ok=True)
-    rows = both.weier.table()
-    assert rows[rows["solution_method"] == "planned"]["mean_pressure"].tolist() == [0.01, 1.0]
 
 
 def test_a_table_has_one_row_for_each_case_method_and_load():

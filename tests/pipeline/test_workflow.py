@@ -131,7 +131,7 @@ def test_the_cost_of_a_scene_with_a_limit_is_reported_once_and_excess_is_refused
         slow.batches(of())
     forecast, refusal = capsys.readouterr().err.splitlines()
     assert forecast.startswith("test: 3 cases to solve, in about ")
-    assert refusal.startswith("test: it would take longer than 1e-06 s: add max_seconds: ")
+    assert refusal.startswith("test: it would take longer than 1e-06 s: set max_seconds: ")
     with pytest.raises(SystemExit, match=r"^weier: test: it would take longer than 1e-06 s"):
         slow.begin()
 
@@ -161,8 +161,8 @@ def test_kernels_are_compiled_for_the_numerical_methods_of_a_scene(folder, tmp_p
     monkeypatch.setattr(workflow, "DISABLED", False)
     monkeypatch.setattr(workflow, "cache_folder", lambda: tmp_path / "cache")
     assert scenes().kernels(of()) == [kernels_file("bem")] == [str(tmp_path / "cache/compiled/bem")]
-    change(folder, "methods: [demelio, bem]", "methods: [demelio]\ntolerance: 0.1")
-    assert scenes().kernels(of()) == kernels_of(registry.METHODS)  # whichever of them the plans choose
+    change(folder, "methods: [demelio, bem]", "methods: [demelio, auto]\ntolerance: 0.1")
+    assert scenes().kernels(of()) == kernels_of(registry.METHODS)  # whichever of them is chosen
     (tmp_path / "cache").touch()  # takes no files
     assert kernels_of([find_method("bem")]) == []
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
-from weier import Interface, Trace, open_dataset, plan, scene
+from weier import Interface, Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, page, traces
@@ -256,15 +256,10 @@ def test_a_mistake_is_reported_with_its_line(folder, changes, message):
         load(folder, **changes)
 
 
-def test_a_tolerance_plans_for_the_series_of_a_scene_alone(folder):
+def test_a_tolerance_is_for_all_methods_that_take_one(folder):
     loaded = load(folder, tolerance=1e-2)
-    assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio", "planned")]
-    assert [profile_plan.profile.D for profile_plan in plan(loaded).plans] == [1.5]
-
-
-def test_a_plan_for_a_trace_names_the_fit(folder):
-    with pytest.raises(ValueError, match=r"has traces alone: plan for the series that weier\.fit finds"):
-        plan(load(folder, **mine()), tolerance=1e-3)
+    assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio")]
+    assert [case.settings for case in loaded.distinct] == 2 * [{"bem": {"tolerance": 1e-2}}]
 
 
 def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_own_units(folder):

@@ -12,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from weier.cli import jobs, plan, profile, table
+from weier.cli import jobs, profile, table
 from weier.data.provenance import VERSION
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
@@ -34,8 +34,7 @@ def cli() -> None:
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
-    weier plan -D 1.25 --gamma 5 -m 3 --tolerance 1e-4         methods that reach a tolerance
-    weier solve -D 1.25 --gamma 5 -m 3 --method planned        curves within a tolerance
+    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3      curves within a tolerance
     weier solve --trace shaft.csv --loads 0.01:1:5             measured heights
     weier table results/paper/contact.nc curves.csv            curves for a spreadsheet
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
@@ -50,7 +49,6 @@ def cli() -> None:
 for _command in (
     profile.solve,
     profile.plot,
-    plan.plan,
     table.table,
     jobs.compile,
     jobs.batch,

@@ -145,12 +145,12 @@ OF_SOLUTION = (
         multiple=True,
         type=click.Choice(names()),
         help="Method of solution; give this option once for each  "
-        f"[default: patches, or bem for a trace; for plot: {', '.join(PLOTTED)}].",
+        f"[default: patches, or auto with a tolerance; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
         ["--tolerance"],
         type=float,
-        help="Largest error of the compliance that is accepted, in g_0, by all methods that take one.",
+        help="Largest error of the compliance that is accepted, in g_0, by all methods that take one, or by auto.",
     ),
     click.Option(
         ["--set", "settings"],

@@ -11,7 +11,7 @@ import numpy as np
 
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.kernels.arrays import Array
-from weier.methods.plan_part import QUANTITIES
+from weier.methods.method import QUANTITIES
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
@@ -35,7 +35,7 @@ def _solve(
 
     profile = profile_or_trace(**series)
     if not methods:
-        methods, refusals = single.applicable(profile, default)
+        methods, refusals = single.applicable(profile, default, tolerance is not None)
         for refusal in refusals:
             click.echo(refusal, err=True)
     settings = with_tolerance(methods, settings, tolerance)
@@ -55,7 +55,7 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
     weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
-    weier solve -D 1.25 --gamma 5 -m 3 --method planned --tolerance 1e-4
+    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace shaft.csv --shortest 1e-5 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     weier solve --trace map.x3p --line 120 --detrend form --missing interpolate

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.methods.method import QUANTITIES
+
 # Dimensions of variables.
 CURVE = ("case", "solution_method", "mean_pressure")
 RUN = ("case", "solution_method")
@@ -36,16 +38,12 @@ MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
 class Status(IntEnum):
-    """The status of a curve: solved, or the reason why it is missing.
-
-    partly_solved : the tolerance was missed at some loads, whose numbers are missing
-    """
+    """The status of a curve: solved, or the reason why it is missing."""
 
     solved = 0
     not_requested = 1
     not_applicable = 2
     not_converged = 3
-    partly_solved = 4
 
 
 class Check(IntEnum):
@@ -111,7 +109,7 @@ BOUND = (
 OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
 _of_trace = partial(_label, optional=True)
-_planned = partial(Variable, content=AUXILIARY, optional=True)
+_chosen = partial(Variable, ("case",), content=AUXILIARY, optional=True)
 _measured = partial(Variable, least=0, content=QUALITY, optional=True)
 
 
@@ -245,27 +243,13 @@ VARIABLES = {
         files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
-    "planned_method": _planned(
-        LOAD_DIMS,
-        "method that the plan chose at this load",
-        dtype="U16",
-        comment='It is "out of reach" where none met the tolerance: the numbers are missing there.',
-    ),
-    "planned_terms": _planned(LOAD_DIMS, "terms that the method chosen by the plan models", least=1),
-    "planned_points": _planned(LOAD_DIMS, "nodes in one period of the method chosen by the plan", least=1),
-    "planned_seconds": _planned(("case",), "time that the plan expects for all loads on one core", "s", least=0),
-    "planned_error": _planned(
-        ("case",),
-        "largest error that the plan expects, an estimate",
-        least=0,
-        comment="Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.",
-    ),
+    "chosen_method": _chosen('method that "auto" chose', dtype="U16"),
+    "chosen_terms": _chosen('terms that the method chosen by "auto" solves', least=1),
     "seconds": Variable(
         RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
     ),
 }
 
-QUANTITIES = ("compliance", "resistance")
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
 

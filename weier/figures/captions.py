@@ -7,8 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from weier import figures
-from weier.methods.plan_part import COMPLIANCE, QUANTITIES
-from weier.methods.registry import PLANNED, find_method, numerical_names
+from weier.methods import auto
+from weier.methods.method import COMPLIANCE
+from weier.methods.registry import find_method, numerical_names
 from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.surface.profile import PARAMETERS
@@ -35,25 +36,20 @@ def caption(scene: Scene, name: str) -> Caption:
     methods = {method for product in products for method in product.methods}
     grouping = figure.grouping.of(sum(product.count for product in products))
     kind = figures.kinds()[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
-    plans = [product.settings.get(PLANNED, {}) for product in products if PLANNED in product.methods]
-    text = " ".join([kind, *_describe_tolerance(figure.draw, plans)])
+    name_of_auto = auto.METHOD.name
+    chosen = [product.settings.get(name_of_auto, {}) for product in products if name_of_auto in product.methods]
+    text = " ".join([kind, *_describe_tolerance(figure.draw, chosen)])
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)
     return Caption(title, " ".join(filter(None, [figure.title and f"{figure.title}.", text])), f"{title}: {subject}")
 
 
-def _describe_tolerance(drawn: str, plans: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A sentence with the tolerance of planned curves of a quantity; none without plans."""
-    if drawn not in QUANTITIES or not plans:
-        return []
-    settings = [all_settings(find_method(PLANNED), plan) for plan in plans]
-    if other := [plan["quantity"] for plan in settings if plan["quantity"] != drawn]:
-        return [
-            f"The plan meets a tolerance of the {other[0]} and none of the {drawn}, whose error at each load is in "
-            f"{drawn}_error of the data."
-        ]
+def _describe_tolerance(drawn: str, chosen: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A sentence with the tolerance of a quantity, by the settings of "auto"; none without it."""
+    settings = [all_settings(auto.METHOD, own) for own in chosen]
+    tolerances = [own["tolerance"] for own in settings if own["quantity"] == drawn]
     unit = "g_0" if drawn == COMPLIANCE else "of the larger of itself and 1 g_0/p_0*"
-    return [f"The planned {drawn} is within {max(plan['tolerance'] for plan in settings):g} {unit}."]
+    return [f"The tolerance of the {drawn} is {max(tolerances):g} {unit}."] if tolerances else []
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:

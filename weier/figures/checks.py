@@ -17,7 +17,7 @@ from weier.surface.profile import PARAMETERS
 
 
 def load_scene(path: str | Path) -> Scene:
-    """Read a scene file and check its cases, figures and claims, as `snakemake` and `weier plan` do.
+    """Read a scene file and check its cases, figures and claims, as `snakemake` does.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def load_scene(path: str | Path) -> Scene:
     Returns
     -------
     Scene
-        The scene with its cases, loads, figures and claims. `weier.plan` returns its cost.
+        The scene with its cases, loads, figures and claims.
 
     Raises
     ------

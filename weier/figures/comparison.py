@@ -7,7 +7,6 @@ cases are medians over the phases.
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -23,8 +22,7 @@ from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
-from weier.methods.plan_part import COMPLIANCE, RESISTANCE
-from weier.methods.registry import PLANNED, names, numerical_names
+from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
@@ -87,14 +85,14 @@ def compare(
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, of_each[1:]))
     of_all = {name: _values(drawn, name) for name in ("method", *SURFACES, "seed") if name not in grouping.facet}
     alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
-    shared = "" if grouping == EACH_CASE else _join(_title(drawn, *parameter) for parameter in alike.items())
+    shared = "" if grouping == EACH_CASE else _join(_label(drawn, *parameter) for parameter in alike.items())
     stated: dict[str, Patch] = {}
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [curve for curve in drawn if tuple(curve.parameters[name] for name in grouping.facet) == value]
         _draw(axes, members, drawn, grouping)
         if grouping.colour in ("", "method") and not grouping.median_over:
             stated |= {curve.method: band for curve in members if (band := _draw_errors(axes, curve, quantity))}
-        own = _join(_title(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
+        own = _join(_label(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
     _add_legend(figure, panels, _legend(drawn, grouping) + list(stated.values()))
     if interface:  # a power of ten stands beside the title
@@ -160,24 +158,6 @@ def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     if isinstance(value, float):
         return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:g}"
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
-
-
-def _title(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
-    """A value of a parameter in the title of a panel; for plans, with their tolerance."""
-    settings = [
-        str(curve.case["settings"].sel(solution_method=PLANNED).item())
-        for curve in drawn
-        if (name, value, curve.method) == ("method", PLANNED, PLANNED)
-    ]
-    wanted = [(plan["quantity"], plan["tolerance"]) for plan in map(json.loads, filter(None, settings))]
-    if not wanted:
-        return _label(drawn, name, value)
-    parts = [
-        f"{quantity} within {max(tolerance for other, tolerance in wanted if other == quantity):g}{unit}"
-        for quantity, unit in ((COMPLIANCE, " $g_0$"), (RESISTANCE, ""))
-        if quantity in dict(wanted)
-    ]
-    return f"planned: {' or '.join(parts)}"
 
 
 def _join(labels: Iterable[str]) -> str:

@@ -8,16 +8,13 @@ scaled by g_N and p_N*. Heights are in g_0, pressures in p_0*.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import multiprecision_sums, offer, solve_by
+from weier.methods.estimate import multiprecision_sums, solve_by
 from weier.methods.flattened import remaining
 from weier.methods.method import Method, Style
-from weier.methods.plan_part import PlanPart, Task
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -55,24 +52,12 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-# Largest error of the compliance that was measured, over the amplitude of the terms after the first.
-MAX_RELATIVE_ERROR = 0.7
-SECONDS = 5e-5, 2e-6  # Expected seconds to start, and of each load.
-
-_solve = solve_by(compliance, resistance)
-
-
-def _candidates(task: Task) -> Iterator[PlanPart]:
-    return offer(task, "demelio", MAX_RELATIVE_ERROR, SECONDS, _solve)
-
-
 METHOD = Method(
     name="demelio",
     label="Demelio",
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
-    solve=_solve,
+    solve=solve_by(compliance, resistance),
     uses_phases=False,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
-    candidates=_candidates,
     reference=multiprecision_sums("demelio"),
 )

@@ -1,8 +1,8 @@
 """The definition of a method of solution: one object with all properties that the program uses.
 
 Methods are listed in `weier.methods.registry`. The fields of a method define its solver and where it applies, its
-look in figures, its error and cost models for plans, its settings in the tradeoff of speed and accuracy, and its
-reference at the extremes.
+look in figures, its expected seconds, its settings in the tradeoff of speed and accuracy, and its reference at the
+extremes.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.plan_part import PlanPart, Task
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
+QUANTITIES = COMPLIANCE, RESISTANCE = "compliance", "resistance"
 
 
 class Estimate(NamedTuple):
@@ -100,12 +100,6 @@ def stated_compliance_error(solved: Any) -> Array:
     return np.asarray(getattr(solved, "compliance_error", 0.0))
 
 
-def unsolved(solved: Any) -> str | None:
-    """The reason why a solution has no numbers at some loads; None if it has all of them."""
-    why: str | None = getattr(solved, "unsolved", None)
-    return why
-
-
 @dataclass(frozen=True)
 class Method:
     """A method of solution.
@@ -121,8 +115,7 @@ class Method:
     solve : callable
         From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
         annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and any other fields of the
-        table of variables. Raises ConvergenceError rather than return a wrong number. If only some loads fail, their
-        numbers are NaN, and `unsolved` has the reason.
+        table of variables. Raises ConvergenceError rather than return a wrong number.
     settings : mapping of str
         Meaning and unit of each of these keywords, for help texts.
     applies : callable
@@ -142,22 +135,17 @@ class Method:
         Errors of its numbers by rounding and iteration at the default settings.
     algorithms : sequence of settings
         Settings that choose between algorithms: each is compiled in advance, and run at the extremes.
-    options : sequence of settings
-        Other settings with their own kernels, which are compiled in advance, too.
     run_kernels : callable
         Runs kernels to compile them in advance, before any curve: those that do not depend on other methods, so that
         methods are compiled in parallel, and those that only large problems use.
     variants : callable
         From a finite profile to names and settings that trade accuracy for time; a name follows that of the method.
-    candidates : callable
-        From the task of a plan to the plan parts that this method offers, with their errors and costs.
-    runs_others : bool
-        Whether it only runs other methods that meet a tolerance.
     solution_error : callable
         From the result of `solve` to the error of the compliance, in g_0, of shape (loads,) or one for all loads; by
         default its `compliance_error`, or 0 without one.
     seconds : callable
-        From a profile and loads to an upper bound on the seconds of a curve on one core; 0 if they are negligible.
+        From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
+        factor of 3; 0 if they are negligible.
     reference : callable, optional
         From a profile and loads to reference values of an estimate, or None if that takes minutes.
     """
@@ -175,13 +163,10 @@ class Method:
     style: Style = DEFAULT_STYLE
     noise: Noise = CLOSED_FORM
     algorithms: tuple[Settings, ...] = ({},)
-    options: tuple[Settings, ...] = ()
     run_kernels: Callable[[], None] = lambda: None
     variants: Callable[[Profile], Iterable[tuple[str, Settings]]] = lambda profile: [("", {})]
-    candidates: Callable[[Task], Iterable[PlanPart]] = lambda task: ()
-    runs_others: bool = False
     solution_error: Callable[[Any], Any] = stated_compliance_error
-    seconds: Callable[..., float] = lambda profile, loads: 0.0
+    seconds: Callable[..., float] = lambda profile, loads, **settings: 0.0
     reference: Callable[[Profile, Array], Reference | None] | None = None
 
     @property

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 
 from weier.checks import checked_word
-from weier.methods import archard, bem, demelio, hybrid, layer, patches, persson, planned, westergaard
+from weier.methods import archard, auto, bem, demelio, hybrid, layer, patches, persson, westergaard
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.surface.profile import Profile
@@ -24,25 +24,25 @@ METHODS: tuple[Method, ...] = (
     hybrid.METHOD,
     bem.METHOD,
     patches.METHOD,
-    planned.planning_method(among=lambda: METHODS),
+    auto.METHOD,
 )
-PLANNED = next(method.name for method in METHODS if method.runs_others)
 # Those of the paper's figures, and Persson's theory beside them.
 PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, layer, patches))
 
 
-def default_method(*surfaces: Waves) -> str:
-    """The method of some surfaces where none is given: contact patches, or boundary elements if one is a trace.
+def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
+    """The method of some surfaces where none is given: contact patches, or "auto" once a tolerance is given.
 
-    A trace has so many waves that contact patches would take a second a load. NotApplicableError is raised for the
-    infinite series, which no method solves exactly: the user has to choose one.
+    NotApplicableError is raised for the infinite series without a tolerance, which no method solves exactly.
     """
+    if within_tolerance:
+        return auto.METHOD.name
     if any(math.isinf(surface.m) for surface in surfaces):
         raise NotApplicableError(
-            f"method must be given where m = inf: choose one of {', '.join(infinite_names())}, or take a finite m"
+            f"a tolerance or a method must be given where m = inf: tolerance=1e-3, or one of the methods "
+            f"{', '.join(infinite_names())}"
         )
-    series = all(isinstance(surface, Profile) for surface in surfaces)
-    return (patches if series else bem).METHOD.name
+    return patches.METHOD.name
 
 
 def names() -> list[str]:

@@ -6,15 +6,12 @@ the amplitude g, pressures in p* (7): xi is the mean pressure (9). The functions
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import AreaEstimate, Method, Style
-from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.surface.profile import Profile
 
 
@@ -80,17 +77,6 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError(f'method "westergaard" is for one wave, m = 1, got m = {profile.m}')
 
 
-def _candidates(task: Task) -> Iterator[PlanPart]:
-    """The closed form, which is the only candidate for one wave."""
-    if task.profile.m == 1:
-        yield make_part(task, "westergaard", "one wave has a closed form", _solution)
-
-
-def _solution(loads: Array) -> PartSolution:
-    exact = np.zeros(loads.size)
-    return PartSolution(compliance(loads), resistance(loads), exact, exact)
-
-
 METHOD = Method(
     name="westergaard",
     label="Westergaard",
@@ -99,5 +85,4 @@ METHOD = Method(
     applies=_applies,
     uses_phases=False,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
-    candidates=_candidates,
 )

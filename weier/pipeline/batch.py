@@ -16,7 +16,7 @@ from weier.data import dataset
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Method, unsolved
+from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
@@ -90,9 +90,6 @@ def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report
         failed(f"{case.profile.describe()}, {name}: {outcome}")
         return found | {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
-    if why := unsolved(solution):
-        found["status"] = Status.partly_solved
-        failed(f"{case.profile.describe()}, {name}: {why}")
     return found | solution._asdict() | _bounds(case, method, solution, loads) | {"seconds": seconds}
 
 
@@ -115,7 +112,7 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
     """Write one case, or one curve, into its row of each array.
 
     All values returned by a method are stored if they are in the table of variables, arrays over the loads as well as
-    scalars, such as `planned_seconds` and `planned_error` of a plan.
+    scalars, such as `chosen_method` and `chosen_terms`.
     """
     for name, value in values.items():
         if name in curves and np.size(value):  # a method may give no edges of contact

@@ -19,16 +19,11 @@ import numpy as np
 from weier.data.files import write_text
 from weier.digests import KERNELS, digest, digest_of_sources
 from weier.kernels.arrays import Array
-from weier.methods.errors import OutOfReachError
-from weier.methods.planned.plan import Plan
-from weier.methods.registry import PLANNED, find_method
-from weier.pipeline.plan import plan_case
 from weier.scene.case import Case
 from weier.scene.cases import Scene
 
 NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # The numbers of a batch depend on these parts of weier.
-# The least time of a batch where there are several for each core. Cost models give upper bounds, three times the
-# usual time, and the start of a batch takes one or two seconds.
+# The least time of a batch where there are several for each core, since the start of one takes one or two seconds.
 MIN_SECONDS = 30.0
 MAX_SECONDS = 120.0  # The longest time of a batch, since a killed one is lost.
 # The least time of a batch where there are fewer than one for each core, since the start of a process takes as long.
@@ -48,14 +43,12 @@ class Missing(NamedTuple):
     """A case with its methods that have not solved it, and the expected cost.
 
     studies : the studies that contain it
-    seconds : expected of its methods at their default settings, at most, and of its plan
-    refusal : the reason why there is no plan for it
+    seconds : expected of its methods
     """
 
     case: Case
     studies: tuple[str, ...]
     seconds: float
-    refusal: str = ""
 
 
 class Solutions:
@@ -203,13 +196,5 @@ def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> li
 
 
 def missing_case(case: Case, studies: tuple[str, ...], loads: Array) -> Missing:
-    """A case with the expected cost of its methods and its plan."""
-    methods = [find_method(name) for name in case.methods]
-    seconds = [
-        CASE_SECONDS,
-        *(method.seconds(case.profile, loads) for method in methods if method.takes(case.profile)),
-    ]
-    found = plan_case(case, loads) if PLANNED in case.methods else None
-    if isinstance(found, Plan):
-        seconds.append(found.seconds)
-    return Missing(case, studies, sum(seconds), str(found) if isinstance(found, OutOfReachError) else "")
+    """A case with the expected cost of its methods."""
+    return Missing(case, studies, CASE_SECONDS + sum(case.seconds(method, loads) for method in case.methods))

@@ -28,7 +28,7 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
         return
     for method in [find_method(name) for name in methods] or registry.METHODS:
         method.run_kernels()
-        for settings in (*method.algorithms, *method.options):
+        for settings in method.algorithms:
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
                     solve_checked(profile, loads, method, settings)

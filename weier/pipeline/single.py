@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from weier.data.variables import Status
@@ -59,20 +58,22 @@ def solve_one(
     failures: list[str] = []
     with waiting(f"solving by {', '.join(methods)}") as show:
         data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers)
-    if not np.isin(data["status"], [Status.solved, Status.partly_solved]).any():
+    if not (data["status"] == Status.solved).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return data.assign_attrs(title=title, scene=_text(title, case, loads))
 
 
-def applicable(profile: Mapping[str, Any], methods: Sequence[str]) -> tuple[list[str], list[str]]:
+def applicable(
+    profile: Mapping[str, Any], methods: Sequence[str], within_tolerance: bool = False
+) -> tuple[list[str], list[str]]:
     """The methods that apply to a profile, and the reasons why others do not; the default one if none are given.
 
     If none of the given methods applies, all are returned, so that their solution raises the reasons.
     """
     surface = Case(_parameters(profile), (), {}).profile
     if not methods:
-        return [default_method(surface)], []
+        return [default_method(surface, within_tolerance=within_tolerance)], []
     apply, refusals = list[str](), list[str]()
     for method in methods:
         try:

@@ -14,7 +14,7 @@ from weier.checks import checked_flag, checked_workers, hinting, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
-from weier.methods.method import Method, unsolved
+from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.methods.solve import solve_checked
@@ -41,7 +41,7 @@ def solve(
     mean_pressure : array_like, shape (loads,)
         Positive, in p_0*, in any order, which the result keeps; duplicate loads are solved once.
     method : str or sequence of str, optional
-        Contact patches by default, and boundary elements for traces. It must be given where m = inf. One of
+        Contact patches by default, and "auto" once a tolerance is given, which then may be of m = inf, too. One of
 
         {methods}
     contact_edges : bool
@@ -63,8 +63,7 @@ def solve(
         Of one profile and one method: over the dimension mean_pressure, compliance, in g_0, resistance, in
         g_0/p_0*, and whatever else the method returns: see the table of variables. The profile is in its scalar
         coordinates; settings, defaults among them, versions, and the seconds that it took are attributes.
-        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies. Where a plan misses its tolerance
-        at some loads alone, these are NaN: a warning and the attribute `unsolved` say why.
+        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies.
 
         Where profiles or methods are a list: over case, solution_method and mean_pressure, as the pipeline writes
         it. What cannot be solved is NaN, `status` says so, and a warning says why.
@@ -73,7 +72,7 @@ def solve(
     ------
     ValueError
         If the loads, the method or a setting is unknown or out of range; NotApplicableError where the method
-        does not apply to the profile.
+        does not apply to the profile, OutOfReachError where a tolerance cannot be met.
     ConvergenceError
         If a solver misses its tolerance.
     ChildProcessError
@@ -103,7 +102,7 @@ def solve(
     for surface in profiles:
         if doubt := unit_doubt(checked_surface(surface), loads):
             warnings.warn(doubt, stacklevel=3)  # at the call of `solve`, which `hinting` hands on
-    method = default_method(*profiles) if method is None else method
+    method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(name) for name in methods]
     if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
@@ -124,8 +123,6 @@ def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[s
     """One curve with its labels and settings, over mean_pressure."""
     given = checked_settings(method, settings)
     solution, seconds = solve_checked(profile, loads, method, given)
-    if why := unsolved(solution):
-        warnings.warn(why, stacklevel=4)  # at the call of `weier.solve`
     values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
     labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
     return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))

@@ -18,6 +18,7 @@ from weier.data.files import bring_to_present, check_target, check_writable, rem
 from weier.data.netcdf import check_whole
 from weier.digests import digest, digest_of_sources
 from weier.kernels.jit import DISABLED, cache_folder
+from weier.methods import auto
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import NUMBERS, Solutions, read_batch
@@ -123,7 +124,7 @@ class Scenes:
     def kernels(self, wildcards: Any) -> list[str]:
         """The files that mark the kernels of a scene as compiled."""
         used = [find_method(name) for name in self.scene(wildcards.scene).layout.methods]
-        return kernels_of(METHODS if any(method.runs_others for method in used) else used)
+        return kernels_of(METHODS if auto.METHOD in used else used)
 
     def figure_digest(self, wildcards: Any) -> str:
         """A digest of everything a figure depends on."""

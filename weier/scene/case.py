@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
@@ -86,6 +87,13 @@ class Case:
         elif not isinstance(phases, list | tuple):
             phases = number("phases", phases)
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
+
+    def seconds(self, method: str, loads: Array) -> float:
+        """Expected seconds of one of its methods on one core; 0 where the method does not apply."""
+        found = find_method(method)
+        if not found.takes(self.profile):
+            return 0.0
+        return found.seconds(self.profile, loads, **self.settings.get(method, {}))
 
     def check(self) -> None:
         """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it."""

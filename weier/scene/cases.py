@@ -61,7 +61,7 @@ class Scene:
     studies : cases of each study, in the order of the file
     batch_size : most cases in one batch
     figures, claims : what is made from the studies
-    max_seconds : the longest expected time of its solution; None for a limit on plans alone
+    max_seconds : the longest expected time of its solution; None without a limit
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
     """

@@ -13,8 +13,9 @@ import numpy as np
 
 from weier.checks import checked_file, suggestion
 from weier.data.variables import of_curves
-from weier.methods.registry import METHODS, PLANNED, find_method
-from weier.methods.settings import checked_settings
+from weier.methods import auto
+from weier.methods.registry import METHODS, find_method
+from weier.methods.settings import checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, NAME, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
@@ -143,18 +144,18 @@ def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes
     """The cases of a study; None if it has mistakes, or if its methods do."""
     keys: Keys = ("studies", name)
     methods = scene.methods if study.methods is None else study.methods
+    tolerance = None if scene.tolerance is None else float(scene.tolerance)
+    if not methods and tolerance is not None:
+        methods = [auto.METHOD.name]
     if study.trace and not mistakes.within("methods"):
         mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
     made = [(place, _axes((*keys, *place), product, folder, mistakes)) for place, product in study.products]
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
         return None
     settings: Mapping[str, Mapping[str, Any]] = scene.settings if study.settings is None else study.settings
-    if scene.tolerance is not None and not study.trace:  # there are no plans for traces
-        plan = {"quantity": scene.quantity} if scene.quantity else {}
-        methods = [*dict.fromkeys((*methods, PLANNED))]
-        settings = {PLANNED: plan | {"tolerance": scene.tolerance}} | dict(settings)
     if not methods:  # which is a mistake of its own
         return None
+    settings = mistakes.attempt(keys, partial(with_tolerance, methods, settings, tolerance), settings)
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     products = [CaseProduct(axes, tuple(methods), own) for _, axes in made]

@@ -26,7 +26,8 @@ from pydantic import (
 )
 
 from weier.checks import checked_word, nearest, shown, suggestion
-from weier.methods.registry import PLANNED, find_method, names
+from weier.methods import auto
+from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
 from weier.scene.cases import NAME
 from weier.scene.figure import FREE, Axis, Figure, Grouping
@@ -460,7 +461,7 @@ class FigureKeys(Part):
 
 
 def _check_tolerance(value: Any) -> Any:
-    return checked_settings(find_method(PLANNED), {"tolerance": number("tolerance", value)})["tolerance"]
+    return checked_settings(auto.METHOD, {"tolerance": number("tolerance", value)})["tolerance"]
 
 
 class SceneKeys(Part):
@@ -476,16 +477,12 @@ class SceneKeys(Part):
     methods: Methods = Field([], description="Methods to run on every case; `weier solve --help` lists them.")
     tolerance: Annotated[Number, AfterValidator(_check_tolerance)] = Field(
         ABSENT,
-        description="Run on every case the cheapest plan that keeps within this: of the compliance, in g_0; of the "
-        "resistance, relative to the larger of itself and 1 g_0/p_0*. See `weier plan`.",
-    )
-    quantity: Annotated[str, OneOf("compliance", "resistance")] = Field(
-        "", description="What the tolerance is of: compliance or resistance."
+        description="Largest error of the compliance, in g_0, of all methods that take one; of auto without any.",
     )
     max_seconds: Annotated[float, Field(gt=0)] = Field(
         ABSENT,
-        description="The most seconds that solving this scene may take, as expected before it begins; 600 by default "
-        "for a scene with a tolerance, no limit for others.",
+        description="The most seconds that solving this scene may take, as expected before it begins; no limit "
+        "by default.",
     )
     settings: Settings = Field(
         {}, description="Settings of each method, as keywords of weier.solve: {bem: {points_per_wave: 16}}."
@@ -522,8 +519,6 @@ class SceneKeys(Part):
         """Keys go together, and figures and claims are of studies of the scene."""
         if not values.keys() & {"methods", "tolerance"}:
             yield Mistake(("methods",), f"this key is missing: {cls.keys()['methods']}")
-        if "quantity" in values and "tolerance" not in values:
-            yield Mistake((), "quantity needs tolerance")
         studies, figures, claims, bodies = (
             value if isinstance(value := values.get(key), dict) else {}
             for key in ("studies", "figures", "claims", "interface")

@@ -17,7 +17,7 @@ def names(profile, loads=USUAL):
 
 
 def test_every_method_meets_what_it_applies_to():
-    assert {"westergaard", "layer", "bem", "bem direct", "patches", "planned"} <= names(Profile(1.25, 5, 1)).keys()
+    assert {"westergaard", "layer", "bem", "bem direct", "patches", "auto"} <= names(Profile(1.25, 5, 1)).keys()
     assert "westergaard" not in names(Profile(1.25, 5, 3))
     assert "hybrid" not in names(Profile(1.25, 5, 3))
 
@@ -32,7 +32,7 @@ def test_slow_methods_meet_few_loads():
     long = Profile(1.25, 5, 1000)
     assert "layer" not in names(long)
     assert "layer" in names(long, USUAL[:1])
-    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "layer", "hybrid", "planned"}
+    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "layer", "hybrid", "auto"}
 
 
 def test_what_no_computer_holds_is_tried_for_its_refusal():

@@ -105,8 +105,8 @@ def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):
     assert "some refused" in rows["| one \\| wave"][3]
 
 
-def test_a_planned_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
-    """Three waves at light loads, planned for the compliance: the resistance of a grid, with its own error."""
+def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
+    """Three waves at light loads: the resistance of a grid, with its own error."""
     solve_checked = runner.solve_checked
 
     def overconfident(*arguments):
@@ -116,15 +116,7 @@ def test_a_planned_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
         return solved, seconds
 
     case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
-    some = [Comparison("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("planned", "planned", {}),))]
+    some = [Comparison("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("auto", "auto", {}),))]
     assert extremes.failures(extremes.measure(some)) == []
     monkeypatch.setattr(runner, "solve_checked", overconfident)
-    assert extremes.failures(extremes.measure(some)) == ["light, planned: not within stated error"]
-
-
-def test_a_resistance_that_a_method_does_not_vouch_for_has_no_digits(measured):
-    """A plan for the compliance: its resistance has a stated error, but no digits are counted."""
-    case = Case({"D": 1.25, "gamma": "5", "m": 1}, (), {})
-    data = extremes.measure([Comparison("one", case, LOADS[2:4], (Variant("planned", "planned", {}),))])
-    assert np.isfinite(data["compliance_digits"]).all()
-    assert np.isnan(data["resistance_digits"]).all()
+    assert extremes.failures(extremes.measure(some)) == ["light, auto: not within stated error"]

@@ -12,7 +12,7 @@ from weier.accuracy.metrics import MEASURED, STATED, seconds_per_load, worst_ove
 from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.data.markdown import plain
 from weier.kernels.arrays import Array
-from weier.methods.plan_part import QUANTITIES
+from weier.methods.method import QUANTITIES
 
 
 class Row(NamedTuple):

@@ -25,12 +25,10 @@ from weier.data.files import write_text
 from weier.data.selection import as_cases, label_text
 from weier.data.variables import VARIABLES, Status
 from weier.figures.captions import Caption, caption
-from weier.figures.page import plans
 from weier.figures.page.claims import picture
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.figures.page.formulae import typeset
-from weier.methods import bem
-from weier.methods.registry import PLANNED
+from weier.methods import auto, bem
 from weier.pipeline.claims.claim import Judgement
 from weier.pipeline.claims.paper import MEANINGS, RULE
 from weier.pipeline.claims.report import DETAILS, decisive_line, details, from_dataset
@@ -44,7 +42,7 @@ PICTURES = (
     "decide."
 )
 IN_SI = " Figures in Pa, m and ohm m^2 are of the scene's two bodies; each trace has its own lambda_0 and g_0."
-HELD_BY_CHORDS = (bem.METHOD.name, PLANNED)  # The stated error of the resistance is a bound by chords.
+HELD_BY_CHORDS = (bem.METHOD.name, auto.METHOD.name)  # The stated error of the resistance is a bound by chords.
 MIN_EXPLAINED = 0.1  # Larger stated errors, over the larger of R and 1, are explained on the page.
 CHORDS = (
     "Where R comes from a grid, its stated error is a bound by chords to the other loads, since the compliance is "
@@ -143,7 +141,6 @@ def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Data
             *_traces(data),
             Section("errors", "Errors", _about_errors(data), table=_errors(data)),
             Section("cost", "Cost", table=_costs(cost)),
-            *_plans(data, cost),
             _provenance(data),
         ],
     )
@@ -231,13 +228,6 @@ def _costs(cost: xr.Dataset) -> Table:
         if times.size
     ]
     return Table(["method", "curves", "median, s", "longest, s", "all, s"], rows, "numbers")
-
-
-def _plans(data: xr.Dataset, cost: xr.Dataset) -> list[Section]:
-    """The section that compares plans with the results, if there are plans."""
-    rows = plans.rows(data, cost)
-    table = Table(plans.HEADER, rows, "numbers")
-    return [Section("plans", "Plan and cost", [plans.NOTE], table=table)] if rows else []
 
 
 def _provenance(data: xr.Dataset) -> Section:

@@ -1,8 +1,4 @@
-"""The error and the cost of boundary elements that are expected before they are run.
-
-The bounds are those of docs/bem.md, "Bounds". The costs are those of docs/planned.md, "Expected seconds", and were
-fitted to measured runs.
-"""
+"""The errors of boundary elements: docs/bem.md, "Bounds"."""
 
 from __future__ import annotations
 
@@ -29,12 +25,6 @@ MAX_POINTS = 2**21  # A load on so many points takes a second.
 # did not settle at 2 of 4 loads (D = 1.25, gamma = 5, m = 3).
 MAX_SOLVED_POINTS_PER_WAVE = 10_000
 MAX_OTHERS = 400  # From each load chords are drawn to so many others: more make the bounds hardly closer.
-
-SECONDS_START, SECONDS_LOAD = 5e-4, 7e-5  # Seconds of a curve, and of each load.
-SECONDS_NODE = 1.1e-8  # Seconds of a pair of FFTs, of each node.
-PAIRS, PAIRS_POWER = 20, 0.35  # Pairs of FFTs of a load with one contact, and how they grow with the contacts.
-START_PAIRS = 15  # A start takes as long as so many pairs.
-BYTES_NODE = 240  # Bytes of the grids, their eigenvalues and the arrays of the solver, of each node.
 
 
 def compliance_error(profile: Waves, points: int) -> float:
@@ -71,22 +61,17 @@ def fewest_points(profile: Waves, error: float) -> int:
 
 
 def errors(
-    profile: Waves,
-    loads: Array,
-    points: int,
-    curve: tuple[Array, Array],
-    residual: Array,
-    with_others: bool = True,
+    profile: Waves, loads: Array, points: int, curve: tuple[Array, Array], residual: Array
 ) -> tuple[Array, Array]:
     """Errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
     From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
-    curve to these two, and `with_others` to others of its loads, bound the resistance.
+    curve to these two, and to others of its loads, bound the resistance.
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
     of_h = np.where(loads < full, solution_error(profile, points, residual), rounding)
-    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS) * with_others).astype(np.int64))
+    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS)).astype(np.int64))
     other = np.concatenate([[0.0], loads[some], [full]])
     known = np.stack(
         [
@@ -100,19 +85,3 @@ def errors(
         others = np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
         low[part], high[part] = chord_bounds(loads[part], h[part], of_h[part], *others)
     return of_h, np.where(loads < full, np.maximum(high - R, R - low), 0.0)
-
-
-def seconds(points: float, contacts: Array) -> tuple[float, Array]:
-    """Expected seconds to start on so many nodes, and of each load with so many contacts."""
-    pair = SECONDS_NODE * points
-    return SECONDS_START + START_PAIRS * pair, SECONDS_LOAD + pair * fft_pairs(contacts)
-
-
-def fft_pairs(contacts: Array) -> Array:
-    """Pairs of FFTs that a load takes for both numbers: measured within a factor of 2.5 on 1 to 4 000 contacts."""
-    return np.asarray(PAIRS * contacts**PAIRS_POWER)
-
-
-def memory(points: int) -> float:
-    """Expected bytes of the solver on so many nodes."""
-    return float(BYTES_NODE * points)

@@ -1,20 +1,16 @@
-"""Boundary elements as one of the methods, and what they offer to a plan (docs/planned.md, "What is offered")."""
+"""Boundary elements as one of the methods."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import partial
 from typing import Any
-
-import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import BemCurve, check_words, checked_points, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.plan_part import COMPLIANCE, PartSolution, PlanPart, Task, make_part
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
@@ -24,6 +20,8 @@ MAX_RESIDUAL = 1e-10  # Residual, in g_0, at which the solver stops by default: 
 # Residual over the tolerance, where one is given, so that the tolerance is left to the error of the grid. Three more
 # digits of the residual cost a step or two.
 RESIDUAL_FRACTION = 1e-3
+# Seconds of a load on few points, and how they grow: as N log N, times iterations and misses of the cache.
+SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.5
 
 
 def _solve(
@@ -51,15 +49,25 @@ def _grid_within(
     """
     if points is not None or points_per_wave is not None:
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
-    residual = RESIDUAL_FRACTION * tolerance
-    found = error_model.fewest_points(profile, tolerance - RESIDUAL_FACTOR * residual)
+    found = points_within(profile, tolerance)
     most = min(error_model.MAX_POINTS, error_model.MAX_SOLVED_POINTS_PER_WAVE * profile.waves_per_period[-1])
     if found > most:
         raise ValueError(
             f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than {most}: "
             'take a larger tolerance or the method "patches"'
         )
-    return found, residual
+    return found, RESIDUAL_FRACTION * tolerance
+
+
+def points_within(profile: Waves, tolerance: float) -> int:
+    """The fewest points in a period whose bound is within a tolerance, in g_0."""
+    return error_model.fewest_points(profile, tolerance * (1 - RESIDUAL_FACTOR * RESIDUAL_FRACTION))
+
+
+def within_few_points(profile: Waves, tolerance: float) -> bool:
+    """Whether a grid no finer than the default one is within a tolerance, in g_0."""
+    few = min(POINTS_PER_WAVE * profile.waves_per_period[-1], error_model.MAX_POINTS)
+    return points_within(profile, tolerance) <= few
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
@@ -89,43 +97,19 @@ def _check(
     check_points(checked_points(profile, points, points_per_wave), solver == "direct")
 
 
-def _seconds(profile: Waves, loads: Array) -> float:
-    """Seconds of a curve on the default grid, at most: with as many contacts at each load as there are waves."""
-    contacts = np.full(loads.size, float(profile.waves_per_period[-1]))
-    start, of_loads = error_model.seconds(checked_points(profile), contacts)
-    return start + float(of_loads.sum())
-
-
-def _candidates(task: Task) -> Iterator[PlanPart]:
-    """The coarsest grid whose bound is within the tolerance; none for one wave, which has a closed form.
-
-    None for a resistance either, whose bounds are wide.
-    """
-    if task.profile.m == 1 or task.quantity != COMPLIANCE:
-        return
-    try:
-        points, residual = _grid_within(task.profile, task.tolerance)
-    except ValueError:
-        return
-    start, load = error_model.seconds(points, task.contacts)
-    yield make_part(
-        task,
-        "bem",
-        f"{points / task.profile.waves_per_period[-1]:.0f} points for each of the finest waves are the fewest",
-        partial(_solve_part, task.profile, points, residual),
-        settings={"points": points},
-        discretisation=error_model.solution_error(task.profile, points, np.full(task.mean_pressure.size, residual)),
-        seconds_start=start,
-        seconds_load=load,
-        memory=error_model.memory(points),
-    )
-
-
-def _solve_part(profile: Waves, points: int, residual: float, loads: Array) -> PartSolution:
-    grid = curve(profile, loads, points=points, max_residual=residual)
-    # In a plan the errors of a load depend on no other load, so that no chords are drawn between the loads.
-    of_h, of_R = error_model.errors(profile, loads, points, (grid.compliance, grid.resistance), grid.residual, False)
-    return PartSolution(grid.compliance, grid.resistance, of_h, of_R)
+def _seconds(
+    profile: Waves,
+    loads: Array,
+    tolerance: float | None = None,
+    points_per_wave: int | None = None,
+    points: int | None = None,
+    **settings: Any,
+) -> float:
+    """Expected seconds of a curve by FFTs."""
+    if tolerance is not None:
+        points, points_per_wave = points_within(profile, tolerance), None
+    nodes = checked_points(profile, points, points_per_wave)
+    return SECONDS_LOAD * loads.size * (1 + (nodes / TIMED_POINTS) ** POINTS_POWER)
 
 
 METHOD = Method(
@@ -149,6 +133,5 @@ METHOD = Method(
     algorithms=({}, {"solver": "direct"}),
     variants=_variants,
     seconds=_seconds,
-    candidates=_candidates,
     check=_check,
 )

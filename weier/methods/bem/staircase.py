@@ -19,7 +19,7 @@ from weier.kernels.jit import kernel
 # Distance from the last node in contact to the edge in the continuum, in nodes, at the middle of a step: alpha of
 # docs/bem.md.
 EDGE = 0.384947631413
-# Excess of the compliance on a grid as a step begins, over delta_R (a + b): the constant of docs/bem.md for triangles.
+# Excess of the compliance on a grid as a step begins, over delta_R (a + b): docs/bem.md, for triangles.
 AT_START_OF_STEP = 1 / 24
 # Pressure that an open node moves to each of its neighbours, over its own: -(A^-1)_01/(A^-1)_00, r of docs/bem.md.
 NEIGHBOUR_STIFFNESS = 0.439056239

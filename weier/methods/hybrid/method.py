@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from weier.kernels.arrays import Array
-from weier.methods.hybrid.candidates import candidates
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Noise, Style
@@ -29,5 +28,4 @@ METHOD = Method(
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
     solution_error=lambda solved: solved.distance_to_bounds,
     noise=Noise(1e-6, 1e-4),  # These are the tables of the layer, of accuracy 1e-5, and slopes between their rows.
-    candidates=candidates,
 )

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import offer
 from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
 from weier.methods.method import Method, Noise, Reference, Settings, Style
-from weier.methods.plan_part import PlanPart, Task
-from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 
 POINTS_COMPARED = (6, 24)
 # A mesh of twice the points leaves a quarter of the error at most, and serves as the reference.
 REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6
 MAX_REFERENCE_SCALES = 10  # More scales take minutes with this accuracy.
-# Largest error of the compliance that was measured, over the amplitude of the terms after the first.
-MAX_RELATIVE_ERROR = 0.5
-SECONDS = 0.06, 3e-4  # Expected seconds to start, and of each load.
-MAX_SECONDS = 0.02, 1e-4  # Seconds at most: of the table of a scale, 0.012 in 300 scales, and of a load.
+SECONDS = 0.02, 1e-4  # Of the table of a scale, and of a load.
 
 
 def _solve(
@@ -37,13 +32,6 @@ def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
         yield f"{points}", {"points": points}
 
 
-def _candidates(task: Task) -> Iterator[PlanPart]:
-    """None where every wave can be resolved, which takes less time for the same error."""
-    if resolvable(task.profile):
-        return iter(())
-    return offer(task, "layer", MAX_RELATIVE_ERROR, SECONDS, _solve)
-
-
 def _reference(profile: Profile, loads: Array) -> Reference | None:
     """The solution on a mesh of twice the points, or None where that takes minutes."""
     if MAX_REFERENCE_SCALES < profile.m < math.inf:
@@ -52,12 +40,9 @@ def _reference(profile: Profile, loads: Array) -> Reference | None:
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
-def _seconds(profile: Profile, loads: Array) -> float:
-    """Seconds of a curve at most, where each scale of a finite series has a table of its own.
-
-    All scales of the infinite series share one table, which takes next to no time.
-    """
-    scale, load = MAX_SECONDS
+def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
+    """Expected seconds: each scale of a finite series has a table of its own, the infinite series shares one."""
+    scale, load = SECONDS
     return scale * profile.m + load * loads.size if math.isfinite(profile.m) else 0.0
 
 
@@ -75,6 +60,5 @@ METHOD = Method(
     noise=Noise(1e-6, 1e-5),  # These are what cubics through tables of accuracy 1e-5 leave.
     variants=_variants,
     seconds=_seconds,
-    candidates=_candidates,
     reference=_reference,
 )

@@ -37,8 +37,6 @@ many_contacts
     one load on any number of them, whose set is corrected
 resistance_error
     how far the resistance of a state may be off
-error_model
-    what the method costs and how accurate it is, before it is run
 start
     guesses, from which each load starts
 solver, event_search
@@ -49,6 +47,19 @@ method
 
 from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.method import METHOD
-from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
+from weier.methods.patches.solver import TOLERANCE, PatchCurve, Solution, curve, solve_load, solve_loads
+from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE
 
-__all__ = ["METHOD", "Events", "PatchCurve", "Solution", "curve", "events", "solve_load", "solve_loads"]
+__all__ = [
+    "MAX_TOLERANCE",
+    "METHOD",
+    "MIN_TOLERANCE",
+    "TOLERANCE",
+    "Events",
+    "PatchCurve",
+    "Solution",
+    "curve",
+    "events",
+    "solve_load",
+    "solve_loads",
+]

@@ -1,26 +1,24 @@
-"""Contact patches as one of the methods, and what they offer to a plan (docs/planned.md, "What is offered")."""
+"""Contact patches as one of the methods."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
-
-import numpy as np
+from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
-from weier.methods.patches import error_model, many_contacts
+from weier.methods.patches import many_contacts
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, isolated_contacts, isolated_gaps
+from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
-from weier.methods.plan_part import PartSolution, PlanPart, Task, make_part
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 # Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
+SECONDS_LOAD, SECONDS_WAVE = 3e-3, 1.2e-4  # Of a load, and of a load and each of the finest waves.
 
 
 def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
@@ -28,10 +26,9 @@ def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
         yield f"{tolerance:.0e}", {"tolerance": tolerance}
 
 
-def _seconds(profile: Waves, loads: Array) -> float:
-    """Seconds of a curve at most, with as many contacts at each load as there are waves."""
-    waves = profile.waves_per_period[-1]
-    return float(error_model.seconds(waves, np.full(loads.size, float(waves))).sum())
+def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
+    """Expected seconds of a curve."""
+    return loads.size * (SECONDS_LOAD + SECONDS_WAVE * profile.waves_per_period[-1])
 
 
 def _solve_loads(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> PatchCurve:
@@ -55,36 +52,6 @@ def _run_kernels() -> None:
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
 
 
-def candidates(task: Task) -> Iterator[PlanPart]:
-    """Contact patches, where memory suffices for all contacts; none for one wave, which has a closed form."""
-    tolerance = error_model.loosest_tolerance(task.tolerance, task.quantity)
-    if task.profile.m > 1 and tolerance >= MIN_TOLERANCE:
-        yield _patches(task, min(tolerance, MAX_TOLERANCE))
-
-
-def _patches(task: Task, tolerance: float) -> PlanPart:
-    waves = task.profile.waves_per_period[-1]
-    fits = task.contacts <= error_model.MAX_CONTACTS
-    error = np.where(fits, error_model.error(tolerance, task.quantity), np.inf)
-    return make_part(
-        task,
-        "patches",
-        "exact edges of these contacts cost less than a grid that is fine enough",
-        partial(_solve, task.profile, tolerance),
-        settings={"tolerance": tolerance},
-        discretisation=error,
-        seconds_start=error_model.SECONDS_START,
-        seconds_load=error_model.seconds(waves, task.contacts, tolerance),
-        memory=error_model.memory(waves, float(task.contacts.max(where=fits, initial=1.0))),
-    )
-
-
-def _solve(profile: Waves, tolerance: float, loads: Array) -> PartSolution:
-    solved = curve(profile, loads, tolerance)
-    error = np.where(solved.patch_count > 0, solved.compliance_error, 0)
-    return PartSolution(solved.compliance, solved.resistance, error, solved.resistance_error)
-
-
 METHOD = Method(
     name="patches",
     label="contact patches",
@@ -101,5 +68,4 @@ METHOD = Method(
     run_kernels=_run_kernels,
     variants=_variants,
     seconds=_seconds,
-    candidates=candidates,
 )

@@ -1,0 +1,132 @@
+"""Curves within a tolerance: the terms and the method that are chosen, and that every answer is within it."""
+
+import math
+
+import numpy as np
+import pytest
+
+import weier
+from weier.methods import auto, bem, patches, registry
+from weier.methods.errors import NotApplicableError, OutOfReachError
+from weier.surface.profile import Profile, random_phases
+
+LOADS = np.array([1e-3, 0.03, 0.3, 1.0])
+INFINITE = Profile(1.25, 5, math.inf, random_phases(3))
+THREE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+
+
+def test_a_thousandth_of_the_infinite_series_takes_six_or_seven_terms():
+    choice = weier.choose(Profile(1.25, 5, math.inf), 1e-3)
+    assert choice.kept.m in (6, 7)
+    # G_k = gamma^((D-2) k)/(1 - gamma^(D-2)), half of the tolerance at most, and more with a term less.
+    tails = [5 ** (-0.75 * k) / (1 - 5**-0.75) for k in (choice.kept.m, choice.kept.m - 1)]
+    assert choice.left_out == pytest.approx(tails[0], rel=1e-9)
+    assert tails[0] <= 5e-4 < tails[1]
+    assert choice.left_out + choice.settings["tolerance"] == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("profile", "tolerance"),
+    [
+        (INFINITE, 0.3),
+        (INFINITE, 0.1),
+        (Profile(1.2, "5/2", math.inf, 1.0), 0.5),
+        (Profile(1.25, 2, 12, seed=1), 0.2),
+    ],
+)
+def test_the_compliance_of_more_terms_is_within_the_tolerance(profile, tolerance):
+    """By contact patches, with the bounds theorem for what even these leave out."""
+    found = weier.solve(profile, LOADS, tolerance=tolerance)
+    assert np.all(found.compliance_error <= tolerance * (1 + 1e-12))
+    more = profile.truncated(int(found.chosen_terms) + 1)
+    exact = patches.curve(more, LOADS).compliance
+    rest = profile.total_amplitude - more.total_amplitude
+    assert np.all(found.compliance - found.compliance_error <= exact + 2 * rest + 1e-9)
+    assert np.all(exact - 1e-9 <= found.compliance + found.compliance_error)
+    assert np.isnan(found.contact_fraction).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9, 1e-13])
+def test_all_terms_are_solved_where_none_may_be_left_out(tolerance):
+    found, exact = weier.solve(THREE, LOADS, tolerance=tolerance), patches.curve(THREE, LOADS, 1e-13)
+    assert np.all(np.abs(found.compliance - exact.compliance) <= tolerance)
+    assert found.chosen_terms == 3
+    expected = "bem" if bem.within_few_points(THREE, tolerance) else "patches"
+    assert found.chosen_method == expected
+
+
+def test_boundary_elements_are_chosen_on_few_nodes_alone():
+    assert [weier.choose(THREE, tolerance).method.name for tolerance in (1e-2, 1e-6)] == ["bem", "patches"]
+    choice = weier.choose(THREE, 1e-2)
+    assert weier.solve(THREE, LOADS, "bem", **choice.settings).points <= bem.POINTS_PER_WAVE * 25
+
+
+def test_a_trace_is_solved_whole():
+    k = np.arange(1, 40)
+    heights = np.fft.irfft(np.concatenate([[0], k**-1.2 * np.exp(1j * k**2)]), 200)
+    trace = weier.Trace(1e-6 * heights, 1e-3, ends="periodic", unit="m")
+    for tolerance in (1e-2, 1e-7):
+        found, exact = weier.solve(trace, LOADS, tolerance=tolerance), patches.curve(trace, LOADS)
+        assert np.all(np.abs(found.compliance - exact.compliance) <= tolerance)
+        assert found.chosen_terms == trace.m
+
+
+@pytest.mark.parametrize("profile", [Profile(1.9, 2, math.inf), Profile(1.25, 5, math.inf), Profile(1.5, 2, 40)])
+def test_a_refusal_names_the_least_tolerance_within_reach(profile):
+    with pytest.raises(OutOfReachError, match="tolerance must be at least") as refused:
+        weier.choose(profile, 1e-9)
+    least = float(str(refused.value).split("at least ")[1].split()[0])
+    assert weier.choose(profile, least).left_out <= least / 2
+    with pytest.raises(OutOfReachError):
+        weier.choose(profile, 0.9 * least)
+
+
+def test_less_than_rounding_is_refused_with_the_least_of_contact_patches():
+    with pytest.raises(OutOfReachError, match=r"at least 1\.\de-13 g_0"):
+        weier.choose(THREE, 5e-14)
+
+
+def test_a_resistance_is_within_its_tolerance_or_refused():
+    found = weier.solve(THREE, LOADS, tolerance=1e-6, quantity="resistance")
+    exact = patches.curve(THREE, LOADS, 1e-13).resistance
+    assert np.all(found.resistance_error <= 1e-6 * np.maximum(exact, 1))
+    assert np.all(np.abs(found.resistance - exact) <= 1e-6 * np.maximum(exact, 1))
+    stated = patches.curve(THREE, LOADS, patches.MIN_TOLERANCE)
+    with pytest.raises(OutOfReachError, match=r"tolerance must be at least .* take a larger one, or leave them out"):
+        weier.solve(THREE, LOADS, tolerance=1e-15, quantity="resistance")
+    assert np.any(stated.resistance_error > 1e-15 * np.maximum(stated.resistance, 1))
+
+
+def test_the_resistance_of_the_infinite_series_has_bounds_only():
+    with pytest.raises(OutOfReachError, match=r"bounds only.*resistance_error"):
+        weier.solve(INFINITE, LOADS, tolerance=1e-3, quantity="resistance")
+    with pytest.raises(NotApplicableError, match=r"a tolerance or a method must be given where m = inf"):
+        weier.solve(INFINITE, LOADS)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, math.inf, math.nan])
+def test_a_tolerance_is_a_positive_number(tolerance):
+    with pytest.raises(ValueError, match="tolerance must be positive and finite"):
+        weier.choose(THREE, tolerance)
+
+
+def test_no_method_means_auto_once_there_is_a_tolerance():
+    assert weier.solve(THREE, [0.1], tolerance=1e-2).solution_method == "auto"
+    assert weier.solve(THREE, [0.1]).solution_method == "patches"
+    assert weier.solve(THREE, [0.1], "bem", tolerance=1e-2).solution_method == "bem"
+    several = weier.solve([THREE, INFINITE], [0.1], tolerance=0.1)
+    assert several.solution_method.values.tolist() == ["auto"]
+    assert np.all(several.compliance_error <= 0.1)
+
+
+def test_the_choice_is_a_sentence():
+    text = repr(weier.choose(INFINITE, 1e-2))
+    assert text.startswith("D = 1.25, gamma = 5, m = inf, compliance within 0.01: the first 5 terms by method")
+    assert "all terms by method" in repr(weier.choose(THREE, 1e-2))
+
+
+def test_expected_seconds_are_those_of_the_method_that_is_chosen():
+    choice = weier.choose(INFINITE, 1e-2)
+    expected = choice.method.seconds(choice.kept, LOADS, **choice.settings)
+    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=1e-2) == expected > 0
+    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=auto.TOLERANCE) > expected

@@ -1,0 +1,252 @@
+"""The method "auto": curves within a tolerance, by the fewest terms that it allows.
+
+Terms of total amplitude G may be left out: h then lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the
+terms left out"). Half of the tolerance is for them, the rest for the method that solves the others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from weier.checks import checked_number, checked_word, hinting
+from weier.kernels.arrays import Array
+from weier.methods import bem, patches
+from weier.methods.errors import OutOfReachError
+from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Noise, Style
+from weier.surface.limits import MAX_WAVES
+from weier.surface.profile import Profile, terms_within
+from weier.surface.waves import Waves, checked_surface
+from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
+
+TOLERANCE = 1e-3
+# Tolerance of h, in g_0, over that of R. Arbitrary: the stated error of R is checked after the solution.
+COMPLIANCE_SHARE = 1e-2
+MAX_LISTED = 5  # Loads in a message.
+MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the least one within reach.
+
+
+@dataclass(frozen=True, repr=False)
+class Choice:
+    """A method, and the terms that it solves, for a curve within a tolerance; displayed as a sentence.
+
+    Attributes
+    ----------
+    profile : Profile or Trace
+        The whole surface.
+    quantity : str
+        "compliance" or "resistance".
+    tolerance : float
+        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
+    kept : Profile or Trace
+        What is solved: the first terms of a series, or the whole surface.
+    left_out : float
+        Sum of the amplitudes of the other terms, in g_0.
+    method : Method
+        The method that solves it.
+    settings : dict
+        Its settings.
+    """
+
+    profile: Waves
+    quantity: str
+    tolerance: float
+    kept: Waves
+    left_out: float
+    method: Method
+    settings: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        """The choice in a sentence."""
+        terms = f"the first {self.kept.m:g} terms" if self.left_out else "all terms"
+        others = f"; the others change h by {self.left_out:.2g} g_0 at most" if self.left_out else ""
+        settings = ", ".join(f"{name} {value:.2g}" for name, value in self.settings.items())
+        return (
+            f"{self.profile.describe()}, {self.quantity} within {self.tolerance:g}: {terms} by method "
+            f'"{self.method.name}", {settings}{others}'
+        )
+
+    def seconds(self, loads: Array) -> float:
+        """Expected seconds of a curve on one core."""
+        return self.method.seconds(self.kept, loads, **self.settings)
+
+
+@hinting
+def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Choice:
+    """Choose the method, and the terms that it solves, for a curve within a tolerance; nothing is solved.
+
+    Parameters
+    ----------
+    profile : Profile or Trace
+        With any number of terms, inf too.
+    tolerance : float
+        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
+    quantity : "compliance" or "resistance"
+        The quantity of the tolerance.
+
+    Returns
+    -------
+    Choice
+        With the attributes `method`, `settings`, `kept` (what is solved), and `left_out`, the amplitude of the other
+        terms, in g_0. It is displayed as a sentence.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance or the quantity is out of range; OutOfReachError, with the least tolerance within reach, if
+        the terms needed cannot be resolved.
+
+    Notes
+    -----
+    The terms left out are those whose total amplitude G is at most half of the tolerance. As h lies in
+    [h_k, h_k + 2 G], the middle is taken, with the error G. Boundary elements solve the terms kept if their bound
+    meets the rest of the tolerance on a grid no finer than the default one, contact patches otherwise. A tolerance
+    of the resistance leaves no terms out.
+
+    Examples
+    --------
+    >>> import weier
+    >>> weier.choose(weier.Profile(D=1.25, gamma=5, m=float("inf")), tolerance=1e-2)
+    D = 1.25, gamma = 5, m = inf, compliance within 0.01: the first 5 terms by method "bem", tolerance 0.0066; the others change h by 0.0034 g_0 at most
+
+    """  # noqa: E501 - the output of the example
+    surface = checked_surface(profile)
+    checked_word("quantity", quantity, QUANTITIES)
+    wanted = checked_number("tolerance", tolerance, "be positive and finite", lambda number: 0 < number < math.inf)
+    if quantity == RESISTANCE:
+        return _for_resistance(surface, wanted)
+    kept, left_out = _fewest_terms(surface, wanted)
+    rest = wanted - left_out
+    if left_out > wanted / 2 or rest < patches.MIN_TOLERANCE:
+        raise OutOfReachError(_out_of_reach(surface, kept, left_out, wanted))
+    if bem.within_few_points(kept, rest):
+        return Choice(surface, quantity, wanted, kept, left_out, bem.METHOD, {"tolerance": rest})
+    settings = {"tolerance": min(rest, patches.MAX_TOLERANCE)}
+    return Choice(surface, quantity, wanted, kept, left_out, patches.METHOD, settings)
+
+
+def _for_resistance(surface: Waves, tolerance: float) -> Choice:
+    if math.isinf(surface.m):
+        raise OutOfReachError(
+            "the resistance of an infinite series has bounds only: ask for its compliance, whose curve has them as "
+            f"resistance_error, or take a finite m; got {surface.describe()}"
+        )
+    patches.METHOD.check_applies(surface)
+    of_h = min(max(COMPLIANCE_SHARE * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
+    return Choice(surface, RESISTANCE, tolerance, surface, 0.0, patches.METHOD, {"tolerance": of_h})
+
+
+def _fewest_terms(surface: Waves, tolerance: float) -> tuple[Waves, float]:
+    """The first terms of a surface that leave out half of the tolerance at most, and what they leave out, in g_0.
+
+    Where these cannot be resolved, as many terms as can be.
+    """
+    if not isinstance(surface, Profile):
+        patches.METHOD.check_applies(surface)
+        return surface, 0.0
+    most = terms_within(surface, MAX_WAVES)
+    kept = next((k for k in range(1, most) if surface.amplitude_beyond(k) <= tolerance / 2), most)
+    return surface.truncated(kept), surface.amplitude_beyond(kept)
+
+
+def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float) -> str:
+    least, why, others = max(2 * left_out, patches.MIN_TOLERANCE), "", ""
+    if left_out > 0:
+        why = f": {kept.m:g} terms are the most that can be resolved, and the others sum to {left_out:.1e} g_0"
+        others = ", a shorter series, or an estimate such as the layer, which states no error"
+    return (
+        f"tolerance must be at least {MARGIN * least:.1e} g_0 for the compliance of {surface.describe()}, got "
+        f"{tolerance:g}{why}; take a larger one{others}"
+    )
+
+
+class AutoCurve(NamedTuple):
+    """Curves within a tolerance over the loads, each of shape (loads,), and how they were solved.
+
+    compliance : h, in g_0, from the profile whose waves all peak together
+    resistance : dh/dp, in g_0/p_0*, of the terms solved
+    compliance_error : a bound, in g_0, as far as that of the method is one
+    resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
+    contact_fraction : length in contact per length; NaN where terms are left out
+    chosen_method, chosen_terms : the method and its number of terms; scalars
+    """
+
+    compliance: Array
+    resistance: Array
+    compliance_error: Array
+    resistance_error: Array
+    contact_fraction: Array
+    chosen_method: str
+    chosen_terms: float
+
+
+def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> AutoCurve:
+    choice = choose(profile, tolerance, quantity)
+    solved = choice.method.solve(choice.kept, loads, **choice.settings)
+    if quantity == RESISTANCE:
+        _check_resistance(solved, loads, tolerance)
+    how = choice.method.name, float(choice.kept.m)
+    if not choice.left_out:
+        return AutoCurve(
+            solved.compliance,
+            solved.resistance,
+            solved.compliance_error,
+            solved.resistance_error,
+            solved.contact_fraction,
+            *how,
+        )
+    total = profile.total_amplitude
+    low, high = complete_bounds(solved.compliance, choice.left_out, total, solved.compliance_error)
+    h, error = (low + high) / 2, (high - low) / 2
+    shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
+    of_R = np.maximum(steepest - solved.resistance, solved.resistance - shallowest)
+    return AutoCurve(h, solved.resistance, error, of_R, np.full(loads.size, np.nan), *how)
+
+
+def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:
+    """Refuse a curve whose stated error of the resistance is not within the tolerance."""
+    error = solved.resistance_error / np.fmax(solved.resistance, 1)
+    exceeding = ~(error <= tolerance)
+    if not exceeding.any():
+        return
+    worst = float(error[exceeding].max())
+    listed = ", ".join(f"{load:.6g}" for load in loads[exceeding][:MAX_LISTED])
+    raise OutOfReachError(
+        f"tolerance must be at least {MARGIN * worst:.1e} for the resistance at these loads, got {tolerance:g}: the "
+        f"error is larger at {exceeding.sum()} of {loads.size} loads ({listed}), as next to a birth or a merger; "
+        "take a larger one, or leave them out"
+    )
+
+
+def _check(profile: Waves, quantity: str = COMPLIANCE, **others: Any) -> None:
+    """Refuse a quantity that is neither compliance nor resistance."""
+    checked_word("quantity", quantity, QUANTITIES)
+
+
+def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
+    try:
+        return choose(profile, **settings).seconds(loads)
+    except OutOfReachError:
+        return 0.0
+
+
+METHOD = Method(
+    name="auto",
+    label="within a tolerance",
+    summary="the fewest terms that a tolerance allows, by bem or patches, as weier.choose says; any m, also inf",
+    solve=_solve,
+    settings={
+        "tolerance": "largest error: of h, in g_0; of R, relative to the larger of itself and 1 g_0/p_0*",
+        "quantity": "which of the two is to be that accurate, compliance or resistance",
+    },
+    check=_check,
+    takes_traces=True,
+    style=Style("#56B4E9", (3, 0.8), "X"),
+    variants=lambda profile: (),  # The methods that it chooses from are compared instead.
+    noise=Noise(TOLERANCE, math.inf),
+    seconds=_seconds,
+)
