@@ -11,7 +11,7 @@ from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 import weier
 from weier.kernels.blas import one_thread
 from weier.methods.bem import direct
-from weier.methods.patches import newton
+from weier.methods.patches import given_edges
 
 PATIENCE = 60  # seconds
 LOADS = np.array([0.05, 0.5])
@@ -33,7 +33,7 @@ def two_threads():
 @pytest.mark.parametrize(
     ("place", "name", "method", "settings"),
     [
-        (newton, "_newton_iteration", "patches", {}),
+        (given_edges, "_solve_directly", "patches", {}),
         (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"}),
     ],
 )

@@ -58,16 +58,6 @@ def gauss_rule(count: int, of_second_kind: bool) -> Rule:
     return Rule(np.cos(scale * angle), weight, polynomial, expansion)
 
 
-@lru_cache(maxsize=256)
-def log_moments(count: int) -> Array:
-    """int sqrt(1-s^2) U_k ln|s| ds, k = 0..count - 1, from L_k - L_(k+2) at t = 0."""
-    moment, k = np.zeros(count), np.arange(0, count, 2)
-    T = np.where(k % 4 == 0, 1.0, -1.0)  # T_k(0); that of k + 2 has the other sign
-    own = np.append(np.log(2.0), T[1:] / k[1:])
-    moment[::2] = -0.5 * np.pi * (own + T / (k + 2))
-    return moment
-
-
 @kernel
 def evaluate_expansion(a: Array, t: float) -> float:
     """phi(t) = sum a_k U_k(t), -1 <= t <= 1, by Clenshaw's recurrence."""

@@ -9,19 +9,20 @@ from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.patches import certificate, fields, many_contacts
 from weier.methods.patches.certificate import check_violation, contact_residual
-from weier.methods.patches.inequalities import NEGATIVE
-from weier.methods.patches.many_contacts import solve_many_contacts
-from weier.methods.patches.segments import ContactState, make_segments
+from weier.methods.patches.fields import complementary_residuals
+from weier.methods.patches.inequalities import NEGATIVE, minima_outside
+from weier.methods.patches.many_contacts import follow_contacts, solve_many_contacts
+from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
 from weier.methods.patches.solver import TOLERANCE
 from weier.methods.patches.start import Starts, contacts_guess
-from weier.methods.patches.surface import surface_of
+from weier.methods.patches.surface import nearest_crests, surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 
 
 def solve_from_grid(profile, load):
     starts = Starts(profile, 1e-10)
-    return solve_many_contacts(starts.surface, list(starts.guesses(load))[1], TOLERANCE)
+    return solve_many_contacts(starts.surface, starts.guess(load), TOLERANCE)
 
 
 def edges_of(state):
@@ -86,7 +87,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
 def test_an_edge_at_a_narrow_gap_tells_nothing_of_the_opposite_one():
     """The pressure beside the gap is nearly 0, and changed its sign in each step that made the other edge move."""
     starts = Starts(Profile(1.25, 5, 6, (0.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1e-10)
-    assert solve_many_contacts(starts.surface, next(starts.guesses(0.5623413251903491)), TOLERANCE)[1] <= 10
+    assert solve_many_contacts(starts.surface, starts.guess(0.5623413251903491), TOLERANCE)[1] <= 10
 
 
 @one_thread
@@ -152,3 +153,53 @@ def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
             coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)
             wave = np.polynomial.Chebyshev(coefficients + 1e-9)
             assert np.abs(wave(everywhere)).max() <= certificate.SAMPLED_FACTOR * np.abs(wave(at)).max()
+
+
+@pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])
+def test_a_gap_of_rounding_size_is_closed(below):
+    """A merger of 2 contacts: the last gap between them is 4e-8 wide, and its tension 1e-12 of the load."""
+    profile, merger = Profile(1.5, 3, 3, (0.0, 1.0, 2.0)), 4.355780741819659
+    around = patches.curve(profile, [merger * (1 - 1e-8), merger * (1 - below), merger * (1 + 1e-8)])
+    assert around.patch_count[[0, 2]].tolist() == [2, 1]
+    assert around.residual.max() < 1e-10
+    assert around.compliance[0] < around.compliance[1] < around.compliance[2]
+    assert around.resistance[0] > around.resistance[1] > around.resistance[2]
+    assert around.resistance[1] == pytest.approx(around.resistance[0], rel=1e-6)
+
+
+def test_the_resistance_beside_a_merger():
+    """The value is that of Newton's method on density and edges together, in a dense matrix of all."""
+    phases = 4.574169531099157, 4.748128995525145, 0.2278665173120248
+    profile, load = Profile(1.0693689688036165, 8, 3, phases), 0.2503344663826191
+    curve = patches.curve(profile, load)  # for which the gap may count as a crack
+    assert abs(curve.resistance - 1.71034873840) < curve.resistance_error < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"), [(THREE_WAVES, 0.4), (THREE_WAVES, 2.0), (Profile(1.25, 5, 4, 1.0), 0.6)]
+)
+def test_the_resistance_falls_as_edges_move_out(profile, load):
+    """By 2 pi^2 B^2/L for each unit of length, where an edge moves at the speed 2 B/A: few contacts, gaps, many."""
+    before, here, after = patches.solve_loads(profile, load * (1 + np.array([-1e-4, 0, 1e-4])))
+    expected = (after.state.resistance - before.state.resistance) / (after.mean_pressure - before.mean_pressure)
+    B, strength = here.state.tangent_strength, np.abs(segment_strengths(here.state))
+    assert -4 * np.pi**2 / profile.period * np.sum(B**3 / strength) == pytest.approx(expected, rel=1e-5)
+    speed = (after.edges - before.edges) / (after.mean_pressure - before.mean_pressure) * [-1, 1]
+    np.testing.assert_allclose(np.sort(speed.ravel()), np.sort((2 * B / strength).ravel()), rtol=1e-4)
+
+
+@pytest.mark.parametrize("above", [1e-2, 1e-4, 1e-6])
+def test_a_shallow_missing_contact_is_seen(above):
+    """Contacts from below a birth, pressed beyond it: the overlap is 1e-6 to 1e-2 of what it soon would be."""
+    events = patches.events(THREE_WAVES, 0.3, 1.0)
+    born = events.mean_pressure[events.birth][0]
+    surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
+    assert not before.dual
+    series, limit = surface.heights, 1e-10 * before.approach
+    assert np.all(minima_outside(before, series, 0.0)["value"] >= -limit)
+    beyond = follow_contacts(surface, before, born * (1 + above))
+    x = np.linspace(-1, 1, 2001) * 10 * above**0.5 / THREE_WAVES.waves_per_period[-1]
+    x = events.x[events.birth][0] + x[np.abs(x) < 0.2 / THREE_WAVES.waves_per_period[-1]]
+    lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()
+    assert lowest < -limit
+    assert minima_outside(beyond, series, 0.0)["value"].min() == pytest.approx(lowest, rel=1e-3)

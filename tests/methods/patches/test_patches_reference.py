@@ -7,14 +7,14 @@ from tests.profiles import TWIN_CRESTS
 from tests.reference import REFERENCES
 from weier import Profile
 from weier.methods import bem, patches, westergaard
-from weier.methods.patches import many_contacts
+from weier.methods.patches import given_edges
 
 
-@pytest.mark.parametrize("dense", [True, False])
+@pytest.mark.parametrize("direct", [True, False])
 @pytest.mark.parametrize("reference", REFERENCES, ids=str)
-def test_reference_values(reference, dense, monkeypatch):
-    """Of few contacts by a dense matrix, and of more than one by fast sums, as many contacts are solved."""
-    monkeypatch.setattr(many_contacts, "MIN_CONTACTS", np.inf if dense else 2)
+def test_reference_values(reference, direct, monkeypatch):
+    """Directly as few contacts are solved, and by conjugate gradients with fast sums as many are."""
+    monkeypatch.setattr(given_edges, "MAX_DIRECT", np.inf if direct else 0)
     curve = patches.curve(reference.profile, reference.mean_pressure)
     h = np.abs(curve.compliance - reference.compliance).max()
     area = np.abs(curve.contact_fraction - reference.contact_fraction).max()

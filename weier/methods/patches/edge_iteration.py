@@ -263,7 +263,7 @@ def round_up_nodes(count: NDArray[np.float64]) -> Indices:
 def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and find how their edges must move."""
     punches, segments = guess.punches, guess.punches.segments
-    y = punches.at_nodes(segments.centre) + punches.matrix.tree.offset
+    y = punches.at_nodes(segments.centre) + punches.offset
     forcing = problem.forcing(np.repeat(segments.crest, segments.node_count), y)
     forces = solve_forces_on_contacts(punches, forcing, problem.load * punches.period, guess.force, stage.bounds)
     b = expansion(punches, forces.force)

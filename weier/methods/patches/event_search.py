@@ -27,7 +27,6 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import CAUCHY, density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
-from weier.methods.patches.newton import on_few_nodes, solve_on_segments
 from weier.methods.patches.segments import ContactState, contacts_of
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
 from weier.methods.patches.start import Starts
@@ -271,12 +270,7 @@ class _Search(NamedTuple):
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
         """The contacts of `start` under another load, as if none were born or merged in between."""
-        if load == start.load:
-            return start
-        if start.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            return many_contacts.follow_contacts(self.starts.surface, start, load)
-        few = on_few_nodes(start, self.starts.surface.series(start.dual))._replace(load=load)
-        return solve_on_segments(self.starts.surface, few, self.starts.tolerance)[0]
+        return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
 
 
 def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:

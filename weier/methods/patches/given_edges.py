@@ -31,6 +31,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -38,9 +39,10 @@ from weier.methods.chebyshev import Table, gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums
 from weier.methods.patches.segments import Blocks, Segments, apply_blocks, degrees, distances_between, make_blocks
-from weier.methods.punches import Inverse, invert_punches, solve_forces
-from weier.theory.halfplane import displacement_of_punch
+from weier.methods.punches import OFFSET, Inverse, invert_punches, solve_forces
+from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 
+MAX_DIRECT = 200  # Unknowns of a direct solution at most: conjugate gradients with fast sums take less time beyond.
 MAX_STEPS = 300  # Steps of conjugate gradients; 10 to 30 are usual.
 # The pressure is carried along with moving edges, to first order in the move, up to so many half-widths: beyond, its
 # derivative predicts nothing.
@@ -50,23 +52,24 @@ MAX_PREDICTED_MOVE = 0.3
 class Punches(NamedTuple):
     """Contacts or, dual, gaps with given edges, and the influence of forces at their nodes on each other.
 
-    The nodes are the zeros of T_K or, dual, of U_K, at the positions of `matrix.tree`. Of the nodes of the segments,
-    only the number is used.
+    The nodes are the zeros of T_K or, dual, of U_K. Of the nodes of the segments, only the number is used.
 
     segments : in order round the period
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
+    offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
     own, own_inverse : what the closed form of a segment adds to the sum over its own nodes, and the inverse of its
         influence on itself
-    matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes
+    matrix : ln|2 sin(pi (x_i - x_j)/L)| or, dual, 1/sin^2(pi (x_i - x_j)/L) between all nodes; None if these are few
     period : L, in lambda_0
     dual : whether these are gaps
     """
 
     segments: Segments
     gap: Array
+    offset: Array
     own: Blocks
     own_inverse: Blocks
-    matrix: PairMatrix
+    matrix: PairMatrix | None
     period: float
     dual: bool
 
@@ -100,6 +103,10 @@ class Bounds(NamedTuple):
     reduction: float
     least: float
     most: float
+
+    def over(self, unit: float) -> Bounds:
+        """Return the same in a unit of height."""
+        return Bounds(self.reduction, self.least / unit, self.most / unit)
 
 
 @lru_cache(maxsize=256)
@@ -138,24 +145,59 @@ def make_punches(segments: Segments, period: float, dual: bool = False) -> Punch
         [gauss_rule(count, dual).node for count in counts]
     )
     gap = distances_between(*segments.extent, period)
-    if not (np.all(np.diff(origin + offset) > 0) and np.all(gap > 0)):
+    if not (np.all(segments.half_width > 0) and np.all(gap > 0)):
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
     own = make_blocks(_own_influence(count, dual) for count in counts)
     own_inverse = make_blocks(_own_inverse(count, dual) for count in counts)
-    return Punches(segments, gap, own, own_inverse, make_pair_matrix(origin, offset, period, dual), period, dual)
+    matrix = make_pair_matrix(origin, offset, period, dual) if offset.size > MAX_DIRECT else None
+    return Punches(segments, gap, offset, own, own_inverse, matrix, period, dual)
 
 
-def displacement(punches: Punches, force: Array) -> Array:
-    """A f, in g_0, or C f, in p_0*, at the nodes."""
+def _own_scales(punches: Punches) -> tuple[Array, Array, float]:
+    """Return what scales the closed form of each segment, what is added at its nodes, and the factor of all sums."""
     # On a segment pi (x_i - x_j)/L is `angle` times t_i - t_j, so that the closed form of t is scaled, and what
     # ln|2 sin y| has beside ln|t_i - t_j| at y = 0 is ln(2 angle).
     angle = np.pi / punches.period * punches.segments.half_width
     if punches.dual:  # At y = 0, 1/sin^2(y) less its pole 1/y^2 is 1/3.
-        scale, at_node, factor = angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
-    else:
-        scale, at_node, factor = np.ones(angle.size), np.log(2 * angle), -2.0
+        return angle**-2, np.full(angle.size, 1 / 3), -0.5 / punches.period**2
+    return np.ones(angle.size), np.log(2 * angle), -2.0
+
+
+@kernel
+def _influence_matrix(
+    segments: Segments, offset: Array, own: Blocks, own_scales: tuple[Array, Array, float], period: float, dual: bool
+) -> Table:
+    """Return the matrix of `displacement`."""
+    first, n = segments.first_node, offset.size
+    scale, at_node, factor = own_scales
+    distance = np.empty(n * n)
+    for i in range(first.size - 1):
+        for j in range(first.size - 1):
+            apart = segments.origin[i] - segments.origin[j] + (segments.centre[i] - segments.centre[j])
+            for a in range(first[i], first[i + 1]):
+                for b in range(first[j], first[j + 1]):
+                    distance[a * n + b] = apart + (offset[a] - offset[b])
+    replace_by_influence(distance, period, dual)
+    matrix = distance.reshape((n, n))
+    for j in range(first.size - 1):
+        entry = own.start[0, j]
+        for b in range(first[j], first[j + 1]):
+            for a in range(first[j], first[j + 1]):
+                matrix[a, b] += scale[j] * own.table[entry]
+                entry += 1
+            matrix[b, b] += at_node[j]
+    for a in range(n):
+        for b in range(n):
+            matrix[a, b] *= factor
+    return matrix
+
+
+def displacement(punches: Punches, force: Array) -> Array:
+    """Return A f, in g_0, or C f, in p_0*, at the nodes."""
+    scale, at_node, factor = _own_scales(punches)
+    assert punches.matrix is not None
     own = apply_blocks(punches.own, punches.at_nodes(scale) * force)
     return factor * (pair_sums(punches.matrix, force) + own + punches.at_nodes(at_node) * force)
 
@@ -172,11 +214,43 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
 
 
 def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, start: Array, bounds: Bounds) -> Forces:
-    """z - A f = d and sum f = total, by conjugate gradients that keep the sum; dual, C f = forcing.
+    """Solve z - A f = d and sum f = total for f and d; dual, C f = forcing.
 
-    The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*. The sum is
-    kept by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r; d changes by `shift`.
+    The forcing, at the nodes, is the height z, in g_0, or, dual, the tension of full contact, in p_0*.
     """
+    if punches.matrix is None:
+        return _solve_directly(punches, forcing, total)
+    return _solve_iteratively(punches, forcing, total, start, bounds)
+
+
+def _solve_directly(punches: Punches, forcing: Array, total: float) -> Forces:
+    """Solve by Cholesky's factors of the whole matrix, which is made positive definite by `OFFSET`."""
+    dual = punches.dual
+    matrix = _influence_matrix(
+        punches.segments, punches.offset, punches.own, _own_scales(punches), punches.period, dual
+    )
+    right = np.stack([forcing, np.ones(forcing.size)])
+    if not dual:
+        matrix += OFFSET
+    _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, overwrite_a=True, overwrite_b=True)
+    if failed:
+        raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
+    force, even = found.T
+    if dual:
+        return Forces(force, float(force.sum()) / punches.period, 0.0, 0)
+    shift = (total - float(force.sum())) / float(even.sum())
+    return Forces(force + shift * even, OFFSET * total - shift, 0.0, 0)
+
+
+def _solve_iteratively(punches: Punches, forcing: Array, total: float, start: Array, bounds: Bounds) -> Forces:
+    """Solve by conjugate gradients with fast sums.
+
+    The sum is kept by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r, and d changes by
+    `shift`.
+    """
+    # Forces and heights are counted in those of the load, as products of light ones would underflow.
+    unit = total if not punches.dual else 1.0
+    forcing, total, start, bounds = forcing / unit, total / unit, start / unit, bounds.over(unit)
     dual, force, inverse, even = punches.dual, start, None, np.zeros(start.size)  # `even` is M^-1 1
     half_width = punches.segments.half_width
     scale = punches.at_nodes(2 * half_width) if dual else np.ones(start.size)
@@ -204,7 +278,7 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, total: float, sta
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    return Forces(force, float(force.sum()) / punches.period if dual else plane, size, step)
+    return Forces(unit * force, float(force.sum()) / punches.period if dual else unit * plane, unit * size, step)
 
 
 @lru_cache(maxsize=256)
@@ -250,6 +324,25 @@ def regular_part(first_node: Indices, b: Array) -> Array:
         for k in range(first_node[j + 1] - 3, first_node[j] - 1, -1):
             a[k] = a[k + 2] - 2 * b[k + 2]
     return a
+
+
+@kernel
+def vanishing_at_edges(first_node: Indices, b: Array) -> Array:
+    """Return the coefficients of psi changed so that psi vanishes at all edges.
+
+    Residuals of all degrees are of one size, as rounding is, and the coefficient of T_k answers one with the factor k.
+    So the coefficients change in proportion to k^2, the variance with which they are known: the force and the mean
+    height of a contact stay.
+    """
+    changed = b.copy()
+    for j in range(first_node.size - 1):
+        for parity in range(2):
+            at_edge, weight = 0.0, 0.0
+            for k in range(first_node[j] + parity, first_node[j + 1], 2):
+                at_edge, weight = at_edge + b[k], weight + (k - first_node[j]) ** 2
+            for k in range(first_node[j] + parity, first_node[j + 1], 2):
+                changed[k] -= at_edge * (k - first_node[j]) ** 2 / weight
+    return changed
 
 
 @lru_cache(maxsize=256)

@@ -271,11 +271,16 @@ def find_missing(
     wide as the parabola at its minimum is negative.
     """
     punches, dual = step.punches, problem.dual
+    source = (
+        punches.matrix.tree
+        if punches.matrix
+        else make_tree(punches.at_nodes(punches.segments.middle), punches.offset)
+    )
 
     # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         points = make_tree(np.zeros(x.size), x)
-        total = potential(punches.matrix.tree, step.forces.force, points, punches.period, dual)
+        total = potential(source, step.forces.force, points, punches.period, dual)
         factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
         return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 

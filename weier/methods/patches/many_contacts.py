@@ -22,8 +22,6 @@ All limits are heights, in g_0: dual, a pressure counts as the displacement that
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,7 +40,14 @@ from weier.methods.patches.edge_iteration import (
     rearrange,
     take_step,
 )
-from weier.methods.patches.given_edges import Bounds, Punches, expansion, solve_forces_on_contacts
+from weier.methods.patches.given_edges import (
+    Bounds,
+    Punches,
+    expansion,
+    regular_part,
+    solve_forces_on_contacts,
+    vanishing_at_edges,
+)
 from weier.methods.patches.inequalities import (
     MAX_INNER,
     NEW_CONTACT_WIDTH,
@@ -62,15 +67,12 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import Surface
 
-# From so many contacts or gaps on this takes less time than a dense matrix, which has some ten unknowns for each.
-MIN_CONTACTS = 40
 MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
 LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
 FOLLOWED_TOLERANCE = 1e-10  # The tolerance of states between events, whose loads are sought to ten digits.
 # The largest relative tolerance of the residual: a looser one may cut in a gap whose edges it is too loose to find,
 # which then vanishes again.
 LARGEST_TOLERANCE = 1e-6
-LOOSER = 100.0  # Where a tolerance cannot be met, one so many times larger is tried.
 # The target of the iteration, over the tolerance: the equations, the edges and the last coefficients each leave a
 # part of the target, and stage 5 finds their sum.
 TARGET = 0.01
@@ -87,7 +89,10 @@ ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
-MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that shrink no more are rounding.
+MAX_MOVE = (
+    1e4  # Moves of edges over the tolerance, in half-widths: a light contact has a large part of the resistance.
+)
+MAX_ROUNDING_MOVE = 1e-4  # Moves of edges below this, in half-widths, that shrink no more are rounding.
 MIN_ROUNDING_RATIO = 0.1  # They shrink no more where one exceeds this part of the one before.
 # A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to: in
 # less, the residual would hide the singularities that determine its edges.
@@ -119,24 +124,13 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
 def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """The state in partial contact from a guess under its load, and the steps of Newton's method.
 
-    tolerance : of the residual, over the height that the load needs, kept between `LEAST_TOLERANCE` and
-        `LARGEST_TOLERANCE`
+    tolerance : of the residual, over the height that the load needs
 
     ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
     fails a check.
     """
-    problem, failure = Problem(surface.series(guess.dual), guess.load, guess.dual), ConvergenceError("")
-    scale = _scale(problem)
-    # Rounding may keep the edges of thin gaps from settling to a target that is relative to a light load. So it is
-    # tried relative to larger heights, too, first at the tolerance and then at a looser one. A state that meets a
-    # looser target is refused all the same if its residual is not small relative to the load (`certify`).
-    first = min(max(tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    for relative, height in product((first, LOOSER * first), dict.fromkeys((scale, scale**0.5, 1.0))):
-        try:
-            return _solve_to(problem, guess, relative, height)
-        except ConvergenceError as error:
-            failure = error
-    raise failure
+    problem = Problem(surface.series(guess.dual), guess.load, guess.dual)
+    return _solve_to(problem, guess, tolerance, _scale(problem))
 
 
 def _solve_to(
@@ -153,13 +147,13 @@ def _solve_to(
     stage, last_move = fine if follows else rough, np.inf
     # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
     # segments that the last one has added are guesses.
-    moved = False
+    moved, corrections = False, 0
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
         is_enough = step.unsettled == 0 or (moved and step.unsettled < MAX_UNSETTLED)
         if stage.fine:
-            is_enough = _converged(step, target, last_move)
+            is_enough = _converged(step, target, MAX_MOVE * tolerance, last_move)
         last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
@@ -167,7 +161,7 @@ def _solve_to(
             moved = True
             now = next_guess(problem, step, stage, _node_counts(step, target) if stage.fine else None)
             continue
-        state = contact_state(problem, step)
+        state = contact_state(problem, step, stage.fine)
         if follows:
             return state, steps
         # Stages 2 and 4: a segment is cut where it violates its own inequality, and one is added where what lies
@@ -182,7 +176,7 @@ def _solve_to(
         )
         added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
         if not np.all(remaining) or len(added) > 0:
-            moved = False
+            moved, corrections = False, corrections + 1
             counts = state.segments.node_count.astype(float) if stage.fine else None
             now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
         elif not stage.fine:
@@ -195,7 +189,8 @@ def _solve_to(
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
                 resistance, strength = _resistance(problem, step.punches, tolerance)
                 cracks = _cracks(state, wrong[~is_open])
-                state = state._replace(resistance=resistance, tangent_strength=strength, cracks=cracks)
+                route = guess.route._replace(steps=steps, corrections=corrections)
+                state = state._replace(resistance=resistance, tangent_strength=strength, cracks=cracks, route=route)
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
@@ -219,14 +214,14 @@ def _scale(problem: Problem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def _converged(step: Step, target: float, last_move: float) -> bool:
-    """Whether the residual is below the target, and so are the singularities at all edges.
+def _converged(step: Step, target: float, small: float, last_move: float) -> bool:
+    """Return whether the residual is below the target, and so are the singularities at all edges, whose moves are small.
 
-    The latter may be above it if moves are so small, and shrink so little, that rounding is what is left of them.
+    That does not count if moves shrink so little that rounding is what is left of them.
     """
     move = float(step.moves.relative.max())
     is_rounding = MIN_ROUNDING_RATIO * last_move < move < MAX_ROUNDING_MOVE
-    return step.forces.residual < target and (is_rounding or float(step.singular.max()) < target)
+    return step.forces.residual < target and (is_rounding or (move < small and float(step.singular.max()) < target))
 
 
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
@@ -297,12 +292,18 @@ def _cracks(state: ContactState, negative: Records) -> NDArray[np.float64]:
     return np.stack([at, t, b, -lowest * np.sqrt(8 / (b * state.segments.half_width[at]))], axis=1)
 
 
-def contact_state(problem: Problem, step: Step) -> ContactState:
-    """A step as a state of contact, whose pressure vanishes at all edges; without resistance and residual."""
-    segments = step.punches.segments
+def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
+    """Return a step as a state of contact, whose pressure vanishes at all edges; without resistance and residual.
+
+    What is singular at edges is left out or, where all have settled, spread over the coefficients that it may come
+    from.
+    """
+    segments, a = step.punches.segments, step.a
+    if settled:
+        a = regular_part(segments.first_node, vanishing_at_edges(segments.first_node, step.b))
     values = make_blocks(gauss_rule(count, True).polynomial.T for count in segments.node_count.tolist())
-    phi = apply_blocks(values, step.a)
-    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, step.a)
+    phi = apply_blocks(values, a)
+    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, a)
 
 
 def _resistance(problem: Problem, punches: Punches, tolerance: float) -> tuple[float, NDArray[np.float64]]:

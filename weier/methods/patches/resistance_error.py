@@ -1,8 +1,8 @@
 """The estimated error of the resistance of a state, from its edges, its cracks and contacts that may be born.
 
 All of it follows from what heights that are off by the error of the state do to the contacts (docs/patches.md, "The
-error of the resistance"; "Edges" has the energy that an edge releases), and from what truncation does. No error
-exceeded the estimate at the loads that were compared (docs/numerics.md, "How often stated errors hold").
+error of the resistance"; "Edges" has the energy that an edge releases). No error exceeded the estimate at the loads
+that were compared (docs/numerics.md, "How often stated errors hold").
 """
 
 from __future__ import annotations
@@ -10,12 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from weier.kernels.jit import kernel
-from weier.methods.patches.certificate import GAP_ROUNDING, SAMPLED_FACTOR, gap_uncertainty
+from weier.methods.patches.certificate import gap_uncertainty
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH
-from weier.methods.patches.newton import TANGENT_TOLERANCE
 from weier.methods.patches.segments import (
     ContactState,
-    Sides,
     at_contacts,
     contacts_of,
     distances_between,
@@ -23,9 +21,8 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_crests
 
-# Relative error of a resistance by the end of its own corrections, 1e-11 at most, and by the matrix that they use,
-# which changed it by 1.6e-11 at most (`newton`): twice their sum.
-TANGENT_ERROR = 5 * TANGENT_TOLERANCE
+# Relative error of a resistance by the end of its conjugate gradients: the square of their reduction, and rounding.
+TANGENT_ERROR = 5e-11
 # An edge beside a narrow gap counts twice: the edge at the other end of the gap moves as well, which the estimate of
 # its own move leaves out.
 EDGE_FACTOR = 2.0
@@ -40,53 +37,7 @@ def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """An estimate of the error of the resistance in partial contact, in g_0/p_0*."""
     by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
-    return by_iteration + _error_on_contacts(state, series) + by_cracks + _drop_by_births(state, series)
-
-
-@kernel
-def _error_on_contacts(state: ContactState, series: CosineSeries) -> float:
-    """The part of the error that does not come from missing contacts or gaps, in g_0/p_0*."""
-    strength = segment_strengths(state)
-    for j in range(len(strength)):
-        strength[j, 0], strength[j, 1] = max(abs(strength[j, 0]), 1e-300), max(abs(strength[j, 1]), 1e-300)
-    return _error_by_edges(state, strength, series) + _error_by_truncation(state, strength, series)
-
-
-@kernel
-def _error_by_truncation(state: ContactState, strength: Sides, series: CosineSeries) -> float:
-    """The error of the resistance by the coefficients left out, in g_0/p_0*.
-
-    The residual e on a segment of K nodes is of the order rho^-K, where the ellipse of rho goes through the nearest
-    edge of a neighbour. So the load changes it by (K/r) |dr/dp| + K |d ln rho/dp| of itself, as edges move at the
-    speed v = 2 B/A. The compliance is off by the mean of q e over the period, with q of the increment of the load,
-    and the resistance by that of q de/dp. Rounding of gaps is taken off e, and what is left counts by
-    `SAMPLED_FACTOR`, as in the bound. The resistance of many contacts is an energy, which truncation changes by a
-    square only, so that their residuals are not given.
-
-    The weight of a segment is the part f of an increment of the load that a contact takes, f = pi B (2 a)^(1/2)/L if
-    it is isolated, and 1 at most. Of a gap (dual), e is a pressure times its width 2 b. The increment opens it by an
-    ellipse of the height 2 pi b q, so that a pressure moves the mean gap by pi^2 b^2 q/L of itself, with
-    B = q (b/2)^(1/2).
-    """
-    segments, A, B, L, total = state.segments, strength, state.tangent_strength, series.period, 0.0
-    r, n = segments.half_width, segments.half_width.size
-    distance = distances_between(segments.origin, segments.centre, r, L)
-    for j in range(state.segment_residual.size):
-        residual = SAMPLED_FACTOR * (state.segment_residual[j] - GAP_ROUNDING * series.total_amplitude)
-        if residual <= 0:  # as on contacts so narrow that ratios of lengths overflow
-            continue
-        growth, nearing = (B[j, 0] / A[j, 0] + B[j, 1] / A[j, 1]) / r[j], 0.0
-        for side in range(2):
-            other = (j + 1) % n if side == 1 else j - 1
-            mu = distance[j - 1 + side] / r[j]
-            speeds = 2 * (B[j, side] / A[j, side] + B[other, 1 - side] / A[other, 1 - side])
-            nearing = max(nearing, (speeds / r[j] + mu * growth) / np.sqrt(mu * (mu + 2)))
-        mean = 0.5 * (B[j, 0] + B[j, 1])
-        f = np.pi * mean * np.sqrt(2 * r[j]) / L
-        weight = 0.5 * np.pi * f if state.dual else min(f, 1.0)
-        nodes = segments.first_node[j + 1] - segments.first_node[j]
-        total += weight * nodes * (growth + nearing) * residual
-    return total
+    return by_iteration + _error_by_edges(state, series) + by_cracks + _drop_by_births(state, series)
 
 
 def _rise_by_cracks(state: ContactState, period: float) -> float:
@@ -130,7 +81,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
 
 
 @kernel
-def _error_by_edges(state: ContactState, strength: Sides, series: CosineSeries) -> float:
+def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     """The error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
 
     An edge that moves out by delta lowers the resistance by 2 pi^2 B^2 delta/L, where the tangent pressure is
@@ -146,7 +97,9 @@ def _error_by_edges(state: ContactState, strength: Sides, series: CosineSeries) 
     kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
     a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
     """
-    L, segments, total = series.period, state.segments, 0.0
+    L, segments, total, strength = series.period, state.segments, 0.0, segment_strengths(state)
+    for j in range(len(strength)):
+        strength[j, 0], strength[j, 1] = max(abs(strength[j, 0]), 1e-300), max(abs(strength[j, 1]), 1e-300)
     contacts = contacts_of((segments.origin, segments.centre, segments.half_width), state.dual, L)
     origin, centre, r = contacts
     distance = distances_between(origin, centre, r, L)

@@ -3,7 +3,7 @@
 The formulas are those of docs/patches.md: "Contacts and gaps" and "Edges" for what a state holds, and "Chebyshev
 polynomials" for nodes, points, strengths and the number of nodes.
 
-Newton's method, whether with a dense matrix or on given edges, begins and ends with a `ContactState`: the segments of
+The iteration of the edges begins and ends with a `ContactState`: the segments of
 one load, and sqrt(1-t^2) phi(t) on each, in its coordinate t from -1 to 1 (`weier.methods.chebyshev`).
 """
 
@@ -17,10 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
+from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.chebyshev import Table, gauss_rule, log_moments
-from weier.methods.errors import ConvergenceError
+from weier.methods.chebyshev import Table, gauss_rule
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
@@ -30,22 +29,17 @@ Sides = NDArray[np.float64]  # of segments or contacts: values at the left and t
 MAX_NODES = 2000
 # Nodes of a segment, by the digits of its density: alpha + beta k r + zeta/ln(rho), where k r are the radians of the
 # finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
-# polynomials"). The factors were fitted to the coefficients of 558 segments. Where two segments are so close that
-# slow modes of one are fast ones of the other, the last factor over ln(rho)^2 is added ("Two grids").
+# polynomials"). The factors were fitted to the coefficients of 558 segments.
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
-NODES_PER_TWIN = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.0])
 # The distance of neighbours over the half-width is limited to these in the formula, since a guess may be wrong about
 # how close they are. The coefficients of a solution show whether it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
-# Rounding of the last coefficients of the widest segment, over the largest one. That of a narrower segment grows with
-# the inverse square of the width, since the heights on it fall with the square and their rounding does not.
-TAIL_ROUNDING, MAX_TAIL_ROUNDING = 1e-14, 1e-3
-COARSE_TOLERANCE = 1e-3  # The few nodes on which Newton's method solves resolve the density to three digits.
+COARSE_TOLERANCE = 1e-3  # The set of segments is corrected on nodes that resolve the density to three digits.
 
 
 class Blocks(NamedTuple):
@@ -116,9 +110,7 @@ class Segments(NamedTuple):
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
     first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
     node : Gauss nodes t in (-1, 1), ascending within a segment, shape (nodes,)
-    point : where the quadrature of the Cauchy integral is exact, one more on each segment, shape (nodes + segments,)
     weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
-    log_weight : for int sqrt(1-t^2) phi ln|t| dt, shape (nodes,)
     """
 
     crest: Indices
@@ -127,9 +119,7 @@ class Segments(NamedTuple):
     half_width: Array
     first_node: Indices
     node: Array
-    point: Array
     weight: Array
-    log_weight: Array
 
     @property
     def node_count(self) -> Indices:
@@ -157,6 +147,25 @@ class Segments(NamedTuple):
 MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
 
 
+# Where a load starts: Hertz's contacts on crests, the last gaps on the crests of the tension, or a grid.
+CRESTS, TENSIONS, GRID = range(3)
+
+
+class Route(NamedTuple):
+    """How a state was found.
+
+    start : `CRESTS`, `TENSIONS` or `GRID`
+    steps : solutions on given edges
+    corrections : of the set of segments
+    attempts : 1, or 2 where the first one failed
+    """
+
+    start: int
+    steps: int = 0
+    corrections: int = 0
+    attempts: int = 1
+
+
 class ContactState(NamedTuple):
     """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope (dual).
 
@@ -171,8 +180,6 @@ class ContactState(NamedTuple):
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
         derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
     residual : largest violation of a contact condition, in g_0
-    segment_residual : what the equations leave on each segment, as a height in g_0, shape (segments,); empty where
-        the resistance is an energy, of which a residual changes no more than its square
     error : a bound on the error of the approach by these violations, in g_0
     height_error : by how much heights may differ for which the state is exact, in g_0
     cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
@@ -181,8 +188,9 @@ class ContactState(NamedTuple):
     tensions : intervals of tension that are left on contacts, where a gap is missing or too narrow to be solved for:
         the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
     narrow_gaps : minima of the gap that are smaller than the gap's uncertainty, so that a contact may be born there
+    route : how it was found
 
-    The last ten are NaN or empty until they are computed.
+    The last ones but the route are NaN or empty until they are computed.
     """
 
     dual: bool
@@ -194,12 +202,12 @@ class ContactState(NamedTuple):
     resistance: float = np.nan
     tangent_strength: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
-    segment_residual: Array = np.empty(0)
     error: float = np.nan
     height_error: float = np.nan
     cracks: NDArray[np.float64] = np.empty((0, 4))
     tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
+    route: Route = Route(GRID)
 
     @property
     def pieces(self) -> tuple[Indices, Indices]:
@@ -254,19 +262,12 @@ def at_contacts(at_segments: Sides, dual: bool) -> Sides:
     return value
 
 
-@lru_cache(maxsize=256)
-def _quadrature(count: int) -> tuple[Array, Array, Array, Array]:
-    """Nodes, points between them and beyond, weights and weights for ln|t| of so many nodes."""
-    rule = gauss_rule(count, True)
-    return rule.node, gauss_rule(count + 1, False).node, rule.weight, log_moments(count) @ rule.expansion
-
-
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
     counts = node_count.tolist()
     first_node = np.array([*accumulate(counts, initial=0)])
-    node, point, weight, log_weight = map(np.concatenate, zip(*map(_quadrature, counts), strict=True))
-    return Segments(crest, origin, centre, half_width, first_node, node, point, weight, log_weight)
+    node, weight = map(np.concatenate, zip(*(gauss_rule(count, True)[:2] for count in counts), strict=True))
+    return Segments(crest, origin, centre, half_width, first_node, node, weight)
 
 
 def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
@@ -319,13 +320,13 @@ def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) 
 def _count_nodes(
     origin: Array, centre: Array, half_width: Array, period: float, finest: float, factors: tuple[float, ...]
 ) -> Indices:
-    least, per_radian, per_neighbour, per_twin = factors
+    least, per_radian, per_neighbour = factors
     distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
         r = half_width[j]
         nearest = min(max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE), MAX_DISTANCE)
         ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
-        needed = least + per_radian * finest * r + (per_neighbour + per_twin / ln_rho) / ln_rho
+        needed = least + per_radian * finest * r + per_neighbour / ln_rho
         count[j] = np.int64(min(np.ceil(needed), MAX_NODES))
     return count
 
@@ -333,7 +334,7 @@ def _count_nodes(
 @lru_cache(maxsize=64)
 def _node_factors(tolerance: float) -> tuple[float, ...]:
     """The factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
-    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR, NODES_PER_TWIN
+    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
 
@@ -347,27 +348,6 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
     return tail
 
 
-@kernel
-def are_resolved(segments: Segments, coefficient: Array, tolerance: float) -> Flags:
-    """Whether the coefficients of each segment have decayed to the tolerance, or to rounding."""
-    tail, widest = coefficient_tails(segments, coefficient, 0), segments.half_width.max()
-    resolved = np.empty(tail.size, np.bool_)
-    for j in range(tail.size):
-        rounding = TAIL_ROUNDING * (widest / segments.half_width[j]) ** 2
-        resolved[j] = tail[j] <= max(tolerance, min(rounding, MAX_TAIL_ROUNDING))
-    return resolved
-
-
 def more_nodes(node_count: NDArray[np.int64]) -> Indices:
     """The next larger number of nodes for segments on which the coefficients have not decayed."""
     return np.minimum(np.ceil(NODE_GROWTH * node_count) + MIN_ADDED_NODES, MAX_NODES).astype(np.int64)
-
-
-def increase_node_count(count: Indices, resolved: Flags, load: float) -> Indices:
-    """More nodes for the segments whose density they do not resolve yet."""
-    if np.any(count[~resolved] >= MAX_NODES):
-        raise ConvergenceError(
-            f"under the mean pressure {load:.6g} p_0*, two contacts or two gaps are so close to each other that "
-            f"{MAX_NODES} nodes on one of them do not resolve the density"
-        )
-    return np.where(resolved, count, more_nodes(count))

@@ -6,8 +6,7 @@ has the strengths, and "The bound on the compliance" what is stated of its error
 
 from __future__ import annotations
 
-from contextlib import suppress
-from itertools import chain, zip_longest
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +16,11 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches import many_contacts, newton
-from weier.methods.patches.certificate import check_violation
 from weier.methods.patches.fields import pressures_or_gaps
+from weier.methods.patches.many_contacts import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_many_contacts
 from weier.methods.patches.resistance_error import resistance_error
 from weier.methods.patches.segments import ContactState, Extent, Sides, contacts_of, edge_strengths
-from weier.methods.patches.start import MIN_TOLERANCE, Starts
+from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     CosineSeries,
     Surface,
@@ -34,10 +32,9 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 TOLERANCE = 1e-10
-# The largest relative tolerance of Newton's steps, coefficients and residuals: looser ones take no less time, since
-# sets of contacts are then corrected more often. A load that fails, or whose bound is too wide, is tried again with a
-# tolerance that is `TIGHTENING` times tighter, `ATTEMPTS` times in all.
-MAX_RELATIVE_TOLERANCE, TIGHTENING, ATTEMPTS = 1e-4, 100.0, 3
+# A load that fails, or whose bound exceeds the tolerance, is tried once more with a tolerance that is tighter by this
+# factor: the residual may exceed the target of the iteration by as much.
+TIGHTENING = 100.0
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
 
 
@@ -200,64 +197,30 @@ def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOL
 
 
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
-    """The state under one load, None in full contact, and the steps to it; it depends on no other load.
+    """Return the state under one load, None in full contact, and the steps to it; it depends on no other load.
 
-    ConvergenceError is raised if the bound on its error is not within the tolerance of the starts.
+    ConvergenceError is raised if two attempts fail, or if the bound on the error exceeds the tolerance of the starts.
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
-    first, failure, steps = min(starts.tolerance, MAX_RELATIVE_TOLERANCE), ConvergenceError(""), 0
-    for relative in dict.fromkeys(max(first / TIGHTENING**k, MIN_TOLERANCE) for k in range(ATTEMPTS)):
+    failure, steps = ConvergenceError(""), 0
+    first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
+    second = max(first / TIGHTENING, LEAST_TOLERANCE)
+    for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
         try:
-            state, more = _solve_relative(starts, load, relative)
+            state, more = solve_many_contacts(starts.surface, starts.guess(load), relative)
         except ConvergenceError as error:
             failure = error
         else:
             steps += more
             if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
-                return state, steps
+                return state._replace(route=state.route._replace(attempts=attempt)), steps
             failure = ConvergenceError(
                 f"the compliance under the mean pressure {load:.6g} p_0* is known to {known:.1e} g_0, not to the "
                 f"tolerance of {starts.tolerance:g}: take a larger one",
                 known,
             )
     raise failure
-
-
-def _solve_relative(starts: Starts, load: float, tolerance: float) -> tuple[ContactState, int]:
-    """The state in partial contact with a relative tolerance, and the steps to it."""
-    failure, guesses = ConvergenceError(f"nothing is known to start from under the mean pressure {load:.6g} p_0*"), []
-    rest = starts.guesses(load)
-    for guess in rest:
-        guesses.append(guess)
-        if guess.segments.centre.size >= many_contacts.MIN_CONTACTS:
-            break
-        with suppress(ConvergenceError):
-            return newton.solve_few_contacts(starts.surface, guess, tolerance)
-    for guess in chain(guesses, rest):
-        try:
-            return _correct_contacts(starts.surface, guess, tolerance)
-        except ConvergenceError as error:
-            failure = error
-    raise failure
-
-
-def _correct_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
-    """The state from one guess whose set of contacts may be wrong, or large, and the steps to it.
-
-    A residual that is small relative to the load does not determine how wide a small contact is. The steps of
-    Newton's method with a dense matrix are relative to each segment and do, so that a set of few ends with them.
-    """
-    state, steps = many_contacts.solve_many_contacts(surface, guess, tolerance)
-    if state.segments.centre.size < many_contacts.MIN_CONTACTS:
-        # Next to a birth, few nodes may not resolve whether a contact has any force, and rounding may keep both
-        # starts from converging; then the state stays as it is.
-        for again in (newton.on_few_nodes(state, surface.series(state.dual)), state):
-            with suppress(ConvergenceError):
-                state, more = newton.solve_few_contacts(surface, again, tolerance)
-                return state, steps + more
-    check_violation(state, surface.heights.period, tolerance)
-    return state, steps
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:

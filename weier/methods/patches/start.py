@@ -3,14 +3,13 @@
 They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere. The
 formulas are those of docs/patches.md, "Where a load starts"; "The staircase" of docs/bem.md has the edges of a grid.
 
-`Starts.guesses` yields guesses in this order, until one of them leads to a solution: Hertz's contacts on crests
-(`isolated_contacts`), the last gaps on the crests of the tension (`isolated_gaps`), the contacts of a grid and those
-of a finer one (`contacts_guess`), and the gaps between these (`gaps_guess`).
+`Starts.guess` returns one guess: Hertz's contacts on crests (`isolated_contacts`) if they are isolated, the last gaps
+on the crests of the tension (`isolated_gaps`) if these are, and else the contacts of a grid, or the gaps between them
+(`contacts_guess`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -20,10 +19,15 @@ from weier.kernels.arrays import Array, Flags
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import NodalSolution, in_continuum
+from weier.methods.errors import ConvergenceError
 from weier.methods.patches.inequalities import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
+    CRESTS,
+    GRID,
+    TENSIONS,
     ContactState,
+    Route,
     contacts_of,
     estimate_node_count,
     from_crests,
@@ -85,20 +89,22 @@ class Starts:
         tolerance = min(GRID_TOLERANCE, WAVE_FRACTION * abs(float(self.profile.amplitude[-1])))
         return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
 
-    def guesses(self, load: float) -> Iterator[ContactState]:
-        """Guesses under this load, the most likely first."""
-        for find, series in ((isolated_contacts, self.surface.heights), (isolated_gaps, self.surface.tensions)):
+    def guess(self, load: float) -> ContactState:
+        """Return the contacts, or the gaps, that are likely under this load.
+
+        ConvergenceError is raised where no grid shows a contact and a gap.
+        """
+        for start, find, series in (
+            (CRESTS, isolated_contacts, self.surface.heights),
+            (TENSIONS, isolated_gaps, self.surface.tensions),
+        ):
             if (isolated := find(series, load)) is not None:
-                yield isolated
-        guess = None
+                return isolated._replace(route=Route(start))
         is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
         for per_wave in (POINTS_PER_WAVE_OF_MANY, *POINTS_PER_WAVE) if is_large else POINTS_PER_WAVE:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
-                guess = contacts_guess(self.surface, load, found)
-                yield guess
-        # Just below a merger, contacts may be cut and merged again and again. As segments, their gaps stay.
-        if guess is not None and not guess.dual:
-            yield gaps_guess(self.surface, guess)
+                return contacts_guess(self.surface, load, found)._replace(route=Route(GRID))
+        raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Places | None:
         """The contacts of a grid; None where no gap is left, or no solution is found."""
@@ -171,9 +177,26 @@ def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -
     return ContactState(dual, load, 0.0, segments, np.repeat(2 / np.pi * force / half_width, count))
 
 
+def merge_overlaps(places: Places, period: float) -> Places:
+    """Return places in order, with those that overlap as one; edges between nodes are off by a part of the spacing."""
+    order, turns = in_order(places[0], period)
+    middle, half_width, force = (places - np.stack([turns, 0 * turns, 0 * turns]))[:, order]
+    merged = [(middle[0] - half_width[0], middle[0] + half_width[0], force[0])]
+    for left, right, carried in zip(middle[1:] - half_width[1:], middle[1:] + half_width[1:], force[1:], strict=True):
+        if left > merged[-1][1]:
+            merged.append((left, right, carried))
+        else:
+            merged[-1] = (merged[-1][0], max(right, merged[-1][1]), carried + merged[-1][2])
+    if len(merged) > 1 and merged[0][0] + period <= merged[-1][1]:
+        _, right, carried = merged.pop(0)
+        merged[-1] = (merged[-1][0], max(right + period, merged[-1][1]), carried + merged[-1][2])
+    left, right, force = np.transpose(merged)
+    return np.stack([0.5 * (left + right), 0.5 * (right - left), force])
+
+
 def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactState:
     """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
-    guess = _make_guess(surface.heights, load, False, contacts)
+    guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
     gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
     if gaps[2].min() > 0:
         needed = estimate_node_count(guess.segments.extent, surface.heights, COMPARED_TOLERANCE).sum()
