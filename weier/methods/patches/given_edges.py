@@ -327,21 +327,21 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 
 
 @kernel
-def vanishing_at_edges(first_node: Indices, b: Array) -> Array:
-    """Return the coefficients of psi changed so that psi vanishes at all edges.
+def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> Array:
+    """Return the coefficients of psi changed so that psi vanishes at all edges, where it is as small as rounding.
 
-    Residuals of all degrees are of one size, as rounding is, and the coefficient of T_k answers one with the factor k.
-    So the coefficients change in proportion to k^2, the variance with which they are known: the force and the mean
-    height of a contact stay.
+    Rounding of heights is of one size in all degrees, and the coefficient of T_k follows with the factor k. So those of
+    contacts change in proportion to k^2, the variance with which they are known, and the force stays. Rounding of
+    pressures changes the coefficients of gaps alike.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):
         for parity in range(2):
-            at_edge, weight = 0.0, 0.0
-            for k in range(first_node[j] + parity, first_node[j + 1], 2):
-                at_edge, weight = at_edge + b[k], weight + (k - first_node[j]) ** 2
-            for k in range(first_node[j] + parity, first_node[j + 1], 2):
-                changed[k] -= at_edge * (k - first_node[j]) ** 2 / weight
+            at_edge, total = 0.0, 0.0
+            for k in range(parity, first_node[j + 1] - first_node[j], 2):
+                at_edge, total = at_edge + b[first_node[j] + k], total + (k**power if k > 0 else 0)
+            for k in range(2 - parity, first_node[j + 1] - first_node[j], 2):
+                changed[first_node[j] + k] -= at_edge * k**power / total
     return changed
 
 

@@ -89,10 +89,10 @@ ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
-MAX_MOVE = (
-    1e4  # Moves of edges over the tolerance, in half-widths: a light contact has a large part of the resistance.
-)
-MAX_ROUNDING_MOVE = 1e-4  # Moves of edges below this, in half-widths, that shrink no more are rounding.
+# The last moves of edges over the tolerance, in half-widths: a contact whose force is below the target may take
+# a large part of an increment of the load.
+MAX_MOVE = 1e4
+MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that shrink no more are rounding.
 MIN_ROUNDING_RATIO = 0.1  # They shrink no more where one exceeds this part of the one before.
 # A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to: in
 # less, the residual would hide the singularities that determine its edges.
@@ -190,7 +190,13 @@ def _solve_to(
                 resistance, strength = _resistance(problem, step.punches, tolerance)
                 cracks = _cracks(state, wrong[~is_open])
                 route = guess.route._replace(steps=steps, corrections=corrections)
-                state = state._replace(resistance=resistance, tangent_strength=strength, cracks=cracks, route=route)
+                state = state._replace(
+                    resistance=resistance,
+                    tangent_strength=strength,
+                    edge_move=step.moves.outward,
+                    cracks=cracks,
+                    route=route,
+                )
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, more_nodes(count), count)
             now = next_guess(problem, step, stage, counts)
@@ -215,13 +221,14 @@ def _scale(problem: Problem) -> float:
 
 
 def _converged(step: Step, target: float, small: float, last_move: float) -> bool:
-    """Return whether the residual is below the target, and so are the singularities at all edges, whose moves are small.
+    """Return whether the residual and the singularities at all edges are below the target, and moves small.
 
-    That does not count if moves shrink so little that rounding is what is left of them.
+    Moves that shrink no more count as small; and if they are rounding, singularities count as below the target.
     """
     move = float(step.moves.relative.max())
-    is_rounding = MIN_ROUNDING_RATIO * last_move < move < MAX_ROUNDING_MOVE
-    return step.forces.residual < target and (is_rounding or (move < small and float(step.singular.max()) < target))
+    is_settled, is_rounding = move > MIN_ROUNDING_RATIO * last_move, move < MAX_ROUNDING_MOVE
+    is_regular = float(step.singular.max()) < target and (is_settled or move < small)
+    return step.forces.residual < target and (is_regular or (is_settled and is_rounding))
 
 
 def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
@@ -300,7 +307,9 @@ def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
     """
     segments, a = step.punches.segments, step.a
     if settled:
-        a = regular_part(segments.first_node, vanishing_at_edges(segments.first_node, step.b))
+        a = regular_part(
+            segments.first_node, vanishing_at_edges(segments.first_node, step.b, 0 if problem.dual else 2)
+        )
     values = make_blocks(gauss_rule(count, True).polynomial.T for count in segments.node_count.tolist())
     phi = apply_blocks(values, a)
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, a)

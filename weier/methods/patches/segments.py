@@ -179,6 +179,7 @@ class ContactState(NamedTuple):
     resistance : dh/dp, in g_0/p_0*
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
         derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
+    edge_move : by how much each edge would have moved in one more step, shape (segments, 2), in lambda_0
     residual : largest violation of a contact condition, in g_0
     error : a bound on the error of the approach by these violations, in g_0
     height_error : by how much heights may differ for which the state is exact, in g_0
@@ -201,6 +202,7 @@ class ContactState(NamedTuple):
     coefficient: Array = np.empty(0)
     resistance: float = np.nan
     tangent_strength: NDArray[np.float64] = np.empty((0, 2))
+    edge_move: NDArray[np.float64] = np.empty((0, 2))
     residual: float = np.nan
     error: float = np.nan
     height_error: float = np.nan

@@ -178,7 +178,7 @@ def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -
 
 
 def merge_overlaps(places: Places, period: float) -> Places:
-    """Return places in order, with those that overlap as one; edges between nodes are off by a part of the spacing."""
+    """Return places in order, with those that overlap as one, since the edges of a grid are not exact."""
     order, turns = in_order(places[0], period)
     middle, half_width, force = (places - np.stack([turns, 0 * turns, 0 * turns]))[:, order]
     merged = [(middle[0] - half_width[0], middle[0] + half_width[0], force[0])]
