@@ -7,9 +7,9 @@ fewer nodes. Each load is solved by itself:
 
 1. Boundary elements on a coarse grid, or crests where contacts are tiny, give the contacts that the load is likely to
    have (`start`).
-2. Newton's method finds density and edges. For a few contacts it takes a dense matrix of all unknowns (`newton`). For
-   many, the pressure on contacts with given edges follows from conjugate gradients with fast sums (`given_edges`,
-   `pair_sums`), and its singularities at the edges determine how these must move (`edge_iteration`).
+2. On given edges the density is a linear problem, solved directly for few contacts and by conjugate gradients with
+   fast sums for many (`given_edges`, `pair_sums`). Its singularities at the edges determine how these must move, as in
+   Newton's method (`edge_iteration`).
 3. Tension on a contact or overlap outside shows that the set of contacts is wrong (`inequalities`). Then contacts are
    cut, added, removed and merged, and step 2 begins anew (`many_contacts`).
 4. The residuals of all conditions, evaluated at other points from closed forms (`fields`), certify the solution and
@@ -31,10 +31,10 @@ given_edges, edge_iteration
     any number of contacts or gaps: their pressure, and Newton's method on their edges
 inequalities
     which segments are missing or must be cut, and what a solution violates
-newton
-    one load on a few contacts or gaps, whose set is right
 many_contacts
-    one load on any number of them, whose set is corrected
+    one load on any number of contacts or gaps, whose set is corrected
+certificate
+    what a solution violates, and a bound on its error
 resistance_error
     how far the resistance of a state may be off
 start

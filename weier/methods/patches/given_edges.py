@@ -137,7 +137,7 @@ def _own_inverse(count: int, dual: bool) -> Table:
     return np.asarray((polynomial.T * np.arange(count)) @ polynomial / count**2)
 
 
-def make_punches(segments: Segments, period: float, dual: bool = False) -> Punches:
+def make_punches(segments: Segments, period: float, dual: bool = False, most: int | None = None) -> Punches:
     """The punches on segments; ConvergenceError if these overlap."""
     counts = segments.node_count.tolist()
     origin = np.repeat(segments.middle, counts)
@@ -151,7 +151,11 @@ def make_punches(segments: Segments, period: float, dual: bool = False) -> Punch
         )
     own = make_blocks(_own_influence(count, dual) for count in counts)
     own_inverse = make_blocks(_own_inverse(count, dual) for count in counts)
-    matrix = make_pair_matrix(origin, offset, period, dual) if offset.size > MAX_DIRECT else None
+    matrix = (
+        make_pair_matrix(origin, offset, period, dual)
+        if offset.size > (MAX_DIRECT if most is None else most)
+        else None
+    )
     return Punches(segments, gap, offset, own, own_inverse, matrix, period, dual)
 
 
@@ -330,9 +334,9 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> Array:
     """Return the coefficients of psi changed so that psi vanishes at all edges, where it is as small as rounding.
 
-    Rounding of heights is of one size in all degrees, and the coefficient of T_k follows with the factor k. So those of
-    contacts change in proportion to k^2, the variance with which they are known, and the force stays. Rounding of
-    pressures changes the coefficients of gaps alike.
+    Rounding of heights is of one size in all degrees, and the coefficient of T_k follows with the factor k. So those
+    of contacts change in proportion to k^2, their variance, and the force stays. Rounding of pressures changes the
+    coefficients of gaps alike.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
 from weier.methods.patches import many_contacts
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
+from weier.methods.patches.given_edges import Bounds, make_punches, solve_forces_on_contacts
 from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
@@ -47,6 +50,8 @@ def _run_kernels() -> None:
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
         state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
+        punches, none = make_punches(state.segments, series.period, state.dual, most=0), np.zeros(state.phi.size)
+        solve_forces_on_contacts(punches, none + state.dual, guess.load, none, Bounds(1.0, 0.0, np.inf))
         _, crest, y = sample_points(state.segments, True)
         residuals_one_by_one(state, series, crest, y)
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
