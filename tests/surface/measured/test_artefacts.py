@@ -38,7 +38,7 @@ def surfaces(random, samples=1000):
 
 def test_roughness_of_many_kinds_has_no_jumps():
     random = np.random.default_rng(0)
-    count = sum(Trace(z, 1.0, unit="m").samples == 1000 for _ in range(10) for z in surfaces(random))
+    count = sum(trace(z).samples == 1000 for _ in range(10) for z in surfaces(random))
     assert count == 170
 
 

@@ -1,5 +1,6 @@
 """Lines of topographies: of stand-ins for the objects of SurfaceTopography, and of the package where it is there."""
 
+import os
 import sys
 
 import numpy as np
@@ -115,19 +116,19 @@ def surface_topography():
     return pytest.importorskip("SurfaceTopography", reason="the extra of instruments is not installed")
 
 
-def written_as_text(path):
-    """A map as instruments write it: rows of heights along x."""
-    heading = "# Channel: Height\n# Width: 400 um\n# Height: 160 um\n# Value units: um\n"
-    path.write_text(heading + "\n".join(" ".join(map(repr, row)) for row in MAP.T.tolist()) + "\n")
+def write_map(surface_topography, path, heights=MAP):
+    """A map of 400 by 160 um in the format of SurfaceTopography, which is netCDF."""
+    topography = surface_topography.Topography(heights, (400.0, 160.0), unit="um")
+    topography.to_netcdf(str(path))
 
 
 def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
-    path = tmp_path / "map.txt"
-    written_as_text(path)
+    path = tmp_path / "map.nc"
+    write_map(surface_topography, path)
     lines = Trace.read(path, across="x")
     assert len(lines) == 40
     one = Trace.read(path, line=7)
-    assert one.source == "map.txt, x 7"
+    assert one.source == "map.nc, x 7"
     assert one.digest == lines[7].digest
     assert one.lambda_0 == pytest.approx(4e-4, rel=1e-9)
     expected = Trace(MAP[:, 7], 4e-4, height_unit="um")
@@ -136,6 +137,40 @@ def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
     assert same.digest == one.digest
     with pytest.raises(ValueError, match=r"channel must be one of .*, or a number from 0, got 'Phase'"):
         Trace.read(path, line=7, channel="Phase")
+    with pytest.raises(ValueError, match=r"; skip, columns, delimiter and the like are of text: leave them out"):
+        Trace.read(path, line=7, columns=1)
+
+
+def test_arguments_have_precedence_over_the_file_of_an_instrument(surface_topography, tmp_path):
+    """Its reader may take nm for mm."""
+    write_map(surface_topography, tmp_path / "map.nc")
+    right = Trace.read(tmp_path / "map.nc", line=7)
+    scaled = Trace.read(tmp_path / "map.nc", line=7, length=8e-4, height_unit="nm")
+    assert scaled.lambda_0 == pytest.approx(2 * right.lambda_0)
+    assert scaled.g_0 == pytest.approx(1e-3 * right.g_0)
+
+
+def test_two_files_of_one_name_and_date_are_two(surface_topography, tmp_path, monkeypatch):
+    traces = []
+    for name, heights in (("a", MAP), ("b", 2 * MAP)):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        write_map(surface_topography, "map.nc", heights)
+        os.utime("map.nc", (1e9, 1e9))
+        traces.append(Trace.read("map.nc", line=7))
+    assert traces[1].g_0 == pytest.approx(2 * traces[0].g_0)
+
+
+@pytest.mark.parametrize("more", [{"line": 7}, {"across": "x"}, {"channel": 0}])
+def test_text_is_read_by_one_reader(tmp_path, more):
+    """SurfaceTopography leaves out what it does not read."""
+    path = tmp_path / "map.txt"
+    path.write_text("\n".join(" ".join(f"{z:.4f}" for z in row) for row in MAP.tolist()).replace("-", "\u2212"))
+    with pytest.raises(ValueError, match=r"line 1, has 40 columns, .*: say columns=\(0, 1\) .* columns=0"):
+        Trace.read(path)
+    with pytest.raises(ValueError, match=r"line 1, has 40 columns|is text, and line, across and channel are of maps"):
+        Trace.read(path, **more)
+    assert_same(Trace.read(path, columns=7, length=4e-4, height_unit="um"), MAP[:, 7].round(4), 4e-4)
 
 
 def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surface_topography, tmp_path):

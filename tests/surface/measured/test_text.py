@@ -1,4 +1,4 @@
-"""Files of text: their units, their missing heights, their encodings, and what is no table of heights."""
+"""Files of text: each dialect gives the reference line, or a refusal with its line and the argument for it."""
 
 import re
 import zipfile
@@ -6,13 +6,16 @@ import zipfile
 import numpy as np
 import pytest
 
+from weier import Interface, solve
 from weier.surface.measured.trace import Trace
-from weier.surface.measured.units import units_in
+from weier.surface.measured.units import units_of_heading
 
 N = np.arange(200)
 X = N / 200  # mm
 Z = np.cos(2 * np.pi * N / 50) + 0.2 * np.cos(2 * np.pi * N / 9 + 1)  # um
 RIGHT = Trace(Z, 1e-3, height_unit="um")
+UNITS = {"x_unit": "mm", "height_unit": "um"}
+ALONE = {"length": 1e-3, "height_unit": "um"}
 
 
 @pytest.fixture
@@ -25,14 +28,350 @@ def file(tmp_path):
     return write
 
 
-def rows(z, x=None):
-    return "\n".join(map(str, z) if x is None else (f"{a:.9g},{b}" for a, b in zip(x, z, strict=True)))
+def written(z):
+    return f"{z:.6f}"
 
 
-def assert_right(trace):
-    assert trace.lambda_0 == pytest.approx(1e-3, rel=1e-12)
-    assert trace.g_0 == pytest.approx(RIGHT.g_0, rel=1e-9)
-    assert trace.m == RIGHT.m
+def column(heights=None, heading="z (um)\n", end=""):
+    return heading + "".join(f"{z}{end}\n" for z in (map(written, Z) if heights is None else heights))
+
+
+def columns(delimiter=",", heading="x (mm),z (um)\n", x=X, z=written, end=""):
+    """Positions as texts or with four decimals, and heights as texts or as they are written by a function."""
+    places = x if isinstance(x, list) else [f"{place:.4f}" for place in x]
+    heights = z if isinstance(z, list) else map(z, Z)
+    return heading + "".join(f"{place}{delimiter}{z}{end}\n" for place, z in zip(places, heights, strict=True))
+
+
+def decimal_commas(text):
+    return re.sub(r"(?<=\d)\.(?=\d)", ",", text)
+
+
+def with_line(text, line, at=101):
+    """The text with a line put in, or appended at the end."""
+    lines = text.split("\n")
+    return "\n".join([*lines[:at], line, *lines[at:]])
+
+
+def assert_right(trace, tolerance=1e-5):
+    """The same length, and the same waves but for the digits that are written."""
+    assert trace.lambda_0 == pytest.approx(1e-3, rel=tolerance)
+    assert trace.samples == 200
+    expected = RIGHT.amplitude * RIGHT.g_0
+    assert trace.m >= RIGHT.m
+    np.testing.assert_allclose((trace.amplitude * trace.g_0)[: RIGHT.m], expected, atol=tolerance * RIGHT.g_0)
+
+
+def test_the_reference_line_has_the_resistance_of_the_reference(file):
+    """Of an independent calculation, for steel on steel at 10 MPa."""
+    trace = Trace.read(file(columns()))
+    steel = dict.fromkeys(("mu_1", "mu_2"), 80e9) | dict.fromkeys(("nu_1", "nu_2"), 0.3)
+    bodies = Interface(**steel, rho_1=2e-7, rho_2=2e-7, lambda_0=trace.lambda_0, g_0=trace.g_0)
+    curve = solve(trace, [10e6 / bodies.full_contact_pressure])
+    assert bodies.resistance(curve.resistance.item()) == pytest.approx(1.050e-10, rel=5e-4)
+
+
+MINUS = "\u2212"
+ORDINARY = {
+    "commas": (columns(), {}),
+    "commas and blanks": (columns(", "), {}),
+    "semicolons": (columns(";"), {}),
+    "tabs": (columns("\t"), {}),
+    "blanks": (columns("   ", "x (mm) z (um)\n"), {}),
+    "decimal commas and semicolons": (decimal_commas(columns(";")), {}),
+    "decimal commas and tabs": (decimal_commas(columns("\t")), {}),
+    "decimal commas and blanks": (decimal_commas(columns(" ")), {}),
+    "decimal commas in quotes": (
+        decimal_commas(columns('","', '"x (mm)","z (um)\n', end='"')).replace("\n0", '\n"0'),
+        {},
+    ),
+    "decimal commas in one column": (decimal_commas(column()), {"length": 1e-3}),
+    "decimal commas in one column without heading": (decimal_commas(column(heading="")), ALONE),
+    "whole numbers": (
+        columns(x=[str(5 * n) for n in N], z=lambda z: f"{1e6 * z:.0f}", heading="x (um),z (pm)\n"),
+        {},
+    ),
+    "quotes around lines": ("".join(f'"{line}"\n' for line in columns().splitlines()), {}),
+    "quotes around heights": (columns(z=lambda z: f'"{z:.6f}"'), {}),
+    "semicolons at the ends": (columns(";", "x (mm);z (um);\n", end=";"), {}),
+    "semicolons at the ends of one column": (column(end=";"), {"length": 1e-3}),
+    "exponents of Fortran": (columns(z=lambda z: f"{z:.6E}".replace("E", "D")), {}),
+    "exponents of Fortran in one column": (column([f"{z:.6e}".replace("e", "d") for z in Z]), {"length": 1e-3}),
+    "printed minus": (columns(z=lambda z: written(z).replace("-", MINUS)), {}),
+    "printed minus in one column": (column([written(z).replace("-", MINUS) for z in Z]), {"length": 1e-3}),
+    "no zero before decimals": (columns(z=lambda z: written(z).replace("0.", ".")), {}),
+    "signs of plus": (columns(z=lambda z: f"{z:+.6f}"), {}),
+    "ends of lines of Windows": (columns().replace("\n", "\r\n"), {}),
+    "ends of lines of an old Macintosh": (column().replace("\n", "\r"), {"length": 1e-3}),
+    "ends of lines converted twice": (column().replace("\n", "\r\r\n"), {"length": 1e-3}),
+    "end of a file of DOS": (columns() + "\x1a", {}),
+    "no end of the last line": (columns().rstrip("\n"), {}),
+    "text below": (columns() + "End of data\n", {}),
+    "remarks below": (columns() + "\n# made by an instrument\n# Ra (um): 0.7\n\n", {}),
+    "empty lines between rows": (columns().replace("\n", "\n\n"), {}),
+    "a header block": ("Cutoff (mm),0.25\nDate,2024-01-01\nPoints,200\n" + columns(), {}),
+    "a header block in nm": ("Stylus radius (nm)\nGauge range (m)\n" + columns(), {}),
+    "units in a line of their own": (columns(heading="X,Z\nmm,um\n"), {}),
+    "a heading as a remark": (columns(heading="# x (mm), z (um)\n"), {}),
+    "a rule below the heading": (columns(heading="x (mm),z (um)\n----------\n"), {}),
+    "positions with three decimals": (columns(x=[f"{x:.3f}" for x in X]), {}),
+    "positions with two decimals": (columns(x=[f"{x:.2f}" for x in X]), {}),
+    "positions with two digits": (columns(x=[f"{x:.2g}" for x in X]), {}),
+    "positions cut to two decimals": (columns(x=[f"{int(100 * x + 1e-9) / 100:.2f}" for x in X]), {}),
+    "negative positions": (columns(x=X - 0.5), {}),
+    "negative positions by a printed minus": (columns(x=[f"{x - 0.5:.3f}".replace("-", MINUS) for x in X]), {}),
+}
+
+
+@pytest.mark.parametrize(("text", "more"), ORDINARY.values(), ids=ORDINARY)
+def test_ordinary_files_are_read(file, text, more):
+    assert_right(Trace.read(file(text), **more))
+
+
+# Files that may be read in two ways: what the message says, and the argument that settles it.
+TIMES = "t;x (mm);z (um);note\n" + "".join(
+    f"2024-01-01 12:00;{x:.3f};{z:.6f};good one\n" for x, z in zip(X, Z, strict=True)
+)
+INDEX = "".join(f"{n},{x:.4f},{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True))
+NM = [f"{1e3 * z:,.0f}" for z in Z]
+NM_3 = [f"{1e3 * z:,.3f}" for z in Z]
+GERMAN = str.maketrans(".,", ",.")
+SETTLED = {
+    "pipes": (columns("|"), {}, "delimiter=", {"delimiter": "|"}),
+    "colons": (columns(":"), {}, "delimiter=", {"delimiter": ":"}),
+    "commas for all": (decimal_commas(columns()), {}, "line 2, has 4 columns", None),
+    "whole numbers or decimals": (
+        column([f"{z:.1f}".replace(".", ",") for z in Z], ""),
+        ALONE,
+        r"line 1, has a comma of decimals or between columns, got '1,1': say decimal=',' or delimiter=','",
+        None,
+    ),
+    "thousands": (
+        column(NM, "z (nm)\n"),
+        {"length": 1e-3},
+        "line 2, has a sign .* thousands=','",
+        {"thousands": ","},
+    ),
+    "thousands with points": (
+        column([z.translate(GERMAN) for z in NM], "z (nm)\n"),
+        {"length": 1e-3},
+        r"line 2, has a sign .* got '1\.108': say decimal='\.' or thousands='\.'",
+        {"thousands": "."},
+    ),
+    "thousands with points beside decimals": (
+        columns(";", "x (mm);z (nm)\n", z=lambda z: f"{1e3 * z:,.0f}".translate(GERMAN)),
+        {},
+        r"has a sign of decimals or between thousands, got '1\.108'",
+        None,
+    ),
+    "thousands and decimals": (column(NM_3, "z (nm)\n"), {"length": 1e-3}, "thousands=", {"thousands": ","}),
+    "thousands and decimal commas": (
+        column([z.translate(GERMAN) for z in NM_3], "z (nm)\n"),
+        {"length": 1e-3},
+        "thousands=",
+        {"thousands": "."},
+    ),
+    "thousands with blanks": (
+        column([z.replace(",", " ") for z in NM], "z (nm)\n"),
+        {"length": 1e-3},
+        "has 2 columns, and most others have 1, .* thousands=",
+        {"thousands": " "},
+    ),
+    "thousands with narrow blanks": (
+        columns(";", "x (mm);z (nm)\n", z=lambda z: f"{1e3 * z:,.0f}".replace(",", "\u202f")),
+        {},
+        "line 2, stands above the numbers, .* thousands=",
+        {"thousands": " "},
+    ),
+    "thousands with apostrophes": (
+        column([z.replace(",", "'") for z in NM_3], "z (nm)\n"),
+        {"length": 1e-3},
+        "thousands=",
+        {"thousands": "'"},
+    ),
+    "decimals or thousands": (
+        column([f"{z + 3:.3f}" for z in Z]),
+        {"length": 1e-3},
+        r"got '4\.108': say decimal='\.' or thousands='\.'",
+        {"decimal": "."},
+    ),
+    "three columns": (INDEX, UNITS, r"line 1, has 3 columns, .* say columns=\(0, 1\)", {"columns": (1, 2)}),
+    "columns of text": (TIMES, {}, "say columns=", {"columns": [1, 2]}),
+    "heights in a column of text": (TIMES, {"length": 1e-3}, "say columns=", {"columns": 2}),
+    "falling positions": (columns(x=1 - X), {}, "positions must rise .* got 1.0 at height 1 in line 2", None),
+    "a step too many": (
+        with_line(columns(), "0.5001,0.9"),
+        {},
+        r"positions must rise in equal steps, got 0\.5 at height 102 in line 103",
+        None,
+    ),
+    "a remark within": (
+        with_line(columns(), "# lamp changed"),
+        {},
+        "line 102, has 1 columns, and most others have 2",
+        {"comment": "#"},
+    ),
+    "a remark within one column": (
+        with_line(column(), "#lamp"),
+        {"length": 1e-3},
+        "line 102, has '#lamp' for a number, .* comment=",
+        {"comment": "#"},
+    ),
+    "a second heading": (
+        with_line(columns(), "x (mm),z (um)"),
+        {},
+        r"line 102, has 'x \(mm\)' for a number",
+        {"comment": ["#", "x "]},
+    ),
+    "empty lines in one column": (
+        column().replace("\n", "\n\n"),
+        {"length": 1e-3},
+        "line 2, stands above the numbers",
+        {"comment": ""},
+    ),
+    "an empty line in one column": (
+        with_line(column(), ""),
+        {"length": 1e-3},
+        "line 102, is empty, .*: say missing_value='' if heights are missing in empty lines, or comment=''",
+        {"comment": ""},
+    ),
+    "an empty line below one column": (column() + "\n", {"length": 1e-3}, "line 202, .* rows=200", {"rows": 200}),
+    "text below one column": (column() + "END\n", {"length": 1e-3}, "line 202, .* say rows=200", {"rows": 200}),
+    "numbers below": (columns() + "Ra (um),0.7\n", {}, "line 202, .* say rows=200", {"rows": 200}),
+    "a second table": (columns() + "\n" + columns(), {}, "line 203, .* say .* rows=", {"rows": 200}),
+    "a count above": (column(heading="200\n"), ALONE, "line 1, may be a count, .* say skip=0 .* skip=1", {"skip": 1}),
+    "a count and a step above": (column(heading="200\n0.005\n"), ALONE, "line 1, may be a count", {"skip": 2}),
+    "a step above": (column(heading="z (um)\n0.005\n"), ALONE, "line 2, may be a count, a step", {"skip": 2}),
+    "a count below the heading": (column(heading="z (um)\n200\n"), ALONE, "line 2, may be a count", {"skip": 2}),
+    "a count below": (column() + "200\n", ALONE, "line 202, may be a count, .* rows=200", {"rows": 200}),
+    "a count above two": (
+        columns(heading="200\n"),
+        UNITS,
+        "line 1, has 1 columns, and most others have 2, .* skip=",
+        {"skip": 1},
+    ),
+    "a count and a step above two": (columns(heading="200,0.005\n"), UNITS, "in line 1.* skip=", {"skip": 1}),
+    "a title above one column": (column(heading="shaft\n"), ALONE, "line 1, stands above .* skip=1", {"skip": 1}),
+    "a quantity above": (columns(heading="Cutoff (mm),0.25\n"), UNITS, "line 1, .* say skip=1", {"skip": 1}),
+    "a heading without units": (columns(heading="Cutoff (mm),0.25\nX,Z\n"), {}, "height_unit=", UNITS),
+    "units above the names": (columns(heading="mm,um\nX,Z\n"), {}, "height_unit=", UNITS),
+    "wrong units": (columns(heading="x (um),z (um)\n"), {}, "is a unit wrong", {"x_unit": "mm"}),
+    "a wrong unit for both": (
+        columns(heading="x (um),z (nm)\n"),
+        {"length": 1e-3},
+        "length must be",
+        UNITS | {"length": 1.0},
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "more", "says", "settled"), SETTLED.values(), ids=SETTLED)
+def test_what_is_not_clear_is_refused_and_settled_by_an_argument(file, text, more, says, settled):
+    with pytest.raises(ValueError, match=says) as refused:
+        Trace.read(file(text), **more)
+    assert "\n" not in str(refused.value)
+    if settled is not None:
+        trace = Trace.read(file(text), **more | settled)
+        assert_right(trace, 1e-3)
+
+
+WORDS = ["OVER", "?", "<1.3", "err", "0.5um", "inf", "-inf", "1e400", "0x1p3", "1_000", "(0.5)", "0.5-", "1/2", "50%"]
+WORDS += ["#DIV/0!", "# 0.5", "#0.5", "TRUE", "12:30", "1.2.3", "\u0663", "\u00bd", "\u2014", "\u2026", "----"]
+
+
+@pytest.mark.parametrize("word", WORDS)
+@pytest.mark.parametrize("rows", [[0], [100], [199], range(50), range(150, 200), range(80, 130)])
+@pytest.mark.parametrize("heading", ["z (um)\n", ""])
+def test_words_are_never_left_out(file, word, rows, heading):
+    """They are no numbers and not known for missing heights: in one column, and beside positions."""
+    heights = [word if n in rows else written(z) for n, z in enumerate(Z)]
+    for text in (
+        column(heights, heading),
+        columns(z=heights),
+        columns(
+            x=[word if n in rows else f"{x:.4f}" for n, x in enumerate(X)],
+            z=heights,
+        ),
+    ):
+        with pytest.raises(ValueError, match=r"line \d+, .*(missing_value|columns)="):
+            Trace.read(file(text), **ALONE if "," not in text else UNITS)
+    given = {"missing_value": [word, -9999]}
+    beside = column(heights, heading), columns(z=heights)
+    for text, more in zip(beside, (ALONE, UNITS), strict=True):
+        with pytest.raises(
+            ValueError, match=rf"^{len(rows)} of 200 heights are missing, the first is height {rows[0] + 1} "
+        ):
+            Trace.read(file(text), **more, **given)
+
+
+KNOWN = ["nan", "NaN", "NA", "N/A", "#N/A", "#NV", "NULL", "None", "-nan(ind)", "1.#QNAN", '""']
+
+
+@pytest.mark.parametrize("word", [*KNOWN, "-", "--", "*", "*****"])
+@pytest.mark.parametrize("rows", [[60, 61, 90], range(50), range(150, 200)])
+def test_known_words_are_missing_heights(file, word, rows):
+    heights = [word if n in rows else written(z) for n, z in enumerate(Z)]
+    says = rf"^{len(rows)} of 200 heights are missing, the first is height {rows[0] + 1} in line {rows[0] + 2}, "
+    if word in KNOWN[:-1] or rows[0] == 60:
+        with pytest.raises(ValueError, match=says):
+            Trace.read(file(column(heights)), length=1e-3)
+    else:  # They may also be a rule above or below the table.
+        with pytest.raises(ValueError, match=r"line \d+, stands (above|below) the numbers"):
+            Trace.read(file(column(heights)), length=1e-3)
+    path = file(columns(z=heights))
+    with pytest.raises(ValueError, match=says):
+        Trace.read(path)
+    if rows[0] == 60:
+        filled = Trace.read(path, missing="interpolate")
+        straight = np.interp(N, np.delete(N, rows), np.delete(Z, rows))
+        expected = Trace(straight, 1e-3, height_unit="um")
+        np.testing.assert_allclose(filled.amplitude, expected.amplitude, atol=1e-5)
+        assert tuple(filled.filled) == (3, 2, 0)
+
+
+def test_empty_lines_are_missing_heights_where_that_is_said(file):
+    heights = ["" if n in (60, 61, 90) else written(z) for n, z in enumerate(Z)]
+    path = file(column(heights))
+    with pytest.raises(
+        ValueError, match=r"^3 of 200 heights are missing, the first is height 61 in line 62, at most 2"
+    ):
+        Trace.read(path, length=1e-3, missing_value="")
+    assert tuple(Trace.read(path, length=1e-3, missing_value="", missing="interpolate").filled) == (3, 2, 0)
+
+
+def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file):
+    lines = [line for n, line in enumerate(columns().splitlines()) if n not in (61, 62, 91)]
+    path = file("\n".join(lines))
+    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
+        Trace.read(path)
+    filled = Trace.read(path, missing="interpolate")
+    assert filled.lambda_0 == pytest.approx(1e-3, rel=1e-12)
+    assert tuple(filled.filled) == (3, 2, 0)
+
+
+def test_a_column_of_valid_heights_counts(file):
+    def table(name, first, other):
+        rows = (
+            f"{x:.4f},{z:.6f},{other if n in (60, 61) else first}\n"
+            for n, (x, z) in enumerate(zip(X, Z, strict=True))
+        )
+        return f"x (mm),z (um),{name}\n" + "".join(rows)
+
+    with pytest.raises(ValueError, match=r"^2 of 200 heights are missing, the first is height 61 in line 62"):
+        Trace.read(file(table("valid", 1, 0)), columns=(0, 1))
+    with pytest.raises(ValueError, match="2 of 200 heights are missing"):
+        Trace.read(file(table("flag", "true", "false")), columns=(0, 1), valid=2)
+    assert_right(Trace.read(file(table("flag", 1, 0)), columns=(0, 1)))
+    assert_right(Trace.read(file(table("Valid", 1, 1)), columns=1, length=1e-3))
+    with pytest.raises(ValueError, match=r"line 2, has 'good' for 0 or 1, .*: say valid="):
+        Trace.read(file(table("valid", "good", "bad")), columns=(0, 1))
+
+
+def test_what_is_left_out_is_shown_when_asked(file):
+    trace = Trace.read(file("a shaft\nx,z\nmm,um\n" + columns(heading="") + "\nthe end\n"))
+    assert trace.left_out == ("a shaft", "x,z", "mm,um", "the end")
+    assert Trace(Z, **ALONE).left_out == ()
+    assert ">the end<" in trace._repr_html_()
 
 
 @pytest.mark.parametrize(
@@ -41,6 +380,7 @@ def assert_right(trace):
         ("x (mm),z (um)", ["mm", "um"]),
         ("x_mm,z_um", ["mm", "um"]),
         ("x_mm z_um", ["mm", "um"]),
+        ("x (mm) z (um)", ["mm", "um"]),
         ("[mm];[\u00b5m]", ["mm", "\u00b5m"]),
         ("mm um", ["mm", "um"]),
         ("x / mm; z / nm", ["mm", "nm"]),
@@ -49,182 +389,171 @@ def assert_right(trace):
         ("x [in], z [A]", ["inch", "angstrom"]),
         ("x in um;z in um", ["um", "um"]),
         ("Value units: um", ["um"]),
+        ("Profile 1 (um)", ["um"]),
         ("x (m),z (V)", ["m", ""]),
         ("x,z", ["", ""]),
         ("Pixel, in place", ["", ""]),
-        ("Width: 12.34 um", []),
+        ("Width: 12.34 um", [""]),
         ("M,a", ["", ""]),
+        ("z [10 um]", [""]),
+        ("z*10 (um)", [""]),
+        ("z x 10^3 um", [""]),
+        ("z 1000 (um)", [""]),
+        ("z (um) x10", [""]),
+        ("z (nm) [um]", [""]),
+        ("slope um/mm", [""]),
+        ("1/um", [""]),
+        ("x (mm), y (mm), z (um)", ["", ""]),
     ],
 )
 def test_units_of_a_heading(heading, units):
-    assert units_in(heading) == units
+    assert units_of_heading(heading, len(units), " ") == units
 
 
-HEADINGS = [
-    "x (mm),z (um)",
-    "x_mm,z_um",
-    "x [mm]\tz [\u00b5m]",
-    "# x (mm), z (um)",
-    "a shaft\nx,z\nmm,um",
-    "# Channel: Profile\n# Lateral units: mm\n# Value units: \u03bcm",
-    "# tip radius (nm)\nx / mm;z / um",
-    "\n\nposition in millimeters, height in microns\n",
-]
+def test_arguments_have_precedence_over_the_heading(file):
+    wrong = file(columns(heading="x (um),z (nm)\n"))
+    assert_right(Trace.read(wrong, **UNITS))
+    assert_right(Trace.read(file(columns(heading="x (um),z (um)\n")), x_unit="mm"))
+    assert_right(Trace.read(file(columns(heading="x (mm),z (nm)\n")), height_unit="um"))
+    assert_right(Trace.read(file(columns(z=lambda z: f"{z * 1e-3:.9f}", heading="x (um),z (um)\n")), unit="mm"))
+    with pytest.raises(ValueError, match="heights must have one unit, got unit='um' and height_unit='mm'"):
+        Trace.read(wrong, unit="um", height_unit="mm")
 
 
-@pytest.mark.parametrize("heading", HEADINGS)
-def test_units_that_a_file_names_count(file, heading):
-    path = file(f"{heading}\n{rows(Z, X)}\n\n")
-    assert_right(Trace.read(path))
-    assert_right(Trace.read(path, x_unit="mm", height_unit="um"))
-    with pytest.raises(ValueError, match=r"heights must have one unit, got height_unit='nm' and '.*' by itself"):
-        Trace.read(path, height_unit="nm")
-    with pytest.raises(ValueError, match="positions must have one unit, got unit='um' and 'mm' by itself"):
-        Trace.read(path, unit="um")
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
-@pytest.mark.parametrize("ends", ["\n", "\r\n"])
-def test_units_count_in_the_encodings_of_windows(file, encoding, ends):
-    text = f"x (mm);z (\u00b5m)\n{rows(Z, X).replace(',', ';')}\n"
-    assert_right(Trace.read(file(text.replace("\n", ends), encoding=encoding)))
-
-
-@pytest.mark.parametrize("heading", ["height in um", "# Value units: um", "[\u00b5m]", "z_um", "# z (um)"])
-def test_units_of_one_column(file, heading):
-    path = file(f"{heading}\n{rows(Z)}")
-    assert_right(Trace.read(path, length=1e-3))
+def test_a_call_has_one_unit_of_length(file):
+    path = file(column())
     assert_right(Trace.read(path, length=1.0, x_unit="mm"))
-    with pytest.raises(ValueError, match="heights must have one unit"):
-        Trace.read(path, length=1.0, unit="mm")
+    assert_right(Trace.read(file(column(heading=""), "bare.csv"), length=1.0, x_unit="mm", height_unit="um"))
+    cut = Trace.read(path, length=1.0, x_unit="mm", shortest=0.05)
+    assert cut.shortest == pytest.approx(5e-5)
+    assert Trace.read(path, length=1e-3, shortest=5e-5).digest == cut.digest
+    of_file = Trace.read(file(columns(heading="x,z (um)\n"), "two.csv"), x_unit="mm", shortest=0.05)
+    assert of_file.shortest == pytest.approx(5e-5)
+    with pytest.raises(ValueError, match=r"between two steps and the length of the trace, 0\.01 and 1 mm, got 5e-05"):
+        Trace.read(path, length=1.0, x_unit="mm", shortest=5e-5)
 
 
-def test_a_length_is_in_the_unit_that_is_given(file):
-    path = file(rows(Z))
-    assert_right(Trace.read(path, length=1.0, x_unit="mm", height_unit="um"))
-    assert_right(Trace.read(path, length=1000.0, unit="um"))
-    assert_right(Trace.read(path, length=1e-3, height_unit="um"))
-
-
-@pytest.mark.parametrize("text", [rows(Z, X), f"x,z\n{rows(Z, X)}", f"# tip (um)\nx,z\n{rows(Z, X)}"])
+@pytest.mark.parametrize(
+    "text", [columns(heading=""), columns(heading="x,z\n"), columns(heading="# tip (um)\nx,z\n")]
+)
 def test_where_no_unit_is_known_none_is_taken(file, text):
     path = file(text)
     with pytest.raises(ValueError, match=r'heights must have a unit: name it, as in height_unit="um", or unit="m"'):
         Trace.read(path)
     with pytest.raises(ValueError, match=r'positions must have a unit: name it, as in x_unit="um", or unit="m"'):
         Trace.read(path, height_unit="um")
-    assert_right(Trace.read(path, x_unit="mm", height_unit="um"))
+    assert_right(Trace.read(path, **UNITS))
 
 
-GONE = np.isin(N, [60, 61, 90])
+@pytest.mark.parametrize("step", [1 / 6, 0.3, 0.7, 1 / 3])
+@pytest.mark.parametrize("digits", [1, 2])
+def test_the_length_follows_from_the_number_of_rounded_positions(file, step, digits):
+    text = "x (um),z (nm)\n" + "".join(f"{n * step:.{digits}f},{z}\n" for n, z in zip(N, Z, strict=True))
+    trace = Trace.read(file(text))
+    assert trace.lambda_0 == pytest.approx(200e-6 * step, rel=5e-4)
+    assert Trace.read(file(text), length=200 * step, x_unit="um").lambda_0 == pytest.approx(200e-6 * step, rel=1e-9)
+    with pytest.raises(ValueError, match=r"length must be that of 200 steps where positions go from 0 to"):
+        Trace.read(file(text), length=220 * step, x_unit="um")
 
 
-@pytest.mark.parametrize("written", ["", "# 0.5", "#0.5,", "nan", "NaN", "NA", "--", "***", "1.#QNAN"])
-def test_what_is_missing_between_heights_closes_no_gap(file, written):
-    """In one column: an empty line, a height behind #, or what programs write for a missing one."""
-    path = file(rows(np.where(GONE, written, Z.astype(str))) + "\n# the end\n\n")
-    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
-        Trace.read(path, length=1e-3, height_unit="um")
-    filled = Trace.read(path, length=1e-3, height_unit="um", missing="interpolate")
-    straight = Trace(np.interp(N, N[~GONE], Z[~GONE]), 1e-3, height_unit="um")
-    np.testing.assert_allclose(filled.amplitude, straight.amplitude, rtol=1e-9, atol=1e-12)
-    assert tuple(filled.filled) == (3, 2, 0)
-
-
-def test_heights_behind_a_sign_at_the_end_are_missing_too(file):
-    lines = rows(Z).split("\n")
-    path = file("\n".join([*lines[:197], *(f"# {line}" for line in lines[197:]), "# the end", "", ""]))
-    with pytest.raises(
-        ValueError, match=r"^3 of 200 heights are missing, the first is height 198, 3 of them at the ends"
-    ):
-        Trace.read(path, length=1e-3, height_unit="um")
-    cut = Trace.read(path, length=1e-3, height_unit="um", missing="interpolate")
-    assert cut.lambda_0 == pytest.approx(1e-3 * 197 / 200)
-
-
-def test_remarks_between_heights_are_no_heights(file):
-    lines = rows(Z).split("\n")
-    lines.insert(100, "# the lamp was changed")
-    assert_right(Trace.read(file("\n".join(lines)), length=1e-3, height_unit="um"))
-
-
-@pytest.mark.parametrize("written", [None, "", "nan", "-"])
-def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file, written):
-    lines = [f"{x:.9g};{z}" if not gone else f"{x:.9g};{written}" for x, z, gone in zip(X, Z, GONE, strict=True)]
-    if written is None:
-        lines = [line for line, gone in zip(lines, GONE, strict=True) if not gone]
-    path = file("x (mm);z (um)\n" + "\n".join(lines))
-    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
-        Trace.read(path)
-    filled = Trace.read(path, missing="interpolate")
-    assert filled.lambda_0 == pytest.approx(1e-3, rel=1e-12)
-    assert tuple(filled.filled) == (3, 2, 0)
-
-
-def test_positions_that_are_rounded_need_a_length(file):
-    path = file("x (um),z (um)\n" + "\n".join(f"{x:.1f},{z}" for x, z in zip(N / 6, Z, strict=True)))
-    with pytest.raises(ValueError, match=r"ones that are rounded to 0.1: give the length, which is 200 steps, or"):
-        Trace.read(path)
-    trace = Trace.read(path, length=200 / 6, x_unit="um")
-    assert trace.lambda_0 == pytest.approx(1e-6 * 200 / 6)
-    assert trace.m == RIGHT.m
-    with pytest.raises(ValueError, match=r"length must be that of 200 steps where positions go from 0 to 33.2"):
-        Trace.read(path, length=40, x_unit="um")
+def test_positions_that_are_rounded_too_much_need_the_length(file):
+    text = columns(x=[f"{x:.1f}" for x in X])
+    with pytest.raises(ValueError, match=r"positions must rise in equal steps, .* as in columns=1, with the length"):
+        Trace.read(file(text))
+    assert_right(Trace.read(file(text), columns=1, length=1e-3))
 
 
 COS = np.cos(2 * np.pi * np.arange(100) / 50)
 EVEN = np.arange(100.0)
-NUMBERS = "must have one or two numbers"
+
+
+def rows(z, x):
+    return "".join(f"{a:.9g},{b}\n" for a, b in zip(x, z, strict=True))
 
 
 @pytest.mark.parametrize(
     ("text", "more", "says"),
     [
-        ("It is rough,\nin places.\n", {}, "must have one or two columns of numbers, got none, but 'It is rough,'"),
-        ("\n\n", {}, "shaft.csv must have one or two columns of numbers, got none"),
-        ("1 2 3\n", {}, f"line 1, {NUMBERS}"),
-        ("1 2\n3\n", {}, "shaft.csv, line 2, must have .* as many as the lines before, .* got '3'"),
-        ("1 2\n3 four\n", {}, "shaft.csv, line 2, must have .* got '3 four'"),
-        (rows(COS), {}, "length must be given where heights have no positions"),
+        ("It is rough,\nin places.\n", {}, "line 2, and the others, are no rows of numbers, got 'in places.'"),
+        ("\n\n", {}, "shaft.csv must have a table of numbers, got no text in 2 lines"),
+        ("1 2 3\n", {}, "line 1, has 3 columns, got '1 2 3': say columns="),
+        ("1 2\n3\n", {}, "shaft.csv, line 2, has 1 columns, and most others have 2, got '3'"),
+        ("1 2\n3 four\n5 6\n", {}, "shaft.csv, line 2, has 'four' for a number, got '3 four'"),
         (rows(COS, EVEN), {"length": 1.0}, "length must be that of 100 steps where positions go from 0 to 99, about"),
         (rows(COS, EVEN**2), {}, "positions must rise in equal steps, got .*: interpolate the heights"),
-        (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, and decimals have points, got 0.0"),
-        (rows(COS, EVEN[::-1]), {}, "positions must rise in equal steps, .* got 99.0 at position 0"),
-        ("0,5;1,25\n", {}, "shaft.csv, line 1, must have decimal points, got '0,5;1,25'"),
-        ("x z\n0,5\t-1,25\n", {}, r"shaft.csv, line 2, must have decimal points, got '0,5\\t-1,25'"),
-        (
-            "0,5\n0,7\n" * 20,
-            {},
-            "positions must rise in equal steps, and decimals have points, got 0.0 at position 0",
-        ),
-        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, f"line 51, {NUMBERS}"),
-        (
-            rows(np.where(EVEN == 9, np.inf, COS), EVEN),
-            {},
-            "heights must be finite or missing, got inf at position 9",
-        ),
-        ("1\n" * (10**6 + 1), {"length": 1.0}, "heights must be 16 to 1000000 numbers, got 1000001"),
+        (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got 0.0 at height 1 in line 1"),
+        (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "line 51, has no position"),
+        ("1\n" * (10**6 + 1), {"length": 1.0}, "must have at most 1000000 heights, got 1000001: say rows="),
         (rows(COS, EVEN), {"x_unit": "foot"}, "x_unit must be one of m, cm, mm, um, .*nm, .*, got 'foot'"),
-        (rows(COS, EVEN), {"height_unit": "A"}, "height_unit must be one of m, cm, mm, um, .*nm, .*, got 'A'"),
+        (rows(COS, EVEN), {"columns": 5}, r"say columns="),
+        (
+            rows(COS, EVEN),
+            {"columns": (0, 0)},
+            r"columns must be the number of the column of heights, .* got \(0, 0\)",
+        ),
+        (rows(COS, EVEN), {"columns": -1}, "columns must be a whole number, at least 0, got -1"),
+        (rows(COS, EVEN), {"skip": 101}, "got no text in 100 lines"),
+        (rows(COS, EVEN), {"rows": 101}, "rows must be at most the 100 rows"),
+        (rows(COS, EVEN), {"delimiter": "ab"}, "delimiter must be one sign"),
+        (rows(COS, EVEN), {"decimal": "'"}, "decimal must be one of"),
+        (rows(COS, EVEN), {"decimal": ",", "thousands": ","}, "thousands must differ from decimal"),
+        (rows(COS, EVEN), {"comment": 5}, "comment must be a text, or a list of texts, got 5"),
+        (rows(COS, EVEN), {"encoding": "klingon"}, "encoding must be one that Python knows"),
+        (rows(COS, EVEN), {"encoding": "utf-16"}, "no rows of numbers, .* encoding="),
+        (rows(COS, EVEN), {"valid": 2}, "valid must be a column from 0 to 1, got 2"),
+        (
+            rows(COS, EVEN),
+            {"line": 3},
+            "is text, and line, across and channel are of maps of instruments: say columns=",
+        ),
     ],
 )
 def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, says):
-    units = {"x_unit": "m", "height_unit": "m"}
     with pytest.raises(ValueError, match=says) as refused:
-        Trace.read(file(text), **units | more)
+        Trace.read(file(text), **{"x_unit": "m", "height_unit": "m"} | more)
     assert "\n" not in str(refused.value)
 
 
-TEXT = f"x (mm),z (um)\n{rows(Z, X)}\n"
+TEXT = columns(heading="x (mm),z (\u00b5m)\n")
+UTF_8 = b"\xef\xbb\xbf"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        *(TEXT.encode(name) for name in ("utf-8", "utf-8-sig", "cp1252", "mac-roman", "utf-16", "utf-32")),
+        "\ufeff".encode("utf-16-be") + TEXT.encode("utf-16-be"),
+        UTF_8 + TEXT.encode("cp1252"),
+        UTF_8 + UTF_8 + TEXT.encode(),
+    ],
+)
+def test_text_is_read_by_its_mark_or_as_utf_8_or_as_of_windows(file, content):
+    assert_right(Trace.read(file(content)))
+
+
+@pytest.mark.parametrize("rest", [b"", b"\n\xb5"])
+def test_a_mark_of_utf_8_loses_no_height(file, rest):
+    """Also in front of another encoding."""
+    path = file(UTF_8 + column(heading="").encode() + rest)
+    assert_right(Trace.read(path, **ALONE, rows=200))
+
+
+@pytest.mark.parametrize("name", ["utf-16-le", "utf-16-be", "cp437", "shift_jis", "gb18030", "utf-7", "cp037"])
+def test_other_encodings_need_their_names(file, name):
+    path = file(
+        TEXT.replace(
+            "\u00b5", "\u00b5" if name in ("cp437", "utf-16-le", "utf-16-be", "utf-7", "cp037") else "\u03bc"
+        ),
+        encoding=name,
+    )
+    with pytest.raises(ValueError, match=r"say encoding='utf-16-..'|must have a unit|encoding="):
+        Trace.read(path)
+    assert_right(Trace.read(path, encoding=name))
 
 
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (TEXT.encode("utf-16"), "is UTF-16 text, not a table of heights as text: save it as UTF-8"),
-        (TEXT.encode("utf-16-le"), "is UTF-16 text"),
-        (TEXT.encode("utf-16-be"), "is UTF-16 text"),
-        (TEXT.encode("utf-32"), "is UTF-32 text"),
         (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), r"old Office \(.xls\), .*: save the heights as text"),
         (b"\x1f\x8b\x08\x00", "is compressed by gzip, .*: unpack it"),
         (b"%PDF-1.7", "is a PDF document"),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple
 
@@ -56,10 +57,10 @@ class Filled(NamedTuple):
     cut: int = 0
 
 
-def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
+def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
     """Heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
 
-    Masked values, None, pandas.NA and what equals `missing_value` are missing.
+    Masked values, None, pandas.NA and what equals a `missing_value` are missing.
     """
     values = units.bare(heights)
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
@@ -74,13 +75,14 @@ def with_gaps(heights: Any, missing_value: float | None = None) -> Array:
         raise ValueError(f"heights must be one list, got an array of shape {z.shape}")
     if not MIN_HEIGHTS <= z.size <= MAX_HEIGHTS:
         raise ValueError(f"heights must be {MIN_HEIGHTS} to {MAX_HEIGHTS} numbers, got {z.size}")
-    if missing_value is None:
-        return z
-    value = checked_number("missing_value", missing_value)
-    return np.where(np.isclose(z, value, rtol=1e-6, atol=0), math.nan, z)  # a float32 has seven digits
+    for value in missing_value if isinstance(missing_value, list | tuple) else [missing_value]:
+        if value is not None:
+            number = checked_number("missing_value", value)
+            z = np.where(np.isclose(z, number, rtol=1e-6, atol=0), math.nan, z)  # a float32 has seven digits
+    return z
 
 
-def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tuple[Array, Filled]:
+def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], str]) -> tuple[Array, Filled]:
     """The heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
 
     The trace is cut off where heights at its ends are missing.
@@ -103,17 +105,15 @@ def without_gaps(z: Array, missing: str = REFUSE, max_gap: int = MAX_GAP) -> tup
     inside = int(lengths.sum())
     longest = int(lengths.max(initial=0))
     cut = int(gaps.sum()) - inside
-    summary = f"{gaps.sum()} of {z.size} heights are missing, the first is height {int(gaps.argmax()) + 1}"
+    summary = f"{gaps.sum()} of {z.size} heights are missing, the first is {place(int(gaps.argmax()))}"
     summary += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
     if missing == REFUSE:
         need = f", max_gap={longest}" if longest > MAX_GAP else ""
         remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
         raise ValueError(f'{summary}: say missing="interpolate"{need} to {remedy}, or take a part of the trace')
     if longest > max_gap:
-        at = int(known[0] + starts[lengths.argmax()]) + 1
-        raise ValueError(
-            f"{summary}: the longest run begins at height {at}, take a part of the trace or a larger max_gap"
-        )
+        at = place(int(known[0] + starts[lengths.argmax()]))
+        raise ValueError(f"{summary}: the longest run begins at {at}, take a part of the trace or a larger max_gap")
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:
         raise ValueError(f"{summary}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")

@@ -8,38 +8,52 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from weier.checks import checked_count, checked_word, shown
+from weier.surface.measured.content import NoTextError
+from weier.surface.measured.layout import Layout
 from weier.surface.measured.line import Line
-from weier.surface.measured.text import NoTableError, read_columns
+from weier.surface.measured.text import read_columns
 from weier.surface.measured.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
 AXES = ("x", "y")  # The axes of a map, in the order of its array.
 
 
-def read_lines(path: Path, line: int | None, across: str | None, channel: int | str | None) -> list[Line]:
-    """The lines of a file: the one of a table of text, or the chosen lines of an instrument's file."""
-    why_not_text = f"{path} is to be read by its lines or channels"
-    if line is None and across is None and channel is None:
-        try:
-            return [read_columns(path)]
-        except NoTableError as error:
-            why_not_text = str(error)
-    topography, sized = _read_once(path, path.stat().st_mtime_ns, channel, why_not_text)
-    return list(lines_of(topography, line, across, sized))
+def read_lines(
+    path: Path, layout: Layout, line: int | None, across: str | None, channel: int | str | None
+) -> list[Line]:
+    """Return the lines of a file: the one of a table of text, or the chosen lines of an instrument's file.
+
+    Text is read by `text` alone, so that nothing is left out that only another reader would not read.
+    """
+    try:
+        table = read_columns(path, layout)
+    except NoTextError as error:
+        if layout != Layout():
+            raise ValueError(f"{error}; skip, columns, delimiter and the like are of text: leave them out") from None
+        topography, sized = _read_once(path.resolve(), sha256(path.read_bytes()).digest(), channel, str(error))
+        return list(lines_of(topography, line, across, sized))
+    if (line, across, channel) != (None, None, None):
+        raise ValueError(
+            f"{path} is text, and line, across and channel are of maps of instruments: say columns= for the column "
+            "of the heights, or take weier.Trace.of(SurfaceTopography.read_topography(...), line=...)"
+        )
+    return [table]
 
 
 class ChannelError(ValueError):
     """A channel that a file does not have, or that holds no heights."""
 
 
-def read_topography(path: Path, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
-    """One channel of heights that SurfaceTopography reads from a file, and whether the file has its lateral size.
+@lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
+def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
+    """Return one channel of heights of a file with this digest, and whether the file has its lateral size.
 
     Raises
     ------
@@ -62,11 +76,6 @@ def read_topography(path: Path, channel: int | str | None, why_not_text: str) ->
         raise ValueError(
             f"{why_not_text}; SurfaceTopography cannot read it either ({type(error).__name__})"
         ) from None
-
-
-@lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
-def _read_once(path: Path, changed: int, channel: int | str | None, why_not_text: str) -> tuple[Any, bool]:
-    return read_topography(path, channel, why_not_text)
 
 
 def lines_of(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:

@@ -17,6 +17,8 @@ class Line(NamedTuple):
     x_units, height_units : the units that are named for positions and length, and for heights: none or more
     periodic : whether the surface is known to repeat
     axis, number : of a line of a map, the axis that it runs along, and which of these lines it is
+    numbers : in a file of text, the number of the line of each height, from 1
+    left_out : the lines of a file of text above and below its table
     """
 
     heights: Any
@@ -27,6 +29,12 @@ class Line(NamedTuple):
     periodic: bool = False
     axis: str = ""
     number: int | None = None
+    numbers: tuple[int, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+    def place(self, at: int) -> str:
+        """The place of the height of this index, in words."""
+        return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
 
     @property
     def name(self) -> str:

@@ -1,244 +1,407 @@
-"""Files of text with heights in one column, or positions and heights in two, as people and instruments write them."""
+"""Files of text with heights, or positions and heights, in columns of one table.
+
+The table is one block of lines. Everything in it is read as a number or as a word for a missing height, or refused
+with its line. The lines above and below are kept as `Line.left_out`. Those next to the table are refused if they may
+belong to it. Each message names the argument that settles the question.
+"""
 
 from __future__ import annotations
 
+import csv
+import math
 import re
-import zipfile
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
+from statistics import mode
+from typing import NoReturn
 
 import numpy as np
 
 from weier.checks import shown
-from weier.kernels.arrays import Array
-from weier.surface.measured.artefacts import MAX_HEIGHTS
+from weier.surface.measured.artefacts import MAX_HEIGHTS, MIN_HEIGHTS
+from weier.surface.measured.content import read_text
+from weier.surface.measured.layout import (
+    BLANK,
+    SEPARATORS,
+    Layout,
+    UnclearError,
+    find_decimal,
+    find_delimiter,
+)
 from weier.surface.measured.line import Line
-from weier.surface.measured.units import units_in
+from weier.surface.measured.units import units_of_heading
 
-HEAD = 2**16  # The kind and the encoding of a file are recognised from so many bytes.
-UNEVEN = 0.01  # Positions in files are rounded, so that equal steps may differ by this part of a step.
-MOST_DIGITS = 9  # Positions that are rounded have at most so many decimals: instruments write no more.
-# Words and signs that programs write in place of a missing height.
-NO_NUMBER = {"na", "n/a", "#n/a", "null", "none", "-", "--", "---", "bad", "*", "***", "1.#qnan", "-1.#ind", "1.#ind"}
-# Numbers with a decimal comma beside another number.
-DECIMAL_COMMA = re.compile(r"\d,\d+\s*[;\t ]\s*-?\d|;\s*-?\d+,\d")
-# Comments that head a column of heights, and headings that are about positions.
-OF_HEIGHTS = re.compile(r"#\s*(z|y|heights?|values?|profile|roughness|data|depth|elevation)\b|#\s*\W?\w+\W?$", re.I)
-OF_POSITIONS = re.compile(r"\b(x|lateral|positions?|distance|length)\b", re.IGNORECASE)
-
-# Kinds of files that cannot be read as text by their first bytes, and the remedy for each.
-SAVE_AS_TEXT = "save the heights as text, one or two columns"
-SIGNATURES = {
-    b"\xff\xfe\0\0": ("UTF-32 text", "save it as UTF-8"),
-    b"\0\0\xfe\xff": ("UTF-32 text", "save it as UTF-8"),
-    b"\xff\xfe": ("UTF-16 text", "save it as UTF-8"),
-    b"\xfe\xff": ("UTF-16 text", "save it as UTF-8"),
-    b"\xd0\xcf\x11\xe0": ("a workbook or document of an old Office (.xls)", SAVE_AS_TEXT),
-    b"\x1f\x8b": ("compressed by gzip", "unpack it"),
-    b"BZh": ("compressed by bzip2", "unpack it"),
-    b"\xfd7zXZ": ("compressed by xz", "unpack it"),
-    b"7z\xbc\xaf": ("a 7z archive", "unpack it"),
-    b"%PDF": ("a PDF document", SAVE_AS_TEXT),
-    b"{\\rtf": ("a document of rich text", SAVE_AS_TEXT),
-    b"\x89PNG": ("a PNG picture", SAVE_AS_TEXT),
-    b"\xff\xd8\xff": ("a JPEG picture", SAVE_AS_TEXT),
-    b"II*\0": ("a TIFF picture", SAVE_AS_TEXT),
-    b"MM\0*": ("a TIFF picture", SAVE_AS_TEXT),
-    b"\x89HDF": ("an HDF5 or netCDF file", "take its heights by xarray or h5py, and weier.Trace"),
-    b"CDF\x01": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
-    b"CDF\x02": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
-    b"\x93NUMPY": ("an array of NumPy", "take weier.Trace of what numpy.load returns"),
-    b"MATLAB 5.0 MAT-file": ("a file of MATLAB", SAVE_AS_TEXT),
+LINE_END = re.compile(r"\r*\n|\r")
+BLANKS = " \f\v"  # At the ends of a line; a tab may stand between columns.
+MARKS = "#%!/*; \t"  # In front of remarks and headings.
+MINUS = re.compile(r"^[\u2010-\u2013\u2212\ufe63\uff0d](?=[\d.,])")  # Signs that are printed for minus.
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?", re.ASCII)
+DIGITS = re.compile(r"[+\-\u2010-\u2013\u2212\ufe63\uff0d]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?", re.ASCII)
+# Words and signs that programs write for a missing height. Signs alone may also be a rule.
+MISSING = re.compile(
+    r"[+-]?nan(\((s?nan|ind)\))?|[+-]?1\.#([qs]?nan|ind)|#?n/?a|#nv|null|none|bad|-{1,3}|\*+", re.IGNORECASE
+)
+SIGNS = re.compile(r"[\W_]+")
+OF_HEIGHTS = re.compile(r"(z|y|h|heights?|values?|profile|roughness|data|depth|elevation)", re.IGNORECASE)
+OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)
+VALID = {
+    "1": True,
+    "true": True,
+    "yes": True,
+    "valid": True,
+    "0": False,
+    "false": False,
+    "no": False,
+    "invalid": False,
 }
-# Kinds of zip archives by a member that only they have, and the remedy for each.
-ARCHIVES = {
-    "xl/workbook.xml": ("a workbook (.xlsx)", "save its sheet as text, one or two columns"),
-    "content.xml": ("a workbook or document of OpenDocument (.ods)", "save its sheet as text, one or two columns"),
-    "word/document.xml": ("a document (.docx)", SAVE_AS_TEXT),
-    "main.xml": ("an X3P file of ISO 25178-72", SAVE_AS_TEXT),
-}
+DECIMALS = re.compile(r"[^.,]*(?:[.,](\d*).*)?")
+HEADER_NUMBERS = 5  # A count of heights is sought among this many numbers at the start of one column.
 
 
-class NoTableError(ValueError):
-    """A file that holds no table of one or two columns, but may be an instrument's own."""
-
-
-def read_columns(path: Path) -> Line:
-    """The table of a file of text.
-
-    Lines before the first number are headings; between heights of one column, an empty line and a height behind #
-    are missing heights.
+def read_columns(path: Path, layout: Layout | None = None) -> Line:
+    """Return the line of heights in a file of text.
 
     Raises
     ------
-    NoTableError
-        If the file is no text, or no table of one or two columns: the message names the kind of the file.
+    NoTextError
+        If the file is no text.
     ValueError
-        If it is text in an encoding or with decimals that are not read.
+        If something in the table is not read, or may or may not belong to it: the message has the number of the line
+        and the argument that settles it.
     """
-    with path.open("rb") as file:
-        head = file.read(HEAD)
-    _check_text(path, head)
-    with path.open(encoding=_encoding(head), errors="replace") as lines:
-        headings, rows = _table(path, lines)
-    table = np.array(rows)
-    x_units, height_units = _units(headings, table.shape[1])
-    return Line(table[:, -1], table[:, 0] if table.shape[1] == 2 else None, None, x_units, height_units)
+    layout = layout or Layout()
+    lines = [_without_quotes(line.strip(BLANKS)) for line in LINE_END.split(read_text(path, layout.encoding))]
+    if len(lines) > 1 and not lines[-1]:
+        lines.pop()  # It is behind the last end of a line.
+    return _Table(path, lines, layout).line()
 
 
-def on_grid(x: Array, heights: Array, length: float | None) -> tuple[Array, float]:
-    """Heights at equal steps, NaN in rows that are left out, and the length of the trace, which is all steps.
+class _Table:
+    """The lines of a file, and the block of them that is the table: the numbers of its lines, from 0."""
 
-    A length that is given must agree with the positions, which may then be rounded to some digit.
-
-    Raises
-    ------
-    ValueError
-        If the steps are not equal; the message says whether rounding made them so.
-    """
-    rise = np.diff(x)
-    if not (rise > 0).all():
-        at = 0 if x[-1] <= x[0] else int(np.argmin(rise > 0)) + 1
-        raise ValueError(
-            f"positions must rise in equal steps, and decimals have points, got {x[at]} at position {at}"
-        )
-    digit = _digit(x)
-    even = (x[-1] - x[0]) / rise.size * np.arange(x.size)
-    if length is not None:
-        if np.abs(x - x[0] - length / x.size * np.arange(x.size)).max() <= max(digit, UNEVEN * length / x.size):
-            return heights, length
-        raise ValueError(
-            f"length must be that of {x.size} steps where positions go from {x[0]:g} to {x[-1]:g}, about "
-            f"{x.size * even[1]:.6g}, got {length:g}: leave out the length, or the positions"
-        )
-    step = float(np.median(rise))
-    step = float((x[-1] - x[0]) / np.rint((x[-1] - x[0]) / step))
-    number = np.rint((x - x[0]) / step)
-    off = np.abs(x - x[0] - number * step)
-    if (off <= UNEVEN * step).all() and (np.diff(number) > 0).all() and number[-1] < MAX_HEIGHTS:
-        full = np.full(int(number[-1]) + 1, np.nan)
-        full[number.astype(int)] = heights
-        return full, step * full.size
-    if np.abs(x - x[0] - even).max() <= digit:
-        raise ValueError(
-            f"positions must rise in equal steps, got ones that are rounded to {digit:g}: give the length, which is "
-            f"{x.size} steps, or the heights as one column with the length"
-        )
-    at = int(off.argmax())
-    raise ValueError(
-        f"positions must rise in equal steps, got {x[at]} at position {at}: interpolate the heights at equal steps"
-    )
-
-
-def _digit(x: Array) -> float:
-    """The last decimal digit that positions have: 0.1 of 0.0, 0.2, 0.3."""
-    for digits in range(MOST_DIGITS):
-        if np.allclose(x, np.round(x, digits), rtol=0, atol=1e-6 * 10.0**-digits):
-            return 10.0**-digits
-    return 0.0
-
-
-def _check_text(path: Path, head: bytes) -> None:
-    """Refuse a file whose first bytes are no text in the encodings that are read."""
-    known = next((kind for start, kind in SIGNATURES.items() if head.startswith(start)), None)
-    if head.startswith(b"PK\x03\x04"):
-        known = ("a zip archive", "unpack it")
-        with suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(path) as archive:
-            members = archive.namelist()
-            known = next((kind for member, kind in ARCHIVES.items() if member in members), known)
-    if known is None and b"\0" in head:
-        known = ("UTF-16 text", "save it as UTF-8") if _is_utf_16(head) else ("no text", SAVE_AS_TEXT)
-    if known is not None:
-        kind = ValueError if known[0].startswith("UTF") else NoTableError
-        raise kind(f"{path} is {known[0]}, not a table of heights as text: {known[1]}")
-
-
-def _is_utf_16(head: bytes) -> bool:
-    """Whether every other byte is 0, and the others can be read: UTF-16 without a mark, in a language of Europe."""
-    halves = head[::2], head[1::2]
-    readable = [half.decode("cp1252", "replace").split() for half in halves]
-    return any(
-        not any(zeros) and all(map(str.isprintable, words))
-        for zeros, words in zip(halves, reversed(readable), strict=True)
-    )
-
-
-def _encoding(head: bytes) -> str:
-    """UTF-8, or the encoding of old Windows programs, which has the sign of micrometres, too."""
-    try:
-        head[: len(head) - 3].decode("utf-8")  # the last letter may be cut
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
-
-
-def _table(path: Path, lines: Iterator[str]) -> tuple[list[str], list[list[float]]]:
-    """The lines before the first number, and the rows from there to the last one."""
-    headings: list[str] = []
-    rows: list[list[float]] = []
-    gap, commented = 0, 0  # missing heights since the last row of one column, and those up to the last one behind #
-    for number, line in enumerate(map(str.strip, lines), 1):
-        found = _numbers(line.lstrip("#"))
-        if not rows and (not found or line.startswith("#") or not any(map(str.isalnum, line))):
-            headings.append(line)
-            continue
-        columns = len(rows[0]) if rows else len(found)
-        if not line or line.startswith("#"):
-            gap += columns == 1 and (not line or bool(found))
-            commented = gap if found else commented
-            continue
-        if DECIMAL_COMMA.search(line) and "." not in line:
-            raise ValueError(f"{path}, line {number}, must have decimal points, got {shown(line)}")
-        if columns > 2 or len(found) != columns or (columns == 2 and not np.isfinite(found[0])):
-            raise NoTableError(
-                f"{path}, line {number}, must have one or two numbers, with decimal points and as many as the lines "
-                f"before, or begin with #, got {shown(line)}"
+    def __init__(self, path: Path, lines: list[str], layout: Layout) -> None:
+        self.path, self.lines, self.layout = path, lines, layout
+        self.missing = {word.strip().casefold() for word in layout.missing}
+        every = [at for at in range(layout.skip or 0, len(lines)) if not self._is_comment(lines[at])]
+        sample = [at for at in every if self._looks_numeric(lines[at])] or [at for at in every if lines[at]]
+        if not sample:
+            raise ValueError(
+                f"{path} must have a table of numbers, got no text in {len(lines)} lines: see skip= and comment="
             )
-        rows += [[np.nan]] * gap + [found]
-        gap, commented = 0, 0
-        if len(rows) > MAX_HEIGHTS:
-            break  # no trace has so many
-    if not rows:
-        words = next((heading for heading in headings if heading), "")
-        raise NoTableError(
-            f"{path} must have one or two columns of numbers, got none{words and f', but {shown(words)}'}"
+        self.sample = sample
+        try:
+            self.delimiter = find_delimiter([lines[at] for at in sample], self._text_above(sample[0]), layout)
+            self.fields = {at: self._split(lines[at]) for at in every}
+            chosen = zip_longest(*(self._chosen(self.fields[at]) for at in sample))
+            columns = [[field for field in column if field and DIGITS.fullmatch(field)] for column in chosen]
+            self.decimal = find_decimal(columns, layout)
+        except UnclearError as error:
+            at = next(at for at in sample if error.text in lines[at])
+            raise ValueError(f"{path}, line {at + 1}, {error}") from None
+        self.block = self._find_block(every)
+        rows = [at for at in self.block if not self._is_empty(at)]
+        self.count = mode(len(_without_empty_ends(self.fields[at])) for at in rows)
+        self.columns = self._find_columns(rows[0])
+        self.with_positions = len(self.columns) == 2
+        if layout.skip is not None and not self.with_positions and every[0] < self.block[0]:
+            self._refuse_empty(every[0])
+        self.heading = self._text_above(self.block[0])
+
+    def line(self) -> Line:
+        """The heights of the table and their positions, with all that its heading says of them."""
+        if not self.with_positions:
+            self._check_ends()
+        self._check_above()
+        self._check_below()
+        valid = self._valid_column()
+        values, numbers = [], []
+        for at in self.block:
+            if self._is_empty(at):
+                if self.with_positions:
+                    continue
+                if "" not in self.missing:
+                    self._refuse_empty(at)
+            row = [math.nan] if self._is_empty(at) else self._row(at)
+            if valid is not None and not self._is_empty(at) and not self._is_valid(at, self.fields[at][valid]):
+                row[-1] = math.nan
+            values.append(row)
+            numbers.append(at + 1)
+        if len(values) > MAX_HEIGHTS:
+            raise ValueError(f"{self.path} must have at most {MAX_HEIGHTS} heights, got {len(values)}: say rows=")
+        table = np.array(values)
+        units = self._units()
+        within = set(self.block)
+        return Line(
+            table[:, -1],
+            table[:, 0] if self.with_positions else None,
+            x_units=units[:1] if self.with_positions and units[0] else (),
+            height_units=units[-1:] if units[-1] else (),
+            numbers=tuple(numbers),
+            left_out=tuple(line for at, line in enumerate(self.lines) if line and at not in within),
         )
-    return headings, rows + [[np.nan]] * commented
+
+    def _find_block(self, every: list[int]) -> list[int]:
+        """The lines from the first row to the last, where the arguments do not name them."""
+        layout = self.layout
+        rows = [at for at in every if self._is_row(at)]
+        if all(map(self._is_empty, rows)):
+            self._refuse(
+                self.sample[len(self.sample) // 2],
+                "and the others, are no rows of numbers",
+                "say columns=, delimiter=, decimal=, thousands= or encoding= if the file has columns of numbers",
+            )
+        start = rows[0]
+        unread = [at for at in every if at < start and not self._is_empty(at)]
+        if layout.skip is not None and unread:
+            self._refuse(unread[0], "is no row of numbers", f"say skip={start}, or missing_value= for a word")
+        if layout.rows is None:
+            return [at for at in every if start <= at <= rows[-1]]
+        counted = [at for at in every if at >= start and ("" in self.missing or not self._is_empty(at))]
+        if len(counted) < layout.rows:
+            raise ValueError(f"rows must be at most the {len(counted)} rows of {self.path}, got {layout.rows}")
+        return [at for at in every if start <= at <= counted[layout.rows - 1]]
+
+    def _find_columns(self, first: int) -> tuple[int, ...]:
+        """The columns of the heights, or of positions and heights."""
+        columns = self.layout.columns or tuple(range(self.count))
+        if self.layout.columns is None and self.count > 2:
+            self._refuse(
+                first,
+                f"has {self.count} columns",
+                "say columns=(0, 1) for positions and heights in the first two, columns=0 for heights in the first, "
+                "or delimiter= or thousands= for a sign that is not between columns",
+            )
+        if max(columns) >= self.count:
+            raise ValueError(
+                f"columns must be numbers from 0 to {self.count - 1}, of {self.count} columns in line {first + 1} of "
+                f"{self.path}, got {max(columns)}: say delimiter= if it has more"
+            )
+        return columns
+
+    def _row(self, at: int) -> list[float]:
+        """The position and the height, or the height alone, in a line of the table."""
+        fields = self.fields[at]
+        if not len(_without_empty_ends(fields)) <= self.count <= len(fields):
+            self._refuse(
+                at,
+                f"has {len(fields)} columns, and most others have {self.count}",
+                "say rows= or skip= if the table ends or begins there, comment= if the line is a remark, "
+                "delimiter=, decimal= or thousands= for its signs, or "
+                f"missing_value={shown(self.lines[at])} for a missing height",
+            )
+        row = []
+        for column in self.columns:
+            value = self._number(fields[column])
+            if value is None:
+                word = fields[column]
+                self._refuse(
+                    at,
+                    f"has {shown(word)} for a number",
+                    f"say missing_value={shown(word)} for a missing height, comment= for a remark, rows= or skip= "
+                    "for the end or start of the table, decimal= or thousands= for the signs of a number",
+                )
+            row.append(value)
+        if self.with_positions and math.isnan(row[0]):
+            self._refuse(at, "has no position", "say columns=1 for heights alone, or rows= or skip= for a part")
+        return row
+
+    def _number(self, field: str) -> float | None:
+        """The number in a field, NaN if it is missing; None if it is neither."""
+        if not field or field.casefold() in self.missing or MISSING.fullmatch(field):
+            return math.nan
+        text = MINUS.sub("-", field)
+        if self.layout.thousands is not None:
+            text = re.sub(rf"(?<=\d)[{SEPARATORS[self.layout.thousands]}](?=\d{{3}}(?!\d))", "", text)
+        if self.decimal == ",":
+            text = text.replace(".", "_").replace(",", ".")
+        if not NUMBER.fullmatch(text):
+            return None
+        value = float(text.lower().replace("d", "e"))
+        return value if math.isfinite(value) else None
+
+    def _is_row(self, at: int) -> bool:
+        """Whether all that is chosen of a line is read: as a number, or as words that stand for nothing else."""
+        if self._is_empty(at):
+            return "" in self.missing and len(self.layout.columns or "1") == 1
+        fields = _without_empty_ends(self.fields[at])
+        chosen = self._chosen(fields)
+        if self.layout.columns is not None and len(self.fields[at]) <= max(self.layout.columns):
+            return False
+        numbers = [self._number(field) for field in chosen]
+        if None in numbers:
+            return False
+        words = [field for field in chosen if field]
+        only_signs = all(SIGNS.fullmatch(field) and field.casefold() not in self.missing for field in words)
+        return bool(words) and not only_signs
+
+    def _chosen(self, fields: Sequence[str]) -> list[str]:
+        """The fields in the columns that a call names, or all."""
+        return (
+            list(fields)
+            if self.layout.columns is None
+            else [fields[c] for c in self.layout.columns if c < len(fields)]
+        )
+
+    def _check_ends(self) -> None:
+        """Refuse a number at an end of one column that may be a count, a step or a length in place of a height.
+
+        It is about the number of rows, or has other decimals than the rows between the ends, which all have as many.
+        """
+        fields = {at: self.fields[at][self.columns[0]] for at in self.block if len(self.fields[at]) > self.columns[0]}
+        values = {at: value for at, field in fields.items() if (value := self._number(field) or 0.0) == value}
+        rows = list(values)
+        decimals = {at: len(DECIMALS.sub(r"\1", fields[at])) for at in rows}
+        usual = {decimals[at] for at in rows[HEADER_NUMBERS:-1]}
+        first = rows[:HEADER_NUMBERS] if self.layout.skip is None else []
+        last = rows[-1:] if self.layout.rows is None else []
+        for at in (*first, *last):
+            is_count = values[at] >= MIN_HEIGHTS and abs(len(rows) - values[at]) <= HEADER_NUMBERS
+            if not is_count and (len(usual) != 1 or decimals[at] in usual):
+                continue
+            heights = f"skip={rows[0]}" if at in first else f"rows={len(rows)}"
+            others = f"skip={at + 1}" if at in first else f"rows={len(rows) - 1}"
+            self._refuse(
+                at,
+                f"may be a count, a step or a length at an end of {len(rows)} numbers",
+                f"say {heights} if it is a height, or {others} to leave it out",
+            )
+
+    def _check_above(self) -> None:
+        """Refuse a line above the table that may belong to it, unless `skip` is given."""
+        if self.layout.skip is not None or self.block[0] == 0:
+            return
+        above = [at for at in range(self.block[0]) if self.lines[at] or not self.with_positions]
+        while above and self._is_comment(self.lines[above[-1]]) and not self._is_heading_of_heights(above[-1]):
+            above.pop()
+        if not above:
+            return
+        at = above[-1]
+        if self._may_belong(at) if self.with_positions else not self._is_heading_of_heights(at):
+            self._refuse(
+                at,
+                "stands above the numbers, and may be a heading or a missing height",
+                f"say skip={self.block[0]} for headings, or {self._word(at)}",
+            )
+
+    def _check_below(self) -> None:
+        """Refuse a line below the table that may belong to it, unless `rows` is given."""
+        below = [at for at in range(self.block[-1] + 1, len(self.lines)) if not self._is_comment(self.lines[at])]
+        if self.layout.rows is not None or not below:
+            return
+        at = next((at for at in below if self.lines[at]), below[0])
+        if not self.with_positions or (self.lines[at] and self._may_belong(at)):
+            rows = sum(not self._is_empty(at) for at in self.block)
+            self._refuse(
+                at,
+                "stands below the numbers, and may be a remark or a missing height",
+                f"say rows={rows} for a remark, or {self._word(at)}",
+            )
+
+    def _may_belong(self, at: int) -> bool:
+        """Whether a line next to a table has its columns, with a number or the same word in all of them."""
+        fields = self._split(self.lines[at])
+        if len(fields) >= self.count and len(set(fields)) == 1:
+            return True
+        uncommented = _split(self.lines[at].lstrip(MARKS), self.delimiter)
+        are_numbers = [
+            not math.isnan(math.nan if (number := self._number(field)) is None else number) for field in uncommented
+        ]
+        return are_numbers[0] or (len(uncommented) <= self.count and any(are_numbers))
+
+    def _is_heading_of_heights(self, at: int) -> bool:
+        """Whether a line names the heights in their column, or their unit."""
+        heading = self.lines[at].lstrip(MARKS)
+        cells = _split(heading, self.delimiter) if self.count > 1 or self.delimiter != BLANK else [heading]
+        cell = cells[self.columns[0]] if len(cells) > self.columns[0] else ""
+        return bool(
+            OF_HEIGHTS.fullmatch(cell) or units_of_heading(heading, self.count, self.delimiter)[self.columns[0]]
+        )
+
+    def _units(self) -> tuple[str, ...]:
+        """The units that the heading directly above the table names for the columns; empty where it names none."""
+        units = units_of_heading(self.heading.lstrip(MARKS), self.count, self.delimiter)
+        return tuple(units[column] for column in self.columns)
+
+    def _valid_column(self) -> int | None:
+        """The column that says which heights are valid: the given one, or one that is called so."""
+        if self.layout.valid is not None:
+            if self.layout.valid >= self.count:
+                raise ValueError(f"valid must be a column from 0 to {self.count - 1}, got {self.layout.valid}")
+            return self.layout.valid
+        cells = _split(self.heading.lstrip(MARKS), self.delimiter)
+        named = [column for column, cell in enumerate(cells[: self.count]) if OF_VALID.fullmatch(cell)]
+        return next((column for column in named if column not in self.columns), None)
+
+    def _is_valid(self, at: int, field: str) -> bool:
+        number = self._number(field)
+        word = str(int(number)) if number in (0, 1) else field.casefold()
+        if word not in VALID:
+            self._refuse(at, f"has {shown(field)} for 0 or 1", "say valid= for the column of valid heights")
+        return VALID[word]
+
+    def _text_above(self, first: int) -> str:
+        """The last line above one that has letters or digits: the heading, if it is one."""
+        above = self.lines[:first] if self.layout.skip is None else self.lines[: self.layout.skip]
+        return next((line for line in reversed(above) if not SIGNS.fullmatch(line or "_")), "")
+
+    def _looks_numeric(self, line: str) -> bool:
+        """Whether a line has only numbers and words for missing heights, whatever its signs mean."""
+        for word in filter(None, self.layout.missing):
+            line = line.replace(word, " nan ")
+        words = [word for word in re.split(rf"[;,|\s\"'{re.escape(self.layout.delimiter or ';')}]+", line) if word]
+        return any(map(DIGITS.fullmatch, words)) and all(DIGITS.fullmatch(w) or MISSING.fullmatch(w) for w in words)
+
+    def _split(self, line: str) -> list[str]:
+        """The fields of a line; a word for a missing height may have blanks or commas in it."""
+        return [line] if line.casefold() in self.missing else _split(line, self.delimiter)
+
+    def _is_comment(self, line: str) -> bool:
+        return any(line.startswith(mark) if mark else not line for mark in self.layout.comment)
+
+    def _refuse_empty(self, at: int) -> NoReturn:
+        self._refuse(
+            at, "is empty", "say missing_value='' if heights are missing in empty lines, or comment='' if not"
+        )
+
+    def _is_empty(self, at: int) -> bool:
+        return not self.lines[at]
+
+    def _word(self, at: int) -> str:
+        """The arguments for what is not read in a line next to the table."""
+        unread = [field for field in self._split(self.lines[at]) if self._number(field) is None]
+        word = unread[-1] if unread else self.lines[at]
+        number = "decimal= or thousands= for the signs of a number, or " if re.search(r"\d", word) else ""
+        return f"{number}missing_value={shown(word)} for a missing height"
+
+    def _refuse(self, at: int, problem: str, remedy: str) -> NoReturn:
+        raise ValueError(f"{self.path}, line {at + 1}, {problem}, got {shown(self.lines[at])}: {remedy}")
 
 
-def _numbers(line: str) -> list[float]:
-    """The numbers of a line, NaN where one is missing; none of a line that has anything else, or nothing."""
-    fields = re.split(r"\s*[,;\s]\s*", line.strip())
-    while len(fields) > 2 and not fields[-1]:
-        fields.pop()  # separators at the end
-    try:
-        numbers = [np.nan if not field or field.lower() in NO_NUMBER else float(field) for field in fields]
-    except ValueError:
-        return []
-    return numbers if line.strip() else []
+def _without_quotes(line: str) -> str:
+    """A line without quotes around the whole of it."""
+    quoted = len(line) > 1 and line[0] == line[-1] == '"' and line.count('"') == 2 and len(line) > 2
+    return line[1:-1].strip(BLANKS) if quoted else line
 
 
-def _units(headings: list[str], columns: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The units that headings name for positions and for heights.
+def _split(line: str, delimiter: str) -> list[str]:
+    """The fields of a line, without blanks and quotes around them."""
+    if delimiter == BLANK:
+        fields = re.split(r"[ \t]+", line.strip(" \t"))
+    elif '"' in line:
+        fields = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    else:
+        fields = line.split(delimiter)
+    return [_unquoted(field.strip(" \t")) for field in fields]
 
-    The lines before the numbers are headings of columns, and so is the last comment among them. Other comments count
-    where they speak of units, as those of Gwyddion do.
-    """
-    written = [line for line in headings if line]
-    x_units: list[str] = []
-    height_units: list[str] = []
-    for line in written:
-        found = units_in(line.lstrip("#").strip())
-        if line.startswith("#") and re.search(r"\bunits?\b", line, re.IGNORECASE) and len(found) == 1:
-            lateral = OF_POSITIONS.search(line)
-            of_both = columns == 2 and re.match(r"#\s*units?\b", line, re.IGNORECASE)
-            x_units += found if lateral or of_both else []
-            height_units += [] if lateral else found
-        elif not line.startswith("#") or line is written[-1]:
-            if len(found) == columns == 2:
-                x_units.append(found[0])
-                height_units.append(found[1])
-            elif len(found) == columns == 1 and (not line.startswith("#") or OF_HEIGHTS.match(line)):
-                height_units.append(found[0])
-    return tuple(filter(None, x_units)), tuple(filter(None, height_units))
+
+def _unquoted(field: str) -> str:
+    return field[1:-1].strip() if len(field) > 1 and field[0] == field[-1] and field[0] in "\"'" else field
+
+
+def _without_empty_ends(fields: Sequence[str]) -> Sequence[str]:
+    """The fields up to the last that is not empty."""
+    used = len(fields)
+    while used > 1 and not fields[used - 1]:
+        used -= 1
+    return fields[:used]

@@ -13,7 +13,7 @@ from __future__ import annotations
 import hashlib
 import math
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,9 +28,10 @@ from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.artefacts import Filled
 from weier.surface.measured.instruments import lines_of, read_lines
+from weier.surface.measured.layout import Layout
 from weier.surface.measured.line import Line, line_of_array
-from weier.surface.measured.text import on_grid
-from weier.surface.measured.units import UNITS, agreed_unit, known_unit
+from weier.surface.measured.positions import on_grid
+from weier.surface.measured.units import UNITS, agreed_unit, in_words, known_unit
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 from weier.tables import html_table
@@ -41,7 +42,9 @@ ROUNDING = 1e-14  # Waves below this part of g_0 are rounding errors.
 # Comparisons of wavelengths allow for this factor, by which quotients of decimal numbers are rounded.
 DECIMAL_ROUNDING = 1 + 1e-9
 LENGTH_TOLERANCE = 0.01  # A given length and that of the file may differ by this part, as both may be rounded.
-MAX_SLOPE = 10.0  # A larger root mean square slope means a wrong unit, since no instrument measures such flanks.
+MAX_LENGTH = 100.0  # m: a longer trace means a wrong unit, since no instrument measures it.
+# Root mean square slopes beyond these mean a wrong unit: no instrument measures such flanks, and mirrors are rougher.
+MIN_SLOPE, MAX_SLOPE = 1e-7, 10.0
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -60,8 +63,8 @@ class Trace(Waves):
     length : float
         Length of the trace, which is as many steps as heights, in m, or in `x_unit` or `unit` where one is given.
     shortest : float, optional
-        The shortest wavelength that is kept, in m, which metrology calls lambda_s; by default two steps, so that all
-        are.
+        The shortest wavelength that is kept, in the unit of `length`, which metrology calls lambda_s; by default two
+        steps, so that all are.
     ends : "mirrored", "periodic" or "tapered"
         Continuation of the surface beyond the ends: as a mirror image, so that the period is twice the length; from
         the start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean
@@ -79,8 +82,8 @@ class Trace(Waves):
         they are interpolated, and where they are at the ends, the trace is cut off.
     max_gap : int
         The largest number of adjacent missing heights that are interpolated, on a straight line.
-    missing_value : float, optional
-        A number that stands for missing heights, such as -9999, in the unit of the heights.
+    missing_value : float or list of float, optional
+        Numbers that stand for missing heights, such as -9999, in the unit of the heights.
 
     Attributes
     ----------
@@ -90,6 +93,8 @@ class Trace(Waves):
         The number of heights, and twelve letters of a digest of the heights and of how they are processed.
     line : int or None
         Which line of a map this is.
+    left_out : tuple of str
+        The lines above and below the table of a file of text.
     filled : Filled
         How many heights were interpolated, `heights`, how many at most beside each other, `longest`, and how many
         were missing at the ends, which are cut off, `cut`.
@@ -128,6 +133,7 @@ class Trace(Waves):
     filled: Filled
     source: str
     line: int | None
+    left_out: tuple[str, ...]
     digest: str
     period: int
     m: int
@@ -148,7 +154,7 @@ class Trace(Waves):
         detrend: str | None = None,
         missing: str = measured.REFUSE,
         max_gap: int = measured.MAX_GAP,
-        missing_value: float | None = None,
+        missing_value: float | Sequence[float] | None = None,
     ) -> None:
         if isinstance(heights, str | Path):
             raise ValueError(f"heights must be numbers, got {shown(heights)}: weier.Trace.read takes a file")
@@ -159,17 +165,19 @@ class Trace(Waves):
         one = heights if isinstance(heights, Line) else line_of_array(heights, length is None)
         of_heights = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
-        z, length = _located(one, z, length, {"unit": unit, "x_unit": x_unit})
+        of_lengths = {"unit": unit, "x_unit": x_unit}
+        z, length = _located(one, z, length, of_lengths)
         given = z.size
-        z, filled = measured.without_gaps(z, missing, max_gap)
+        place = one.place if given == len(one.numbers) else Line(z).place
+        z, filled = measured.without_gaps(z, missing, max_gap, place)
         if filled.cut and ends == PERIODIC:
             raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
         measured.check_sentinels(z)
         z, length = z * of_heights, length * z.size / given
-        shortest = _checked_shortest(shortest, length, z.size)
+        shortest = _checked_shortest(
+            shortest, length, z.size, UNITS[agreed_unit("the length", of_lengths, ()) or "m"]
+        )
         level = _checked_level(z, length / z.size, detrend, ends)
-        if {unit, x_unit, height_unit, *one.x_units, *one.height_units} - {None, "m"}:
-            _check_slope(level, length / z.size)
         period, waves, coefficient = _waves(level, ends, length, shortest)
         g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         contents = repr([length, shortest, ends, detrend, *filled])
@@ -184,6 +192,7 @@ class Trace(Waves):
             filled=filled,
             source=source,
             line=one.number,
+            left_out=one.left_out,
             digest=hashlib.sha256(contents.encode() + z.tobytes()).hexdigest()[:12],
             period=period,
             m=waves.size,
@@ -222,6 +231,16 @@ class Trace(Waves):
         line: int | None = None,
         across: str | None = None,
         channel: int | str | None = None,
+        skip: int | None = None,
+        rows: int | None = None,
+        columns: int | Sequence[int] | None = None,
+        valid: int | None = None,
+        delimiter: str | None = None,
+        decimal: str | None = None,
+        thousands: str | None = None,
+        encoding: str | None = None,
+        comment: str | Sequence[str] | None = None,
+        missing_value: float | str | Sequence[float | str] | None = None,
         **options: Any,
     ) -> Any:
         """A trace from a file of text with one or two columns, or from a file that an instrument wrote.
@@ -229,18 +248,18 @@ class Trace(Waves):
         Parameters
         ----------
         path : path
-            Of text, two columns are positions at equal steps and heights, one column is the heights, between commas,
-            semicolons or blanks. Lines before the first number are headings; where they name units, as in
-            `x (mm),z (um)` or `# Value units: um`, these count. In one column, an empty line between heights or a
-            height behind # is a missing height, and so is a row that is left out of two. Other files are read by
+            Of text, with a table of heights in one column, or positions at equal steps and heights in two. Columns
+            stand between semicolons, tabs, commas or blanks. The table is one block of lines, and the heading
+            directly above it may name the units, as in `x (mm),z (um)`. The lines above and below are left out, and
+            kept in `left_out`. Whatever else is not read as numbers is refused with its line. Other files are read by
             SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
             and some thirty more formats.
         length : float, optional
             Length of the trace, if it is not in the file: in m, or in `x_unit` or `unit` where one is given.
         shortest, ends
-            As of a trace.
+            As of a trace; `shortest` is in the unit of `length`.
         x_unit, height_unit : str, optional
-            Units of positions and heights, if the file does not name them; `unit` is for both.
+            Units of positions and heights, whatever the file says of them; `unit` is for both.
         line : int, optional
             Which line of a map, from 0.
         across : "x" or "y", optional
@@ -248,8 +267,25 @@ class Trace(Waves):
             lines of the map are returned.
         channel : int or str, optional
             Which channel of a file with several; by default the first one that holds heights.
+        skip, rows : int, optional
+            The number of lines above the table in a file of text, and of rows in the table.
+        columns : int or (int, int), optional
+            The column of the heights in a file of text, from 0, or those of the positions and of the heights.
+        valid : int, optional
+            A column in a file of text that says which heights are valid, by 1 or true; by default the one with the
+            heading `valid`, if `columns` leaves it out. The other heights are missing.
+        delimiter, decimal, thousands : str, optional
+            The signs between columns, before decimals and between thousands in a file of text; " " as delimiter
+            stands for blanks.
+        encoding : str, optional
+            Encoding of a file of text, by its name in Python.
+        comment : str or list of str, optional
+            Lines within the table of a file of text that begin with one of these are left out; "" stands for empty
+            lines.
+        missing_value : float, str or list, optional
+            Numbers and words that stand for missing heights; "" stands for empty lines in one column.
         **options
-            `unit`, `detrend`, `missing`, `max_gap`, `missing_value` and `source`, as of a trace.
+            `unit`, `detrend`, `missing`, `max_gap` and `source`, as of a trace.
 
         Returns
         -------
@@ -262,11 +298,36 @@ class Trace(Waves):
         FileNotFoundError
             If there is no such file.
         ValueError
-            If it is no such table and SurfaceTopography cannot read it or is not installed; if a unit is unknown, or
-            contradicts the file; or if its heights are no roughness.
+            If something in a table of text is not read, or its signs have two readings: the message has the line, and
+            the argument that settles it. If a file is no text, and SurfaceTopography cannot read it or is not
+            installed; if a unit is unknown; or if its heights are no roughness.
         """
-        lines = read_lines(checked_file(path), line, across, channel)
+        values = missing_value if isinstance(missing_value, list | tuple) else [missing_value]
+        numbers = [value for value in values if value is not None and not isinstance(value, str)]
+        layout = Layout.checked(
+            missing=tuple(value for value in values if isinstance(value, str)),
+            skip=skip,
+            rows=rows,
+            columns=columns,
+            valid=valid,
+            delimiter=delimiter,
+            decimal=decimal,
+            thousands=thousands,
+            encoding=encoding,
+            comment=comment,
+        )
+        of_both = options.get("unit")
+        # The arguments have precedence over what a file says.
+        lines = [
+            one._replace(
+                x_units=() if x_unit or of_both else one.x_units,
+                height_units=() if height_unit or of_both else one.height_units,
+                length=one.length if length is None else None,
+            )
+            for one in read_lines(checked_file(path), layout, line, across, channel)
+        ]
         options |= {
+            "missing_value": numbers,
             "length": length,
             "shortest": shortest,
             "ends": ends,
@@ -366,6 +427,7 @@ class Trace(Waves):
             ["removed by least squares", self.detrend],
             ["ends", self.ends],
             ["heights interpolated, cut off", f"{self.filled.heights}, {self.filled.cut}"],
+            *(["line of the file left out", line] for line in self.left_out),
         ]
         return html_table(self.describe(), ["property", "value"], rows)
 
@@ -394,7 +456,7 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
         return z, length
     unit = UNITS[known_unit("positions", given, one.x_units)]
     if one.positions is not None:
-        z, own = on_grid(one.positions, z, None if length is None else length / unit)
+        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place)
         return z, own * unit
     own = float(one.length or 0) * unit
     if length is not None and abs(length / own - 1) > LENGTH_TOLERANCE:
@@ -402,20 +464,22 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     return z, own
 
 
-def _checked_shortest(shortest: float | None, length: float, samples: int) -> float:
-    """The shortest wavelength that is kept, in m."""
-    least = 2 * length / samples
-    return checked_number(
+def _checked_shortest(shortest: float | None, length: float, samples: int, unit: float) -> float:
+    """The shortest wavelength that is kept, in m; it is given in the unit of length of the call."""
+    least, most = 2 * length / samples / unit, length / unit
+    return unit * checked_number(
         "shortest",
         least if shortest is None else shortest,
-        f"lie between two steps and the length of the trace, {least:g} and {length:g} m",
-        lambda x: least <= x * DECIMAL_ROUNDING and x <= length * DECIMAL_ROUNDING,
+        f"lie between two steps and the length of the trace, {least:g} and {most:g} {in_words(unit)}",
+        lambda x: least <= x * DECIMAL_ROUNDING and x <= most * DECIMAL_ROUNDING,
     )
 
 
 def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
     """The detrended heights, in m; ValueError unless they are roughness."""
     level = measured.detrended(z, detrend)
+    if not step * z.size <= MAX_LENGTH:
+        raise ValueError(f"length must be at most {MAX_LENGTH:g} m, got {step * z.size:.4g} m: is a unit wrong?")
     if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
         raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
     if ends == PERIODIC:
@@ -424,6 +488,13 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
     else:
         measured.check_jumps(level, step)
         measured.warn_of_form(level)
+    slope = float(np.sqrt(np.mean(np.diff(level) ** 2))) / step
+    if not MIN_SLOPE <= slope <= MAX_SLOPE:
+        limit = f"at most {MAX_SLOPE:g}" if slope > MAX_SLOPE else f"at least {MIN_SLOPE:g}"
+        raise ValueError(
+            f"heights must have a root mean square slope of {limit}, got {slope:.3g} with heights from "
+            f"{level.min():.3g} to {level.max():.3g} m at steps of {step:.3g} m: is a unit wrong?"
+        )
     return level
 
 
@@ -445,16 +516,6 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
             f"which leaves {finest}: take a larger one, or a part of the trace"
         )
     return period, waves[rough], coefficient[rough]
-
-
-def _check_slope(level: Array, step: float) -> None:
-    """Refuse heights that are too steep for any instrument, since a unit must be wrong."""
-    slope = float(np.sqrt(np.mean(np.diff(level) ** 2))) / step
-    if slope > MAX_SLOPE:
-        raise ValueError(
-            f"heights must have a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} with heights from "
-            f"{level.min():.3g} to {level.max():.3g} m at steps of {step:.3g} m: is a unit wrong?"
-        )
 
 
 def _continued(z: Array, ends: str) -> Array:

@@ -39,26 +39,55 @@ SPELLINGS = {
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
-# Patterns of units in headings: in brackets, after a sign, or as the last word.
+# The unit at the end of the cell of a heading: in brackets, after a sign, or as the last word.
 _NAME = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
-_IN_BRACKETS = rf"[\[(]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])]"
-_BEHIND_A_SIGN = rf"[_/:=]\s*({_NAME})(?=\s|$)"
-# The last word is a unit, unless it follows the value of a quantity.
-_LAST_WORD = rf"(?:^|(?<![\d.])\s)({_NAME})$"
-UNIT = re.compile(f"{_IN_BRACKETS}|{_BEHIND_A_SIGN}|{_LAST_WORD}", re.IGNORECASE)
+_IN_BRACKETS = rf"[\[({{<]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])}}>]"
+_BEHIND_A_SIGN = rf"[_/:=]\s*({_NAME})"
+_LAST_WORD = rf"(?:^|\s)({_NAME})"
+UNIT = re.compile(f"(?:{_IN_BRACKETS}|{_BEHIND_A_SIGN}|{_LAST_WORD})$", re.IGNORECASE)
+OTHER_UNIT = re.compile(rf"{_IN_BRACKETS}|(?:^|[\s/*(\[])(?:{_NAME})$", re.IGNORECASE)
+# A factor in front of it: an operator with a number, a number in brackets, or a decimal or power of ten.
+FACTOR = re.compile(
+    r"[x\u00d7*\u00b7/^]\s*[-+]?\d|\d\s*[x\u00d7*\u00b7^]|\d[eE][-+]?\d|[\[({<][^\])}>]*\d|(?<!\d)(10+|\d*[.,]\d+)\W*$"
+)
+NUMBER_AT_THE_END = re.compile(r"\d\s*$")
 
 
-def units_in(heading: str) -> list[str]:
-    """The units that the cells of a heading name: as in `x (mm),z [um]`, `x_mm z_um`, `x in mm; z / um` or `mm um`.
+def units_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
+    """Return the unit that a heading names for each column of a table, empty where it names none.
 
-    A cell without a unit has an empty name in the list, unless blanks alone may stand between the cells.
+    The heading has a cell for each column, between the signs of the table or other ones, as in `x (mm),z [um]`,
+    `x_mm z_um`, `x (mm) z (um)` or `mm um`.
     """
-    cells = [cell.strip() for cell in re.split(r"[,;\t]|\s{2,}", heading.strip()) if cell.strip()]
-    words = heading.split()
-    if len(cells) == 1 and not BRACKETED.keys() & {*words} and all(map(_known, words)):
-        return [_known(word) for word in words]
-    found = [[_known(next(filter(None, unit.groups()))) for unit in UNIT.finditer(cell)] for cell in cells]
-    return found[0] if len(cells) == 1 else [units[-1] if units else "" for units in found]
+    for cells in (
+        heading.split(delimiter) if delimiter != " " else [],
+        re.split(r"[,;\t]|\s{2,}", heading),
+        re.split(r"(?<=[\])])\s+", heading),
+        heading.split(),
+    ):
+        cells = [cell.strip(" \t\"'") for cell in cells]
+        while len(cells) > 1 and not cells[-1]:
+            cells.pop()
+        if len(cells) == columns:
+            return list(map(unit_of_cell, cells))
+    return [""] * columns
+
+
+def unit_of_cell(cell: str) -> str:
+    """Return the unit at the end of the cell of a heading; none if a factor or another unit stands before it."""
+    found = UNIT.search(cell)
+    if found is None:
+        return ""
+    name = cell[: found.start()]
+    is_value = found[1] is None and NUMBER_AT_THE_END.search(name)
+    if is_value or FACTOR.search(name) or OTHER_UNIT.search(name):
+        return ""
+    return _known(next(filter(None, found.groups())))
+
+
+def in_words(unit: float) -> str:
+    """Return the first name of a unit of length."""
+    return next(name for name, size in UNITS.items() if size == unit)
 
 
 def length_unit(name: str) -> str:
