@@ -156,7 +156,7 @@ def shaft(tmp_path):
     return path
 
 
-UNITS = ["--x-unit", "mm", "--height-unit", "um", "--ends", "periodic", "--shortest", "1e-4"]
+UNITS = ["--x-unit", "mm", "--height-unit", "um", "--ends", "periodic", "--shortest", "0.1"]
 
 
 def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):

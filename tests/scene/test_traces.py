@@ -63,6 +63,68 @@ def test_several_files_are_several_cases(folder):
     assert len(loaded.distinct) == 3  # one of them is in `mine`, too
 
 
+def sources(study):
+    return [case.profile.source for case in study]
+
+
+def test_a_pattern_is_its_files_in_natural_order(folder):
+    (folder / "lab" / "day").mkdir(parents=True)
+    (folder / "lab" / "notes.txt").write_text("none")
+    for number in (10, 2, 1):
+        write_heights(folder / "lab" / f"line {number}.csv", HEIGHTS + 1e-9 * number * np.sin(2 * np.pi * X / 32e-6))
+    write_heights(folder / "lab" / "day" / "line 3.csv")
+    batch = {"trace": OPTIONS | {"file": "lab/*.csv"}, "methods": ["bem"]}
+    deep = {"trace": OPTIONS | {"file": ["lab/**/line 3.csv", "lab/line [12].csv"]}, "methods": ["bem"]}
+    loaded = load(folder, studies={"batch": batch, "deep": deep}, figures={})
+    assert sources(loaded.studies["batch"]) == [f"lab/line {number}.csv" for number in (1, 2, 10)]
+    assert sources(loaded.studies["deep"]) == ["lab/day/line 3.csv", "lab/line 1.csv", "lab/line 2.csv"]
+    absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
+    assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
+    (folder / "lab" / "line 11.csv").write_text("x,z\n0,1\n1,rough\n")
+    with pytest.raises(scene.SceneError, match=r"trace\.file: lab/line 11\.csv: .*line 3, "):
+        load(folder, studies={"batch": batch}, figures={})
+    with pytest.raises(scene.SceneError, match=r"trace\.file: there is no file of the pattern .*lab/\*\.dat"):
+        load(folder, studies={"batch": {"trace": OPTIONS | {"file": "lab/*.dat"}, "methods": ["bem"]}}, figures={})
+    write_heights(folder / "lab" / "line 11.csv")
+    with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 4"):
+        load(folder, studies={"batch": batch}, figures={}, max_cases=2)
+
+
+def test_several_shortest_wavelengths_are_a_product_with_the_files(folder):
+    write_heights(folder / "other.csv", HEIGHTS[::-1])
+    options = OPTIONS | {"file": ["shaft.csv", "other.csv"], "shortest": ["8e-6", 3.2e-5]}
+    loaded = load(folder, studies={"both": {"trace": options, "methods": ["bem"]}}, figures={})
+    traces = [case.profile for case in loaded.studies["both"]]
+    assert [(trace.source, trace.shortest) for trace in traces] == [
+        ("shaft.csv", 8e-6),
+        ("shaft.csv", 3.2e-5),
+        ("other.csv", 8e-6),
+        ("other.csv", 3.2e-5),
+    ]
+    assert len(loaded.distinct) == 4
+
+
+def test_the_layout_of_a_text_is_said_in_the_scene(folder):
+    rows = (
+        f"{n};{x};{z:.12f};ok".replace(".", ",") for n, (x, z) in enumerate(zip(1e6 * X, 1e6 * HEIGHTS, strict=True))
+    )
+    text = "\n".join(["7;8;9;10", "n;x;z;note", *rows, "OVER;OVER;OVER;OVER"])
+    (folder / "lab.txt").write_text(text, encoding="utf-16")
+    options = {"file": "lab.txt", "unit": "um", "ends": "periodic", "skip": 2, "rows": 64, "columns": [1, 2]}
+    options |= {
+        "delimiter": ";",
+        "decimal": ",",
+        "encoding": "utf-16",
+        "missing_value": [-9999, "OVER"],
+        "comment": "#",
+    }
+    (case,) = load(folder, studies={"one": {"trace": options, "methods": ["bem"]}}, figures={}).studies["one"]
+    expected = Trace(HEIGHTS, 64e-6, ends="periodic", unit="m")
+    assert case.profile.g_0 == pytest.approx(expected.g_0, rel=1e-9)
+    assert case.profile.lambda_0 == pytest.approx(64e-6, rel=1e-9)
+    assert case.profile.left_out[0] == "7;8;9;10"
+
+
 def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (case,), copied = load(folder).studies["mine"], elsewhere / "shaft.csv"

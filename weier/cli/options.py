@@ -18,6 +18,7 @@ from weier.scene.yaml import parse_yaml
 from weier.surface.loads import MAX_LOADS, positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
 from weier.surface.measured.instruments import AXES
+from weier.surface.measured.layout import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 
@@ -195,6 +196,16 @@ class SolvingCommand(click.Command):
 
 
 UNIT = click.Choice(list(UNITS))
+
+
+def _columns(context: click.Context, option: click.Parameter, text: str | None) -> list[int] | None:
+    """The numbers of columns in a text."""
+    try:
+        return None if text is None else [int(column) for column in text.split(",")]
+    except ValueError:
+        raise click.BadParameter(f"columns are whole numbers, as in 0,2, got {text!r}") from None
+
+
 OF_TRACE = (
     click.Option(
         ["--trace", "trace_file"],
@@ -202,7 +213,9 @@ OF_TRACE = (
         help="Instead of a series: a file with one or two columns of heights, or one of an instrument.",
     ),
     click.Option(
-        ["--shortest"], type=float, help="Shortest wavelength kept of the trace, in m  [default: two steps]."
+        ["--shortest"],
+        type=float,
+        help="Shortest wavelength kept of the trace, in m or in --x-unit or --unit  [default: two steps].",
     ),
     click.Option(
         ["--length"],
@@ -212,8 +225,8 @@ OF_TRACE = (
     click.Option(
         ["--ends"], type=click.Choice(ENDS), help=f"Continuation of the trace beyond its ends  [default: {ENDS[0]}]."
     ),
-    click.Option(["--unit"], type=UNIT, help="Unit of positions or length and heights, if the file names none."),
-    click.Option(["--x-unit"], type=UNIT, help="Unit of the positions or the length alone."),
+    click.Option(["--unit"], type=UNIT, help="Unit of positions, lengths and heights, whatever the file names."),
+    click.Option(["--x-unit"], type=UNIT, help="Unit of the positions and lengths alone."),
     click.Option(["--height-unit"], type=UNIT, help="Unit of the heights alone."),
     click.Option(
         ["--detrend"], type=click.Choice(DETREND), help="What is removed from the heights  [default: their tilt]."
@@ -226,7 +239,20 @@ OF_TRACE = (
         type=int,
         help=f"Largest number of adjacent missing heights that are interpolated  [default: {MAX_GAP}].",
     ),
-    click.Option(["--missing-value"], type=float, help="A number that stands for missing heights."),
+    click.Option(
+        ["--missing-value"], multiple=True, help="A number or a word that stands for missing heights; repeatable."
+    ),
+    click.Option(["--skip"], type=int, help="Number of lines above the table of a file of text."),
+    click.Option(["--rows"], type=int, help="Number of rows of the table."),
+    click.Option(
+        ["--columns"], callback=_columns, help='Column of the heights, from 0, or "0,2" with that of positions.'
+    ),
+    click.Option(["--valid"], type=int, help="Column that says by 1 or true which heights are valid."),
+    click.Option(["--delimiter"], help='Sign between columns; " " stands for blanks.'),
+    click.Option(["--decimal"], type=click.Choice([".", ","]), help="Sign before decimals."),
+    click.Option(["--thousands"], type=click.Choice(list(SEPARATORS)), help="Sign between thousands."),
+    click.Option(["--encoding"], help="Encoding of a file of text, by its name in Python."),
+    click.Option(["--comment"], multiple=True, help="Leave out lines that begin so; repeatable."),
     click.Option(["--line"], type=int, help="Which line of a map, from 0."),
     click.Option(["--across"], type=click.Choice(AXES), help="Axis of the line of a map  [default: x]."),
     click.Option(["--channel"], help="Channel of a file with several, by its name."),
@@ -242,7 +268,7 @@ def of_one_profile(default_loads: str) -> list[click.Parameter]:
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
     """The parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
     series = {name: options.pop(name) for name in SERIES}
-    given = {name: value for name, value in options.items() if value is not None}
+    given = {name: list(v) if isinstance(v, tuple) else v for name, v in options.items() if v not in (None, ())}
     if trace_file is None and given:
         raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
     if trace_file is not None:

@@ -57,7 +57,8 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40 -o limit.json
     weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
-    weier solve --trace shaft.csv --shortest 1e-5 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
+    weier solve --trace shaft.csv --shortest 0.01 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
+    weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
     weier solve --trace map.x3p --line 120 --detrend form --missing interpolate
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -13,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from weier.checks import checked_file
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.yaml import number
@@ -26,8 +29,9 @@ MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one
 MAX_GAMMA = 10**6  # Larger ratios are typing errors, since no surface has a spectrum of so many decades.
 MAX_PHASE = 1e6  # radians: larger floats have too few digits within one turn.
 # The parameters of a trace that are numbers.
-NUMBERS_OF_TRACE = ("shortest", "length", "missing_value")
+NUMBERS_OF_TRACE = ("shortest", "length")
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
+PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
 KEPT_TRACES = 16  # So many traces are kept in memory, since each method of a case reads its trace.
 
 
@@ -80,7 +84,7 @@ class Case:
             return self.surface
         p = self.parameters
         if "trace" in p:
-            return _kept_trace(tuple(p["trace"].items()))
+            return _kept_trace(json.dumps(p["trace"]))
         phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
@@ -127,13 +131,54 @@ def identity(name: str, value: Any) -> Any:
     return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
 
 
-def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
-    """The traces of a file of a scene in this folder, as parameters of a case each: with digests of their heights.
+def trace_files(file: str, folder: Path) -> list[str]:
+    """Return the files of a scene in this folder that a name stands for: one, or those of a pattern as `lab/*.csv`.
 
-    There are several if all lines of a map are wanted. They are named by the path of the file in the scene, which
-    distinguishes files of the same name in two folders.
+    The files of a pattern are in natural order, 2 before 10.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none.
     """
-    numbers = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
+    if not PATTERN.search(file) or (folder / file).exists():
+        checked_file(folder / file)
+        return [file]
+    start = Path(file).anchor
+    base = Path(start) if start else folder
+    found = [path for path in base.glob(str(Path(file).relative_to(start))) if path.is_file()]
+    if not found:
+        raise FileNotFoundError(f"there is no file of the pattern {folder / file}")
+    names = [str(path) if start else path.relative_to(folder).as_posix() for path in found]
+    return sorted(names, key=lambda name: [(int(part or 0), text) for text, part in DIGITS.findall(name)])
+
+
+def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
+    """Return the traces of a trace of a scene in this folder, as parameters of a case each, with their digests.
+
+    There are several if all lines of a map are wanted, if the file is a pattern, and if several wavelengths are given
+    for `shortest`. They are named by the path of the file in the scene, which distinguishes files of the same name in
+    two folders.
+    """
+    shortest = values.get("shortest", [None])
+    shortest = shortest if isinstance(shortest, list) else [shortest]
+    others = {name: value for name, value in values.items() if name not in ("file", "shortest")}
+    files = trace_files(values["file"], folder)
+    traces = []
+    for file, wavelength in itertools.product(files, shortest):
+        own = {"file": file, **others} | ({} if wavelength is None else {"shortest": wavelength})
+        try:
+            traces += _traces_of_file(own, folder)
+        except ValueError as error:
+            raise (ValueError(f"{file}: {error}") if len(files) > 1 else error) from None
+    return traces
+
+
+def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
+    numbers: dict[str, Any] = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
+    if "missing_value" in values:
+        given = values["missing_value"]
+        numbers["missing_value"] = list(map(_number_or_word, given if isinstance(given, list) else [given]))
     source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name
     parameters = {"source": source} | dict(values) | numbers | {"file": str(folder / values["file"])}
     found = Trace.read(**_arguments(parameters))
@@ -149,10 +194,19 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return {"path": parameters["file"], **given}
 
 
+def _number_or_word(value: Any) -> Any:
+    """A number that stands for missing heights, also where YAML takes it for a text; or a word that does."""
+    try:
+        found = number("missing_value", value)
+    except ValueError:
+        return value
+    return found if math.isfinite(found) else value
+
+
 @lru_cache(maxsize=KEPT_TRACES)
-def _kept_trace(parameters: tuple[tuple[str, Any], ...]) -> Trace:
+def _kept_trace(parameters: str) -> Trace:
     """The trace of a file; ValueError if the file has changed since its digest was computed."""
-    known = dict(parameters)
+    known = json.loads(parameters)
     trace: Trace = Trace.read(**_arguments(known))
     if known["digest"] != trace.digest:
         raise ValueError(f"{known['file']} has changed since its scene was read: run snakemake again")

@@ -16,7 +16,7 @@ from weier.data.variables import of_curves
 from weier.methods import auto
 from weier.methods.registry import METHODS, find_method
 from weier.methods.settings import checked_settings, with_tolerance
-from weier.scene.case import trace_parameters
+from weier.scene.case import trace_files, trace_parameters
 from weier.scene.cases import MAX_BATCH_CASES, NAME, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.study import CaseProduct, Study, check_number
@@ -195,7 +195,7 @@ def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistak
     if "trace" not in product:
         return dict(product)
     trace = product["trace"]
-    mistakes.attempt(keys, lambda: checked_file(folder / trace["file"]), None)
+    mistakes.attempt(keys, lambda: trace_files(trace["file"], folder), None)
     wrong = mistakes.within(*keys[:2])  # in its study
     return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
 

@@ -38,6 +38,7 @@ from weier.scene.yaml import number
 from weier.surface.loads import check_range, listed_loads
 from weier.surface.measured.artefacts import DETREND, MISSING
 from weier.surface.measured.instruments import AXES
+from weier.surface.measured.layout import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
@@ -163,6 +164,29 @@ Phases = Annotated[
     Field(min_length=1, title=f"{NUMBERS}, or of lists"),
     BeforeValidator(_as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[Phase], Field(min_length=1)]),
 ]
+Sign = Annotated[str, Field(min_length=1, max_length=1, title="one sign")]
+Word = Annotated[Line, Field(title="a text")]
+Words = Annotated[
+    list[Word],
+    Field(title="a text, or a list of these"),
+    BeforeValidator(_as_list, json_schema_input_type=Word | list[Word]),
+]
+MissingValues = Annotated[
+    list[Number],
+    Field(min_length=1, title="a number or a text, or a list of these"),
+    BeforeValidator(_as_list, json_schema_input_type=float | str | list[float | str]),
+]
+Wavelengths = Annotated[
+    list[Number],
+    Field(min_length=1, title="a number, or a list of these"),
+    AfterValidator(check_once),
+    BeforeValidator(_as_list, json_schema_input_type=float | str | list[float | str]),
+]
+Columns = Annotated[
+    list[Position],
+    Field(min_length=1, max_length=2, title="a whole number, or two of these"),
+    BeforeValidator(_as_list, json_schema_input_type=Position | list[Position]),
+]
 FileNames = Annotated[
     list[FileName],
     Field(min_length=1, title=FILES),
@@ -230,19 +254,36 @@ class TraceKeys(Part):
 
     model_config = ConfigDict(title="a trace")
     file: FileNames = Field(
-        description="A file of text with one or two columns or of an instrument, or a list of files, from the folder "
-        "of the scene."
+        description="A file of text or of an instrument, a pattern such as lab/*.csv, whose files are taken in "
+        "natural order, or a list of these, from the folder of the scene."
     )
-    shortest: Number = Field(ABSENT, description="Shortest wavelength kept, in m; two steps by default.")
+    shortest: Wavelengths = Field(
+        ABSENT,
+        description="Shortest wavelength kept, in m, or in x_unit or unit; two steps by default. With a list, each "
+        "file is a case by each of them.",
+    )
     length: Number = Field(
         ABSENT, description="Length of the trace, if the file does not say it: in m, or in x_unit or unit."
     )
     ends: Annotated[str, OneOf(*ENDS)] = Field(
         ABSENT, description="How the trace is extended beyond its ends; mirrored by default."
     )
-    unit: Unit = Field(ABSENT, description="Unit of both columns and of length, if the file does not name it.")
-    x_unit: Unit = Field(ABSENT, description="Unit of positions and of length.")
+    unit: Unit = Field(
+        ABSENT, description="Unit of positions, length, shortest and heights, whatever the file names."
+    )
+    x_unit: Unit = Field(ABSENT, description="Unit of positions, length and shortest.")
     height_unit: Unit = Field(ABSENT, description="Unit of heights.")
+    skip: Position = Field(ABSENT, description="Number of lines above the table of a file of text.")
+    rows: Count = Field(ABSENT, description="Number of rows of the table.")
+    columns: Columns = Field(
+        ABSENT, description="Column of the heights, from 0, or columns of the positions and of the heights."
+    )
+    valid: Position = Field(ABSENT, description="Column that says by 1 or true which heights are valid.")
+    delimiter: Sign = Field(ABSENT, description='Sign between columns; " " stands for blanks.')
+    decimal: Annotated[str, OneOf(".", ",")] = Field(ABSENT, description="Sign before decimals.")
+    thousands: Annotated[str, OneOf(*SEPARATORS)] = Field(ABSENT, description="Sign between thousands.")
+    encoding: Line = Field(ABSENT, description="Encoding of a file of text, by its name in Python.")
+    comment: Words = Field(ABSENT, description='Lines that begin so are left out; "" stands for empty lines.')
     detrend: Annotated[str, OneOf(*DETREND)] = Field(
         ABSENT,
         description="What is removed from the heights: their mean; a straight line, by default; or a parabola, the "
@@ -252,8 +293,9 @@ class TraceKeys(Part):
         ABSENT, description="What to do with missing heights; refuse by default."
     )
     max_gap: Count = Field(ABSENT, description="Longest run of missing heights that is interpolated; 5 by default.")
-    missing_value: Number = Field(
-        ABSENT, description="A number that stands for missing heights, in the unit of the heights."
+    missing_value: MissingValues = Field(
+        ABSENT,
+        description="Numbers, in the unit of the heights, and words that stand for missing heights.",
     )
     line: Position = Field(
         ABSENT, description="Which line of a map, from 0; without it, and with across, each line is a case."
@@ -316,9 +358,9 @@ class StudyKeys(Part):
 
     @property
     def count(self) -> int:
-        """The number of cases; a map is one until its lines are counted."""
+        """The number of cases; a map or a pattern of files is one until its lines or files are counted."""
         if self.trace:
-            return len(self.trace.file)
+            return len(self.trace.file) * len(self.trace.shortest or [None])
         return sum(math.prod(map(len, axes.values())) for _, axes in self.products)
 
     @property
