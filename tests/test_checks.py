@@ -29,7 +29,7 @@ PROFILE = weier.Profile(1.25, 5, 2, 1.0)
 INTERFACE = weier.Interface(
     mu_1=45e9, mu_2=45e9, nu_1=0.34, nu_2=0.34, rho_1=1.7e-8, rho_2=1.7e-8, lambda_0=1e-3, g_0=1e-6
 )
-HEIGHTS = np.fft.irfft(np.r_[0, np.exp(1j * np.arange(1, 26) ** 2) / np.arange(1, 26)], 64)
+HEIGHTS = 1e-3 * np.fft.irfft(np.r_[0, np.exp(1j * np.arange(1, 26) ** 2) / np.arange(1, 26)], 64)
 TRACE = weier.Trace(HEIGHTS, 1e-3, unit="m")
 
 
