@@ -8,7 +8,8 @@ area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.checks import Condition, checked_number, checked_numbers, checked_word, shown
 from weier.kernels.arrays import Array
+from weier.surface.measured.trace import MAX_SLOPE
 from weier.surface.waves import checked_surface
 from weier.tables import html_table
 
@@ -133,6 +135,11 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
     **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0, units.METRE)),
 }
+# Values outside these ranges are unusual enough for a warning, which names the likely slip.
+USUAL = {
+    "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
+    "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
+}
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
@@ -147,6 +154,18 @@ CASE, LOAD = "case", "load"  # Dimensions; cases of different scale have differe
 
 def _checked(name: str, values: ArrayLike) -> Array:
     return checked_numbers(name, values, *RANGES[name])
+
+
+def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
+    for name, value in bodies.items():
+        what = {"mu": "modulus", "rho": "resistivity"}.get(name[:-2])
+        if what is None or value in (0, math.inf):
+            continue
+        least, most, unit, slip = USUAL[what]
+        if not least <= value <= most:
+            limit = f"below {least:g}" if value < least else f"above {most:g}"
+            yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,7 +191,12 @@ class Interface:
     ------
     ValueError
         If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
-        or if both bodies are rigid.
+        if both bodies are rigid, or if the coarsest wave is steeper than any instrument measures.
+
+    Warns
+    -----
+    UserWarning
+        If a shear modulus is below 1 MPa or above 10 TPa, or a resistivity below 1e-9 or above 1e12 ohm m.
 
     Examples
     --------
@@ -206,12 +230,20 @@ class Interface:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
+        for doubt in _doubts({name: vars(self)[name] for name in BODIES}):
+            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
         scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
         full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
         if not 0 < full < math.inf:
             raise ValueError(
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {full}"
+            )
+        slope = math.sqrt(2) * math.pi * scale[1] / scale[0]
+        if self.g_0 is not None and slope > MAX_SLOPE:
+            raise ValueError(
+                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+                f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m: is a unit wrong?"
             )
 
     def _repr_html_(self) -> str:
@@ -257,7 +289,9 @@ class Interface:
             lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
         else:
             lambda_0, g_0 = map(np.asarray, self._scale())
-        return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
+        with warnings.catch_warnings():  # which were given when this interface was made
+            warnings.simplefilter("ignore")
+            return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Any:
         """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
