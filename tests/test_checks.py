@@ -107,6 +107,9 @@ OWN = {
     "cases": {"phases": 1.0, "seed": None, "study": None},
     "Interface": {"E_1": None, "E_2": None},
     "composite_modulus": {"E_1": None, "E_2": None},
+    "find_load": {"resistance": 1.0, "compliance": None, "contact_fraction": None},
+    "Interface.solve": {"method": "demelio", "pressure": [1e6, 1e7]},
+    "Interface.find_pressure": {"resistance": 1e-10, "compliance": None, "contact_fraction": None},
     "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio"), "unit": None},
 }
 
@@ -253,6 +256,8 @@ NONE_TOO = {
     "fit": {"longest", "shortest"},
     "Interface": {"E_1", "E_2"},
     "composite_modulus": {"E_1", "E_2"},
+    "find_load": {"compliance", "contact_fraction"},
+    "Interface.find_pressure": {"compliance", "contact_fraction"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }
 

@@ -11,7 +11,7 @@ from weier.pipeline.fields import fields
 from weier.pipeline.solve import solve
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
-from weier.theory.conduction import Interface, composite_modulus, greenwood, holm, specific_resistance
+from weier.theory.conduction import Bodies, composite_modulus, greenwood, holm, specific_resistance
 
 STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
 COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}
@@ -19,7 +19,7 @@ ROUGH = {"lambda_0": 1e-4, "g_0": 1e-7}
 
 
 def interface(**changed):
-    return Interface(**{**STEEL, **COPPER, **ROUGH, **changed})
+    return Bodies(**{**STEEL, **COPPER, **ROUGH, **changed})
 
 
 def test_composite_modulus_is_half_of_the_plane_strain_modulus():
@@ -32,18 +32,18 @@ def test_composite_modulus_is_half_of_the_plane_strain_modulus():
 
 def test_bodies_are_given_by_either_modulus_and_by_name_alone():
     of_young = {"E_1": 2 * 80e9 * 1.3, "nu_1": 0.3, "rho_1": 1.4e-7} | COPPER | ROUGH
-    bodies = Interface(**of_young)
+    bodies = Bodies(**of_young)
     assert bodies.composite_modulus == pytest.approx(interface().composite_modulus, rel=1e-15)
     assert replace(bodies, g_0=1e-6).mu_1 == bodies.mu_1
     assert bodies.normalised_pressure(bodies.pressure([0.1, 2.0])) == pytest.approx([0.1, 2.0], rel=1e-15)
     with pytest.raises(ValueError, match="give one of mu_1, the shear modulus, and E_1, Young's modulus, got both"):
-        Interface(**of_young, mu_1=80e9)
+        Bodies(**of_young, mu_1=80e9)
     with pytest.raises(ValueError, match="got neither"):
-        Interface(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
+        Bodies(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
     with pytest.raises(ValueError, match="E_2 must be positive"):
         composite_modulus(mu_1=1.0, nu_1=0.3, E_2=-1.0, nu_2=0.3)
     with pytest.raises(TypeError, match="positional"):
-        Interface(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)
+        Bodies(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)
 
 
 def test_holm_is_the_resistance_of_a_flat_punch_by_the_analogy():

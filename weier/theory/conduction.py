@@ -1,6 +1,6 @@
 """From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
 
-The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of an `Interface` follow
+The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of `Bodies` follow
 from (7): lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times
 area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 """
@@ -169,44 +169,8 @@ def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Interface:
-    """Two bodies in contact: turns normalised results into SI units.
-
-    All values may be quantities of pint or astropy, or arrays with the attribute `units`, which are converted.
-
-    Parameters
-    ----------
-    mu_1, mu_2 : float
-        Shear moduli, in Pa. One may be inf: a rigid body.
-    E_1, E_2 : float
-        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in Pa, which the interface turns into mu.
-    nu_1, nu_2 : float
-        Poisson's ratios, in (-1, 0.5].
-    rho_1, rho_2 : float
-        Resistivities, in ohm m. 0 is a perfect conductor.
-    lambda_0, g_0 : float, optional
-        Wavelength and amplitude of the coarsest wave of a series, in m. The curves of a `Trace` carry its own.
-
-    Raises
-    ------
-    ValueError
-        If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
-        if both bodies are rigid, or if the coarsest wave is steeper than any instrument measures.
-
-    Warns
-    -----
-    UserWarning
-        If a shear modulus is below 1 MPa or above 10 TPa, or a resistivity below 1e-9 or above 1e12 ohm m.
-
-    Examples
-    --------
-    >>> import weier
-    >>> copper = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
-    >>> contact = weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)
-    >>> print(f"{contact.pressure(0.1) / 1e6:.1f} MPa, {contact.resistance(2.5):.2e} ohm m2")
-    21.4 MPa, 1.35e-11 ohm m2
-
-    """
+class Bodies:
+    """Two bodies in contact, which turn normalised results into SI units: see `weier.Interface` for their values."""
 
     mu_1: float = None  # type: ignore[assignment]  # until E_1 gives it
     mu_2: float = None  # type: ignore[assignment]
@@ -225,7 +189,7 @@ class Interface:
             "mu_2": _shear_modulus(2, self.mu_2, E_2, self.nu_2),
         }
         # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
-        given = {name: value for name, value in (vars(self) | moduli).items() if value is not None}
+        given = {name: value for name, value in (vars(self) | moduli).items() if name in BODIES or value is not None}
         vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in given.items()})
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
@@ -266,9 +230,9 @@ class Interface:
     @property
     def full_contact_pressure(self) -> float:
         """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
-        return float(self._units()["p_0*"][0])
+        return float(self._scales()["p_0*"][0])
 
-    def at(self, surface: Any) -> Interface:
+    def at(self, surface: Any) -> Bodies:
         """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
 
         Parameters
@@ -285,7 +249,7 @@ class Interface:
             lambda_0, g_0 = self._scale_of(surface)
             if _varies((lambda_0, g_0)):
                 raise ValueError("surface must be one, got curves of traces of several lengths or heights")
-        elif hasattr(checked_surface(surface), "g_0"):
+        elif hasattr(checked_surface(surface, "surface"), "g_0"):
             lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
         else:
             lambda_0, g_0 = map(np.asarray, self._scale())
@@ -354,7 +318,7 @@ class Interface:
         _check_normalised(data)
         scale = self._scale_of(data)
         found = _over_loads(data) if _varies(scale) and LOADS in data.dims else data
-        known = self._units(*scale)
+        known = self._scales(*scale)
         # By methods of the dataset itself, so that nothing of xarray has to be imported here.
         values = {name: _converted(variable, known) for name, variable in found.variables.items()}
         coordinates = list(found.coords)
@@ -387,8 +351,8 @@ class Interface:
             )
         return self.lambda_0, self.g_0
 
-    def _units(self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None) -> dict[str, tuple[Array, str]]:
-        """The value of each normalised unit in SI units, at the scale given or at that of this interface."""
+    def _scales(self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None) -> dict[str, tuple[Array, str]]:
+        """The value of each normalised unit in SI units, at the scale given or at that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
         p = 2 * math.pi * self.composite_modulus * height / length
@@ -404,7 +368,7 @@ class Interface:
     def _of_unit(self, unit: str, normalised: Any) -> Any:
         """Values of one unit; those that say they are of another one are refused."""
         if not hasattr(normalised, "to_dataset"):
-            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._units()[unit][0])
+            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
         if (own := units.unit_of(normalised) or unit) != unit:
             raise ValueError(f"normalised must be in {unit}, got values in {own}")
         return self.in_si(normalised.assign_attrs(unit=unit))
