@@ -21,7 +21,8 @@ from weier.checks import checked_numbers, hinting
 from weier.data import variables
 from weier.data.variables import VARIABLES
 from weier.methods import patches
-from weier.methods.patches.solver import MIN_LOAD
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.solver import MIN_LOAD, TOLERANCE
 from weier.pipeline.solve import solve
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
@@ -33,6 +34,8 @@ ERROR = "mean_pressure_error"
 LOG_ACCURACY = 1e-14
 FIRST_DECADES = 1.0  # The first bracket is so wide; each further one is twice as wide.
 WIDER = 10.0  # The distance to a load that is certain to lie on one side is found within this factor.
+# A load that misses a tolerance of patches is solved with a looser one; the error of the load follows.
+LOOSER, MAX_TOLERANCE = 100.0, 1e-4
 JUMP = 1e-6  # A quantity that differs by more than this from its target, relative, drops past it.
 
 
@@ -99,7 +102,7 @@ def find_load(
     search = _Search(profile, name)
     found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
-    curve = solve(profile, loads, patches.METHOD.name)
+    curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
     attributes = variables.attributes(ERROR)
     for value, reached, load in zip(targets, curve[name].values, loads, strict=True):
         if name == "resistance" and abs(reached - value) > JUMP * value:
@@ -120,6 +123,7 @@ class _Search:
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.full = float(profile.full_contact_load)
         self.known = dict[float, Value]()
+        self.tolerance = TOLERANCE
 
     def load(self, target: float) -> tuple[float, float]:
         """The load, and its error, in p_0*."""
@@ -156,7 +160,7 @@ class _Search:
     def at(self, log_load: float) -> Value:
         """The quantity under one load."""
         if log_load not in self.known:
-            found = patches.curve(self.profile, [min(math.exp(log_load), self.full)])
+            found = self._curve(min(math.exp(log_load), self.full))
             values = {"compliance": found.indentation, "resistance": found.resistance}
             value = values.get(self.name, found.contact_fraction)
             errors = {"compliance": found.compliance_error, "resistance": found.resistance_error}
@@ -164,6 +168,16 @@ class _Search:
             numbers = (value, error, found.compliance_error, found.resistance)
             self.known[log_load] = Value(*(float(number[0]) for number in numbers))
         return self.known[log_load]
+
+    def _curve(self, load: float) -> patches.PatchCurve:
+        """The solution under one load, as accurate as it can be had."""
+        while True:
+            try:
+                return patches.curve(self.profile, [load], self.tolerance)
+            except ConvergenceError:
+                self.tolerance *= LOOSER
+                if self.tolerance > MAX_TOLERANCE:
+                    raise
 
     def _check(self, target: float) -> None:
         """Refuse what the quantity reaches at no load, or at all loads beyond full contact."""

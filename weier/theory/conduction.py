@@ -351,7 +351,9 @@ class Bodies:
             )
         return self.lambda_0, self.g_0
 
-    def _scales(self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None) -> dict[str, tuple[Array, str]]:
+    def _scales(
+        self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None
+    ) -> dict[str, tuple[Array, str]]:
         """The value of each normalised unit in SI units, at the scale given or at that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
