@@ -5,7 +5,7 @@ from pathlib import Path
 
 from snakemake.utils import validate
 
-from weier.digests import PACKAGE, digest_of_sources
+from weier.digests import PACKAGE
 
 # Snakemake imports weier from the folder of this file, and so do the jobs, from whatever folder they run.
 ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])
@@ -35,42 +35,54 @@ include: "rules/page.smk"
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
-    batch=r"[A-Za-z0-9_-]+",
-    method=r"[a-z]+",
+    batch=r"[a-z_]+-[0-9a-f]{8}-[0-9a-f]{12}",
+    method=r"[a-z_]+",
+    product=r"[A-Za-z0-9_.-]+",
 
 
-onstart:
-    scenes.begin()
-
-
-onsuccess:
-    scenes.finish()
+localrules:
+    all,
+    outdated,
 
 
 # Ctrl-C reaches all programs of a job; `tee -i` ignores it and writes the last messages of the others.
-# The name of a batch is a digest of all its dependencies, so that it never changes, and compiling again does not make it
-# out of date.
+# The name of a batch is a digest of all that its curves depend on, and products carry the digest of what they were made
+# of. So dates make nothing out of date: inputs are ancient.
 rule solve:
     input:
-        batch=ancient("results/{scene}/batches/{batch}.json"),
         kernels=ancient(scenes.kernels),
     output:
-        "results/{scene}/batches/{batch}.nc",
+        "results/curves/{batch}.nc",
     log:
-        "results/logs/{scene}/solve/{batch}.log",
+        "results/logs/curves/{batch}.log",
+    benchmark:
+        "results/logs/curves/{batch}.tsv"
     conda:
         "rules/environment.yaml"
+    resources:
+        mem_mb=scenes.batch_memory,
+        runtime=scenes.batch_minutes,
     params:
+        description=scenes.description,
         label=scenes.batch_label,
     message:
-        "{wildcards.scene}: solve {params.label}"
+        "solve {params.label}"
     shell:
-        "python -m weier batch {input.batch:q} {output:q} 2>&1 | tee -i {log:q}"
+        "python -m weier batch {params.description:q} {output:q} 2>&1 | tee -i {log:q}"
+
+
+# Needed only where a product was made of something else: the product is then made again, and removes the file.
+rule outdated:
+    output:
+        touch("results/logs/{scene}/outdated/{product}"),
+    message:
+        "{wildcards.scene}: {wildcards.product} was made of something else"
 
 
 rule claims:
     input:
-        scenes.batches,
+        batches=ancient(scenes.batches),
+        outdated=scenes.outdated_data,
     output:
         data="results/{scene}/contact.nc",
         table=report(
@@ -81,20 +93,26 @@ rule claims:
         ),
     log:
         "results/logs/{scene}/claims.log",
+    benchmark:
+        "results/logs/{scene}/claims.tsv"
     conda:
         "rules/environment.yaml"
+    resources:
+        mem_mb=scenes.memory,
+        runtime=scenes.minutes,
     params:
         scene=scenes.scene_file,
-        depends_on=scenes.claims_digest,
     message:
         "{wildcards.scene}: gather all curves and check the claims"
     shell:
-        "python -m weier claims {params.scene:q} results/{wildcards.scene}/batches {output:q} 2>&1 | tee -i {log:q}"
+        "python -m weier claims {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
+        " && rm -f {input.outdated:q}"
 
 
 rule figure:
     input:
-        scenes.batches_of_figure,
+        batches=ancient(scenes.batches_of_figure),
+        outdated=scenes.outdated_figure,
     output:
         pdf="results/{scene}/figures/{figure}.pdf",
         svg="results/{scene}/figures/{figure}.svg",
@@ -106,16 +124,21 @@ rule figure:
         ),
     log:
         "results/logs/{scene}/figure/{figure}.log",
+    benchmark:
+        "results/logs/{scene}/figure/{figure}.tsv"
     conda:
         "rules/environment.yaml"
+    resources:
+        mem_mb=scenes.memory,
+        runtime=scenes.minutes,
     params:
         scene=scenes.scene_file,
-        depends_on=scenes.figure_digest,
     message:
         "{wildcards.scene}: draw {wildcards.figure}"
     shell:
-        "python -m weier figures {params.scene:q} results/{wildcards.scene}/batches"
+        "python -m weier figures {params.scene:q} results/curves"
         " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
+        " && rm -f {input.outdated:q}"
 
 
 rule all:

@@ -28,7 +28,7 @@ rule measure_tradeoff:
         "environment.yaml"
     threads: cores()
     params:
-        depends_on=digest_of_sources(*MEASURED),
+        depends_on=digest_of_code(("weier.accuracy.tradeoff", "")),
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
@@ -44,7 +44,7 @@ rule measure_convergence:
     conda:
         "environment.yaml"
     params:
-        depends_on=digest_of_sources(*MEASURED),
+        depends_on=digest_of_code(("weier.accuracy.convergence", "")),
     shell:
         "python -m weier convergence {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
 
@@ -60,7 +60,7 @@ rule measure_extremes:
     conda:
         "environment.yaml"
     params:
-        depends_on=digest_of_sources(*MEASURED),
+        depends_on=digest_of_code(("weier.accuracy.extremes", "")),
     shell:
         "python -m weier extremes {output:q} 2>&1 | tee -i {log:q}"
 
@@ -84,6 +84,8 @@ rule draw:
     conda:
         "environment.yaml"
     params:
-        depends_on=digest_of_sources(*PICTURES),
+        depends_on=lambda wildcards: digest_of_code(
+            (f"weier.figures.{wildcards.figure}", "draw"), ("weier.figures", "draw")
+        ),
     shell:
         "python -m weier draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"

@@ -2,14 +2,14 @@
 from functools import partial
 
 from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import ExecMode
 
+from weier.digests import digest_of_code, digest_of_sources
 from weier.figures import kinds
 from weier.figures.captions import caption
 from weier.figures.checks import load_by_name
 from weier.methods.registry import METHODS
 from weier.pipeline.workflow import (
-    MEASURED,
-    PICTURES,
     Scenes,
     check_packages,
     kernels_file,
@@ -27,8 +27,25 @@ def cores():
         return 1
 
 
+def runs():
+    """Whether this process is going to run jobs; a dry run, a summary or a cluster job begins and writes nothing."""
+    return (
+        workflow.executor_plugin is not None
+        and workflow.exec_mode == ExecMode.DEFAULT
+        and not workflow.dryrun
+        and not workflow.touch
+    )
+
+
+settings = workflow.execution_settings
 scenes = Scenes(
-    SCENES, partial(load_by_name, folder=CONFIG / "scenes"), CONFIG, cores()
+    SCENES,
+    partial(load_by_name, folder=CONFIG / "scenes"),
+    CONFIG,
+    cores(),
+    runs=runs,
+    locks=settings is None or settings.lock,
+    prune=bool(config.get("prune")),
 )
 
 

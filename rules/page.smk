@@ -6,8 +6,9 @@ rule pages:
 
 rule page:
     input:
-        contact="results/{scene}/contact.nc",
-        figures=scenes.figures,
+        contact=ancient("results/{scene}/contact.nc"),
+        figures=ancient(scenes.figures),
+        outdated=scenes.outdated_page,
     output:
         "results/{scene}/page.html",
     log:
@@ -16,9 +17,9 @@ rule page:
         "environment.yaml"
     params:
         scene=scenes.scene_file,
-        depends_on=scenes.page_digest,
     message:
         "{wildcards.scene}: write the page"
     shell:
-        "python -m weier page {params.scene:q} results/{wildcards.scene}/batches {input.contact:q} {output:q}"
+        "python -m weier page {params.scene:q} results/curves {input.contact:q} {output:q}"
         " results/{wildcards.scene}/figures 2>&1 | tee -i {log:q}"
+        " && rm -f {input.outdated:q}"

@@ -9,7 +9,7 @@ import yaml
 from weier import scene
 from weier.data import dataset
 from weier.pipeline.batch import solve_batch
-from weier.pipeline.batches import Solutions, read_batch
+from weier.pipeline.batches import Solutions
 from weier.scene import Scene
 
 
@@ -22,13 +22,11 @@ def scene_in(folder: Path, content: str | Mapping[str, Any], load: Callable[[Pat
 
 def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
     """Solve what is missing of a scene in a folder of batches, cut for so many cores."""
-    for path in Solutions(scene, folder).files(cores=cores):
+    solutions = Solutions(scene, folder)
+    for path in solutions.files(cores=cores):
         if not path.exists():
-            batch = read_batch(path.with_suffix(".json"))
-            dataset.write(
-                solve_batch(batch.cases, batch.common["loads"], batch.common["contact_edges"]),
-                path,
-                batch.title,
-                "solved",
-            )
+            batch = solutions.store.batch(path.stem)
+            curves = solve_batch(batch.cases, batch.kind.loads, batch.kind.contact_edges)
+            dataset.write(curves, path, batch.title, "solved", name=batch.name)
+    solutions.store.write()
     return Solutions(scene, folder)

@@ -74,7 +74,7 @@ def load_or_refuse(path):
     else:
         names = [name for group in (loaded.studies, loaded.figures) for name in group]
         assert all(re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_+-]*", name) for name in names)
-        assert all(case.curve_keys for case in itertools.islice(loaded.distinct, 100))
+        assert all(case.key for case in itertools.islice(loaded.distinct, 100))
         loaded.title.encode()
     lines = refusal.splitlines()
     assert len(lines) < 33

@@ -56,10 +56,11 @@ def run(checkout, *arguments, scene="test"):
 
 
 def planned(checkout, *arguments, scene="test"):
-    """How often each rule would run."""
+    """How often each rule would run, but for the one that only collects."""
     text = run(checkout, "--dry-run", *arguments, scene=scene)
     table = text.partition("Job stats:")[2].partition("total")[0]
-    return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+    found = {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+    return {rule: count for rule, count in found.items() if rule not in ("all", "pages")}
 
 
 def ran(said):
@@ -81,7 +82,7 @@ def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
     done = call(copy)
     assert done.returncode == 1
     lines = [line for line in done.stderr.splitlines() if line]
-    assert lines[-1].startswith("weier: results/test/batches/"), done.stderr
+    assert lines[-1].startswith("weier: results/test"), done.stderr
     assert "Traceback" not in done.stderr
 
 
@@ -103,13 +104,13 @@ def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
     path.write_text(slow)
     done = call(checkout, scene="slow")
     assert done.returncode == 1
-    (first,) = re.findall(r"^slow: 1 case to solve, in about \S+ s on 2 cores$", done.stderr, re.MULTILINE)
+    (first,) = re.findall(r"^slow: 1 curve to solve, in about \S+ s on 2 cores$", done.stderr, re.MULTILINE)
     last = done.stderr.partition("weier: ")[2]
-    assert re.search(r"longer than 0\.0001 s: add max_seconds: \S+ to the scene", last)
+    assert re.search(r"longer than 0\.0001 s: set max_seconds: \S+ in the scene", last)
     assert first in call(checkout, "--dry-run", scene="slow").stderr
     path.write_text(slow.replace("1.0e-4", "100"))
     said = run(checkout, "--until", "solve", scene="slow")
-    assert said.index(first) < said.index("slow: solve 1 case from short to long")
+    assert said.index(first) < said.index("solve 1 case from short to long")
 
 
 @pytest.mark.parametrize("command", ["--summary", "--dry-run", "--dag"])
@@ -121,7 +122,7 @@ def test_what_runs_no_job_needs_no_number_of_cores(checkout, command):
 
 def test_one_figure_needs_only_its_cases(checkout):
     jobs = planned(checkout, "results/test/figures/one.png")
-    assert jobs == {"solve": 1, "figure": 1}
+    assert jobs == {"solve": 2, "figure": 1}
 
 
 def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path, monkeypatch):
@@ -162,7 +163,7 @@ def test_a_page_and_all_products_need_the_same_jobs(checkout):
     """A case of several figures is solved once."""
     for targets in (["pages"], ["all", "pages"], ["results/test/figures/two.png", "all"]):
         jobs = planned(checkout, *targets)
-        assert (jobs["solve"], jobs["figure"], jobs["claims"]) == (2, 2, 1)
+        assert (jobs["solve"], jobs["figure"], jobs["claims"]) == (4, 2, 1)
 
 
 @pytest.fixture(scope="module")
@@ -171,13 +172,37 @@ def finished(checkout):
     return checkout
 
 
-def test_a_copy_of_the_results_alone_solves_nothing_again(finished, tmp_path):
-    """Without Snakemake's notes, and with descriptions that are newer than what they describe."""
+def test_a_copy_of_the_results_alone_makes_nothing_again(finished, tmp_path):
+    """Without Snakemake's notes, and with files of any dates."""
     copy = tmp_path / "copy"
     shutil.copytree(finished, copy, ignore=shutil.ignore_patterns(".snakemake"))
-    for description in (copy / "results/test/batches").glob("*.json"):
-        description.touch()
-    assert "solve" not in planned(copy)
+    for path in (copy / "results/test").rglob("*"):
+        path.touch()
+    for path in (copy / "results/curves").iterdir():
+        path.touch()
+    assert planned(copy) == {}
+    figure = copy / "results/test/figures/one.png"
+    figure.write_bytes((copy / "results/test/figures/two.png").read_bytes())
+    assert planned(copy) == {"outdated": 1, "figure": 1}
+    assert ran(run(copy)) == {"figures": 1}
+    assert figure.read_bytes() == (finished / "results/test/figures/one.png").read_bytes()
+    assert planned(copy) == {}
+
+
+def test_what_runs_no_job_writes_nothing(checkout, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake", "results", "__pycache__"))
+    for command in ("--dry-run", "--summary", "--dag"):
+        assert call(copy, command).returncode == 0
+    assert not (copy / "results").exists()
+
+
+def test_another_title_changes_the_data_alone(finished):
+    path = finished / "config/scenes/test.yaml"
+    path.write_text(SCENE.replace("title: test", "title: other"))
+    assert planned(finished) == {"outdated": 1, "claims": 1}
+    path.write_text(SCENE)
+    assert planned(finished) == {}
 
 
 def test_a_run_leaves_every_product(finished):
@@ -210,14 +235,31 @@ def test_a_new_date_runs_nothing(finished):
     assert planned(finished) == {}
 
 
-def test_a_changed_solver_runs_all(finished):
+def test_docstrings_comments_and_readers_of_files_run_nothing(finished):
+    """In any module; and the report of a folder needs no more than a look at it."""
+    changed = 0
+    for path in (finished / "weier").rglob("*.py"):
+        text = path.read_text()
+        path.write_text(text.replace('"""', '"""Something else. ', 1) + "\n# A comment.\n")
+        changed += path.read_text().count("Something else.")
+    assert changed > 100
+    with (finished / "weier/surface/measured/text.py").open("a") as source:
+        source.write("\n\ndef more():\n    return 1\n")
+    assert planned(finished) == {}
+
+
+def test_a_changed_solver_runs_its_own_method(finished):
     edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
-    before = (finished / "results/test/contact.nc").read_bytes()
-    batches = finished / "results/test/batches"
-    old = {path.name for path in batches.iterdir()}
+    curves = finished / "results/curves"
+    old = {path.name for path in curves.iterdir()}
     assert ran(run(finished)) == {"solve": 2, "figures": 2, "claims": 1}
-    assert (finished / "results/test/contact.nc").read_bytes() == before
-    assert old.isdisjoint(path.name for path in batches.iterdir())  # what nobody needs any more is gone
+    new = {path.name for path in curves.iterdir()} - old
+    assert {name.partition("-")[0] for name in new} == {"bem"}
+    assert old < {path.name for path in curves.iterdir()}  # what nobody needs any more stays until it is pruned
+    command = ["snakemake", "--cores", "2", "--config", "scenes=test", "prune=1"]
+    done = subprocess.run(command, cwd=finished, capture_output=True, text=True, check=True)
+    assert re.search(r"^2 of 6 batches are of no scene: removed, which frees \d\.\d MB$", done.stderr, re.M)
+    assert {path.name for path in curves.glob("bem-*")} == new
 
 
 def test_a_run_that_is_planned_names_its_jobs(finished):
@@ -229,9 +271,12 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
     jobs = re.findall(r"^Job \d+: (.*)$", said, re.M)
     assert sorted(re.sub(r", in about \S+ s$", "", job) for job in jobs) == [
         "everything of test",
+        "solve 1 case of long by bem",
+        "solve 1 case of long by demelio",
         "test: draw two",
         "test: gather all curves and check the claims",
-        "test: solve 1 case of long",
+        "test: contact.nc was made of something else",
+        "test: two was made of something else",
     ]
 
 
@@ -239,11 +284,11 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     path = finished / "config/scenes/test.yaml"
     rough = "  rough: {product: {D: 1.5, gamma: 5, m: 3}, methods: [archard]}"  # longer, and by another method
     path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
-    assert planned(finished)["solve"] == 1
+    assert planned(finished) == {"solve": 1, "outdated": 1, "claims": 1}
     run(finished)
     assert planned(finished) == {}
     path.write_text(SCENE)
-    assert "solve" not in planned(finished)
+    assert planned(finished) == {"outdated": 1, "claims": 1}
     run(finished)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Method, Style
+from weier.methods.method import Method, Settings, Style
 from weier.surface.profile import Profile
 
 
@@ -28,6 +29,11 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError("the toy is for several waves, got m = 1: take westergaard")
 
 
+def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
+    for fraction in (0.25, 0.5):
+        yield f"{fraction:g}", {"fraction": fraction}
+
+
 TOY = Method(
     name="toy",
     label="a toy",
@@ -35,4 +41,6 @@ TOY = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#123456", (7, 2), "p"),
+    algorithms=({}, {"fraction": 0.1}),
+    variants=_variants,
 )

@@ -31,7 +31,9 @@ def scene_file(tmp_path):
 
 @pytest.fixture
 def description(scene_file, tmp_path):
-    (path,) = Solutions(scene.load(scene_file), tmp_path / "batches").files()
+    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
+    (path,) = solutions.files()
+    solutions.store.write()
     return path.with_suffix(".json")
 
 
@@ -47,7 +49,7 @@ def test_a_batch_becomes_a_file(description, tmp_path):
     assert done.returncode == 0
     said = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
     assert len(said) == 1
-    assert re.fullmatch(r"solve 1 case of one: \d+\.\d s", said[0])
+    assert re.fullmatch(r"solve 1 case of one by \w+: \d+\.\d s", said[0])
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc"}
 
 
@@ -70,13 +72,13 @@ def test_an_unknown_figure_is_refused(scene_file):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by all of demelio in none: run snake"),
+        (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by demelio in none: run snake"),
         (["batch", "test.yaml", "x.nc"], 1, "test.yaml does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
-        (["page", "test.yaml", "none", "contact.nc", "x.html", "."], 1, "is not solved by all of demelio in none"),
+        (["page", "test.yaml", "none", "contact.nc", "x.html", "."], 1, "is not solved by demelio in none"),
     ],
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):

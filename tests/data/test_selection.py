@@ -16,7 +16,7 @@ import yaml
 import weier
 from weier import Profile, scene
 from weier.data import dataset
-from weier.pipeline.batches import Solutions, read_batch
+from weier.pipeline.batches import Solutions
 
 METHODS = ["demelio", "bem"]
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -82,65 +82,6 @@ def test_what_was_selected_away_comes_back_as_one_value(path):
         assert again.compliance.dims == ("case", "solution_method", "mean_pressure")
         assert again.phases.values.tolist() == [[0, 1, 1]]
         assert again["key"].values.tolist() == ["case2"]
-
-
-def solved():
-    profiles = [Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), Profile(1.5, 5, 2, 1.0)]
-    return weier.solve(profiles, [0.1, 0.5, 1.0], ["archard", "demelio"])
-
-
-SELECTED = {
-    "one case": lambda data: data.isel(case=0),
-    "one method": lambda data: data.sel(solution_method="demelio"),
-    "one load": lambda data: data.isel(mean_pressure=1),
-    "one number": lambda data: data.isel(case=1, solution_method=0, mean_pressure=2),
-    "some loads": lambda data: data.sel(mean_pressure=[1.0, 0.1]),
-    "transposed": lambda data: data.transpose(),
-    "loads first": lambda data: data.transpose("mean_pressure", ...),
-    "squeezed": lambda data: data.isel(case=[0]).squeeze(),
-    "one case with a dimension again": lambda data: data.isel(case=0).expand_dims("case"),
-    "by another label": lambda data: data.swap_dims(case="D"),
-    "without names": lambda data: data.drop_vars("case"),
-    "one quantity": lambda data: data[["compliance"]],
-}
-
-
-@pytest.mark.parametrize("select", SELECTED.values(), ids=SELECTED)
-def test_a_selection_has_the_same_rows(select):
-    """Each row has the labels and the phases of its own curve."""
-    rows = {}
-    for row in solved().weier.table().to_dict("records"):
-        rows[row["D"], row["solution_method"], row["mean_pressure"]] = row
-    selected = select(solved())
-    table = selected.weier.table()
-    assert len(table) == selected.compliance.size
-    for row in table.to_dict("records"):
-        expected = rows[row["D"], row["solution_method"], row["mean_pressure"]]
-        assert row == {name: expected[name] for name in row}
-    for D in np.unique(selected.D):
-        cases = selected.weier.cases(D=float(D))
-        assert cases.compliance.dims == ("case", "solution_method", "mean_pressure")
-        assert cases.compliance.size == selected.compliance.size / np.unique(selected.D).size
-
-
-def test_a_selection_that_is_no_curve_any_more_is_refused():
-    with pytest.raises(ValueError, match="has the dimension case, which curves have not: unstack it first"):
-        solved().stack(row=("case", "mean_pressure")).weier.table()
-    with pytest.raises(ValueError, match="phases are not among the coordinates"):
-        solved()[["compliance"]].weier.cases(phases=1.0)
-    with pytest.raises(ValueError, match="data must have the coordinate phases"):
-        weier.profile_of(solved()[["compliance"]].isel(case=0))
-
-
-def test_names_of_files_may_have_commas():
-    z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
-    names = ["map.x3p, x 1", "side A.csv", "a, side A.csv"]
-    traces = [weier.Trace(z, length, unit="m", source=name) for length, name in enumerate(names, start=1)]
-    curves = weier.solve(traces, [0.1], ["bem"])
-    for length, name in enumerate(names, start=1):
-        assert curves.weier.cases(trace=name).trace_length.values.tolist() == [length]
-    with pytest.raises(ValueError, match=r"no case has trace = 'map.x3p': choose from a, side A.csv, map.x3p, x 1"):
-        curves.weier.cases(trace="map.x3p")
 
 
 @pytest.mark.parametrize(
@@ -255,34 +196,35 @@ def dimensions(start, count):
 @pytest.fixture(scope="module")
 def many(count, tmp_path_factory):
     folder = tmp_path_factory.mktemp("many")
-    data = dataset.blank(PART, METHODS_OF_MANY, LOADS, 3)
-    random = np.random.default_rng(1)
-    for values in data.data_vars.values():
-        if values.dtype.kind == "f":
-            values.values[:] = random.random(values.shape).round(2)
-    data["gamma"].values[:], data["m"].values[:], data["points"].values[:] = 5, 3, 1600
     for name, cases in (("few", 100), ("many", count)):
         product = {"D": {"from": 1.25, "to": float(dimensions(0, cases)[-1]), "count": cases}, "gamma": 5, "m": 3}
         fields = {"title": name, "loads": LOADS.tolist(), "methods": METHODS_OF_MANY}
         fields |= {"max_cases": cases, "batch": PART, "studies": {"one": {"product": product}}}
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))
-    for path in Solutions(scene.load(folder / "many.yaml"), folder / "batches").files():
-        first, *others = read_batch(path.with_suffix(".json")).cases
-        part = data.isel(case=slice(1 + len(others)))
-        part["D"].values[:] = [case.profile.D for case in (first, *others)]
-        dataset.write(part, path, "part")
+    random, solutions = np.random.default_rng(1), Solutions(scene.load(folder / "many.yaml"), folder / "batches")
+    for path in solutions.files():
+        batch = solutions.store.batch(path.stem)
+        part = dataset.blank(len(batch.cases), [batch.kind.method], LOADS, 3)
+        for values in part.data_vars.values():
+            if values.dtype.kind == "f":
+                values.values[:] = random.random(values.shape).round(2)
+        part["gamma"].values[:], part["m"].values[:], part["points"].values[:] = 5, 3, 1600
+        part["D"].values[:] = [case.profile.D for case in batch.cases]
+        dataset.write(part, path, "part", name=batch.name)
+    solutions.store.write()
     return folder
 
 
 def test_many_cases_are_gathered_and_read_in_little_memory(many, count):
     assert peak(GATHER, many) < MEMORY + MEMORY_CASES * count
     assert peak(LOOK, many / "many.nc", many / "few.nc") < MEMORY + MEMORY_CASES * count
-    last = max((many / "batches").glob("*.nc"), key=lambda path: dataset.read(path)["D"].values[-1])
+    last = max((many / "batches").glob("bem*.nc"), key=lambda path: dataset.read(path)["D"].values[-1])
     with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(last) as part:
         assert data.sizes["case"] == count
         assert data["D"].values.tolist() == dimensions(0, count).tolist()
         for name in ("compliance", "status", "settings"):
-            assert data[name][-part.sizes["case"] :].variable.equals(part[name].variable), name
+            own = data[name][-part.sizes["case"] :, -1:]
+            assert own.variable.equals(part[name].variable), name
         curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
         assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20
 

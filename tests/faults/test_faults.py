@@ -126,9 +126,9 @@ def test_after_a_worker_is_killed_the_next_run_makes_the_same_files(checkout, un
 
 def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_path):
     """But the job that it had begun: it ends, and no other begins."""
-    (batch,) = (checkout / "results/test/batches").glob("*.nc")
-    forget(checkout, *PRODUCTS, f"batches/{batch.name}")
-    with paused(checkout, f"batches/{batch.name}", tmp_path) as (snakemake, worker):
+    (batch,) = (checkout / "results/curves").glob("demelio-*.nc")
+    forget(checkout, *PRODUCTS, f"../curves/{batch.name}")
+    with paused(checkout, f"../curves/{batch.name}", tmp_path) as (snakemake, worker):
         snakemake.kill()
         snakemake.wait(PATIENCE)
         assert not gone(worker)
@@ -153,7 +153,7 @@ def all_states():
 
 def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_c):
     """Its event loop would note the signal and go on, which takes minutes where plans have to compile kernels."""
-    (described,) = (checkout / "results/test/batches").glob("*.json")
+    (described,) = (checkout / "results/curves").glob("*.json")
     shutil.rmtree(described.parent)
     with paused(checkout, f"batches/{described.name}", tmp_path) as (snakemake, planning):
         assert planning == snakemake.pid
@@ -252,13 +252,13 @@ def test_a_flipped_bit_is_seen_by_whoever_reads(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", [cut, flip, replace_by_another])
 def test_a_damaged_batch_is_named_and_solved_again_once_it_is_deleted(checkout, undisturbed, damage):
-    (batch,) = (checkout / "results/test/batches").glob("*.nc")
+    (batch,) = (checkout / "results/curves").glob("demelio-*.nc")
     damage(batch)
     code, said = run(checkout)
     assert code != 0
-    assert f"results/test/batches/{batch.name} is" in said
+    assert f"results/curves/{batch.name} is" in said
     assert "again" in said
-    forget(checkout, f"batches/{batch.name}")
+    forget(checkout, f"../curves/{batch.name}")
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
@@ -336,7 +336,7 @@ def test_files_from_the_future_are_taken_for_those_of_now(checkout, undisturbed)
 def test_a_clock_that_goes_back_stops_a_run_and_harms_no_later_one(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
     with paused(checkout, "contact.nc", tmp_path) as (snakemake, _):
-        date(checkout / "results/test/batches", 9e5)
+        date(checkout / "results/curves", 9e5)
     assert snakemake.returncode != 0
     assert "clock skew" in (tmp_path / "said").read_text()
     assert_the_next_run_is_undisturbed(checkout, undisturbed)

@@ -1,10 +1,16 @@
 """What is solved is found again case by case, and only what is missing is cut into batches."""
 
+import numpy as np
 import pytest
 
 from tests.scenes import scene_in, solve_scene
-from weier.pipeline import batches
-from weier.pipeline.batches import Missing, Solutions, cut_into_batches, read_batch
+from weier import digests
+from weier.methods import demelio
+from weier.methods.registry import find_method
+from weier.methods.settings import defaults
+from weier.pipeline import curves
+from weier.pipeline.batches import Solutions, unused
+from weier.pipeline.curves import Store, cut, read_batch
 from weier.pipeline.gather import read_study
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
@@ -21,12 +27,15 @@ def load(folder, **changes):
 
 
 def missing(folder, **changes):
-    """Methods of each case that would be solved, and what is solved already stays where it is."""
+    """The cases of each method that would be solved, and what is solved already stays where it is."""
     before = {path: path.stat().st_mtime_ns for path in folder.glob("batches/*.nc")}
-    files = Solutions(load(folder, **changes), folder / "batches").files(cores=2)
-    made = [read_batch(path.with_suffix(".json")) for path in files if path not in before]
+    solutions = Solutions(load(folder, **changes), folder / "batches")
+    solutions.files(cores=2)
     assert before == {path: path.stat().st_mtime_ns for path in folder.glob("batches/*.nc")}
-    return [case for batch in made for case in batch.cases]
+    found = {}
+    for batch in solutions.to_solve.values():
+        found.setdefault(batch.kind.method, []).extend(batch.cases)
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -62,13 +71,51 @@ BOTH, LAYER = ("archard", "demelio"), ("layer",)
 )
 def test_only_what_is_missing_is_solved(solved, changes, count, methods):
     found = missing(solved, **changes)
-    assert [case.methods for case in found] == [methods] * count
-    assert all(case.settings == changes.get("settings", {}) for case in found)
+    assert {method: len(cases) for method, cases in found.items()} == {method: count for method in methods if count}
+    for method, cases in found.items():
+        own = {method: given} if (given := changes.get("settings", {}).get(method)) else {}
+        assert all((case.methods, case.settings) == ((method,), own) for case in cases)
 
 
-def test_another_program_solves_all_again(solved, monkeypatch):
-    monkeypatch.setattr(batches, "digest_of_sources", lambda *parts: "another")
-    assert len(missing(solved)) == 12
+def test_a_setting_at_its_default_is_the_default(solved):
+    assert missing(solved, methods=["layer"]).keys() == {"layer"}
+    solve_scene(load(solved, methods=["layer"]), solved / "batches")
+    points = defaults(find_method("layer"))["points"]
+    assert missing(solved, methods=["layer"], settings={"layer": {"points": points}}) == {}
+    assert missing(solved, methods=["layer"], settings={"layer": {"points": points + 1}}).keys() == {"layer"}
+
+
+@pytest.fixture
+def other_code(monkeypatch):
+    """Another state of the code of one method."""
+    known = curves.numerics.__wrapped__
+    changed = {"code": "another", "packages": ""}
+    monkeypatch.setattr(curves, "numerics", lambda method, of: changed if method == "demelio" else known(method, of))
+
+
+@pytest.mark.usefixtures("other_code")
+def test_a_changed_solver_solves_the_curves_of_its_own_method(solved):
+    assert {method: len(cases) for method, cases in missing(solved).items()} == {"demelio": 12}
+
+
+def test_the_code_of_a_method_is_what_it_runs():
+    def reached(method):
+        found = find_method(method)
+        named = list(digests._named((found.solve, found.applies)))
+        return {module for module, _ in digests._reached(named, ())}
+
+    assert demelio.__name__ in reached("demelio")
+    assert "weier.methods.archard" not in reached("demelio")
+    assert {"weier.methods.bem.solver", "weier.theory.halfplane"} <= reached("bem")
+    assert not any(module.startswith(("weier.scene", "weier.figures", "weier.pipeline")) for module in reached("bem"))
+
+
+def test_scenes_that_share_cases_solve_them_once(tmp_path):
+    store = Store(tmp_path / "batches")
+    one = Solutions(load(tmp_path), store)
+    other = Solutions(load(tmp_path, title="other", **product(seed=[2, 3, 4], m=2)), store)
+    assert len(set(one.files())) == 2
+    assert sorted(len(store.batch(path.stem).cases) for path in set(other.files())) == [4, 4, 12, 12]
 
 
 def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):
@@ -94,47 +141,55 @@ def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):
         (500.0, 3, 2, 3),
     ],
 )
-def test_batches_are_twice_as_many_as_cores_and_neither_short_nor_long(tmp_path, seconds, count, cores, expected):
-    loaded = load(tmp_path)
-    members = [Missing(loaded.distinct[0], ("one",), seconds)] * count
-    parts = cut_into_batches(members, loaded, cores)
-    assert sum(map(len, parts)) == count
+def test_batches_are_twice_as_many_as_cores_and_neither_short_nor_long(seconds, count, cores, expected):
+    parts = cut(np.full(count, seconds), 1000, cores)
+    sizes = [part.stop - part.start for part in parts]
+    assert sum(sizes) == count
     assert len(parts) == expected
-    assert max(map(len, parts)) - min(map(len, parts)) <= 1
+    assert max(sizes) - min(sizes) <= 1
 
 
-def test_batches_are_no_larger_than_asked(tmp_path):
-    members = [Missing(case, ("one",), 1e-3) for case in load(tmp_path).distinct]
-    parts = cut_into_batches(members, load(tmp_path, batch=5), 1)
-    assert [len(part) for part in parts] == [4, 4, 4]
+def test_batches_are_no_larger_than_asked():
+    assert [part.stop - part.start for part in cut(np.full(12, 1e-3), 5, 1)] == [4, 4, 4]
 
 
 def test_a_study_needs_only_its_own_cases(tmp_path):
     """Later calls contain them as well."""
     studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT | {"seed": [2, 7]}}}
-    solutions = Solutions(load(tmp_path, studies=studies), tmp_path)
+    solutions = Solutions(load(tmp_path, studies=studies, methods=["demelio"]), tmp_path)
     (path,) = solutions.files(["two"])
-    assert len(read_batch(path.with_suffix(".json")).cases) == 8
-    again, other = solutions.files()
+    assert len(solutions.store.batch(path.stem).cases) == 8
+    again, other = sorted(solutions.files(), key=lambda each: each != path)
     assert again == path
-    assert len(read_batch(other.with_suffix(".json")).cases) == 8
+    assert len(solutions.store.batch(other.stem).cases) == 8
     assert set(solutions.files(["one"])) == {path, other}
     assert len(solutions.to_solve) == 2
 
 
-def test_a_batch_says_what_it_holds(tmp_path):
-    (path,) = Solutions(load(tmp_path), tmp_path).files()
-    batch = read_batch(path.with_suffix(".json"))
-    assert batch.title == "12 cases of one"
-    assert batch.common["loads"] == [0.1, 1.0]
+def test_a_batch_is_read_as_it_was_described(tmp_path):
+    """Its cases may have other parameters each."""
+    studies = {
+        "one": {"product": PRODUCT},
+        "two": {"product": {"D": 1.5, "gamma": "5/2", "m": 2, "phases": [[0, 1]]}},
+    }
+    solutions = Solutions(load(tmp_path, studies=studies, methods=["demelio"]), tmp_path / "batches")
+    (path,) = solutions.files()
+    assert not (tmp_path / "batches").exists()  # before it is to be solved
+    solutions.store.write()
+    described, found = solutions.store.batch(path.stem), read_batch(path.with_suffix(".json"))
+    assert found.title == described.title == "13 cases from one to two by demelio"
+    assert found.name == described.name == path.stem
+    assert list(found.cases) == list(described.cases)
+    assert found.kind == described.kind
+    assert found.kind.loads == [0.1, 1.0]
 
 
-def test_batches_of_another_program_go(solved, tmp_path, monkeypatch):
-    scene_then = load(tmp_path)
-    solve_scene(scene_then, tmp_path / "batches")
-    Solutions(load(tmp_path, loads=[3.0]), tmp_path / "batches").files()  # planned and not solved
-    Solutions(scene_then, tmp_path / "batches").tidy()
-    assert [len(list((tmp_path / "batches").glob(f"*.{kind}"))) for kind in ("json", "nc")] == [1, 1]
-    monkeypatch.setattr(batches, "digest_of_sources", lambda *parts: "another")
-    Solutions(scene_then, tmp_path / "batches").tidy()
-    assert list(tmp_path.glob("batches/*")) == []
+def test_only_batches_that_no_scene_uses_are_unused(tmp_path):
+    folder = tmp_path / "batches"
+    solve_scene(load(tmp_path), folder)
+    solve_scene(load(tmp_path, loads=[3.0]), folder)
+    current = Solutions(load(tmp_path), folder)
+    found = unused(Store(folder), [current])
+    assert len(found) == 2
+    assert all(size == (folder / f"{name}.nc").stat().st_size for name, size in found.items())
+    assert unused(Store(folder), [current, Solutions(load(tmp_path, loads=[3.0]), folder)]) == {}

@@ -263,7 +263,7 @@ def test_a_case_of_two_studies_counts_once():
 @pytest.fixture
 def solved_with(loaded, solutions):
     """The solved scene, with claims about its studies."""
-    return lambda **names: Solutions(replace(loaded, claims=names), solutions.folder)
+    return lambda **names: Solutions(replace(loaded, claims=names), solutions.store.folder)
 
 
 def test_a_scene_names_claims_that_there_are(solved_with):

@@ -9,7 +9,8 @@ from tests.scenes import scene_in
 from weier import scene
 from weier.methods import registry
 from weier.methods.registry import find_method
-from weier.pipeline.batches import CASE_SECONDS, Solutions, read_batch
+from weier.pipeline.batches import Solutions
+from weier.pipeline.curves import CASE_SECONDS
 from weier.pipeline.forecast import LONG, MAX_SECONDS, forecast, forecast_scene
 from weier.scene import Case
 
@@ -59,7 +60,7 @@ def forecast_of(folder, cores=1, **changes):
     product = {"D": [1.1, 1.25, 1.5], "gamma": 2, "m": 2}
     content = {"title": "t", "loads": [0.1, 1.0], "methods": ["patches"], "studies": {"one": {"product": product}}}
     solutions = Solutions(scene_in(folder, content | changes), folder)
-    expected = [read_batch(path.with_suffix(".json")).seconds for path in solutions.files(cores=cores)]
+    expected = [solutions.store.batch(path.stem).seconds for path in solutions.files(cores=cores)]
     return forecast_scene(solutions.scene, solutions.to_solve.values(), cores), expected
 
 
@@ -68,13 +69,13 @@ def test_a_short_scene_says_nothing_unless_it_has_a_limit(tmp_path, seconds):
     (lines, refusal), expected = forecast_of(tmp_path)
     assert (lines, refusal) == ([], "")
     assert sum(expected) == pytest.approx(LONG / 2 + 3 * CASE_SECONDS)
-    assert forecast_of(tmp_path, max_seconds=100)[0] == (["scene: 3 cases to solve, in about 15 s on 1 core"], "")
+    assert forecast_of(tmp_path, max_seconds=100)[0] == (["scene: 3 curves to solve, in about 15 s on 1 core"], "")
 
 
 def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, seconds):
     seconds(400 - CASE_SECONDS)
     lines, refusal = forecast_of(tmp_path, max_seconds=600)[0]
-    assert lines == ["scene: 3 cases to solve, in about 1200 s on 1 core"]
+    assert lines == ["scene: 3 curves to solve, in about 1200 s on 1 core"]
     assert "it would take longer than 600 s: set max_seconds: 1400 in the scene" in refusal
     assert not forecast_of(tmp_path, max_seconds=1400)[0][1]
     lines, refusal = forecast_of(tmp_path, cores=3, max_seconds=600)[0]

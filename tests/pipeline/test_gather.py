@@ -1,5 +1,6 @@
 """Cases from batches: gathered into a file, or read into memory, in their order."""
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,8 +10,10 @@ from weier.data import dataset
 from weier.data.variables import Status
 from weier.pipeline import batch
 from weier.pipeline import gather as gathering
-from weier.pipeline.batches import Solutions
+from weier.pipeline.curves import numerics
 from weier.pipeline.gather import gather, read_cost, read_study
+
+VERSIONS = ("numpy", "scipy", "numba", "rocket_fft")
 
 
 @pytest.fixture
@@ -37,7 +40,8 @@ def test_a_study_keeps_its_order(waves):
 
 def without_studies(data):
     """What a batch knows of a scene's file."""
-    return data.drop_vars([name for name in data.variables if str(name).startswith("study")])
+    known = [name for name in data.variables if str(name).startswith("study")]
+    return data.drop_vars([*known, "numerics"])
 
 
 @pytest.mark.parametrize("block", [1, 2**25])
@@ -73,19 +77,40 @@ studies:
 
 def test_batches_of_other_methods_and_terms_come_together(tmp_path):
     mixed = scene_in(tmp_path, MIXED)
-    solutions = Solutions(mixed, tmp_path / "batches")
-    for study in mixed.studies:
-        (path,) = solutions.files([study])
-        data = batch.solve_batch(mixed.study(study), mixed.loads, mixed.contact_edges)
-        dataset.write(data, path, study)
+    solutions = solve_scene(mixed, tmp_path / "batches")
     parts = [dataset.read(path) for path in sorted((tmp_path / "batches").glob("*.nc"))]
-    assert [(part.solution_method.values.tolist(), part.sizes["term"], part.sizes["edge"]) for part in parts] == [
-        (["demelio"], 2, 10),
-        (["archard", "patches"], 1, 2),
+    assert [(part.solution_method.values.tolist(), part.sizes["term"]) for part in parts] == [
+        (["archard"], 1),
+        (["demelio"], 2),
+        (["patches"], 1),
     ]
-    gather(Solutions(mixed, tmp_path / "batches"), tmp_path / "both.nc")
+    gather(solutions, tmp_path / "both.nc")
     both = without_studies(dataset.read(tmp_path / "both.nc"))
     xr.testing.assert_equal(both.drop_attrs(), without_seconds(mixed))
+
+
+def test_the_code_and_packages_of_each_curve_stand_beside_it(solutions, waves, tmp_path):
+    code = [numerics(method, of_trace=False)["code"] for method in ("westergaard", "demelio", "bem")]
+    assert len(set(code)) == 3
+    assert waves.numerics.values.tolist() == [code] * 3
+    gather(solutions, tmp_path / "a.nc")
+    with dataset.open_dataset(tmp_path / "a.nc") as data:
+        versions = [f"{name.replace('_', '-')} {data.attrs[f'{name}_version']}" for name in VERSIONS]
+    assert ", ".join(versions) == numerics("bem", of_trace=False)["packages"]
+
+
+@pytest.mark.parametrize("damage", ["edited", "swapped"])
+def test_a_batch_that_another_program_has_changed_is_refused(loaded, tmp_path, damage):
+    solutions = solve_scene(loaded, tmp_path / "batches", cores=2)
+    one, other, *_ = sorted((tmp_path / "batches").glob("*.nc"))
+    if damage == "swapped":
+        one.write_bytes(other.read_bytes())
+    else:
+        with netCDF4.Dataset(one, "a") as file:
+            file["compliance"][...] = 1.0
+    expected = {"swapped": "is another file than its name says", "edited": "is not as weier wrote it"}
+    with pytest.raises(ValueError, match=rf"{one.name} {expected[damage]}.*delete it and make it again"):
+        gather(solutions, tmp_path / "a.nc")
 
 
 EDGES = """
@@ -104,7 +129,7 @@ def test_the_edges_of_contact_are_those_of_the_last_method_that_tells_them(tmp_p
     solve_scene(scene_in(tmp_path, EDGES.format(methods="bem")), tmp_path / "batches")
     grown = scene_in(tmp_path, EDGES.format(methods=later))
     data = read_study(solve_scene(grown, tmp_path / "batches"), "one")
-    xr.testing.assert_equal(data.drop_attrs(), without_seconds(grown))
+    xr.testing.assert_equal(data.drop_vars("numerics").drop_attrs(), without_seconds(grown))
 
 
 @pytest.mark.parametrize("reader", [xr.open_dataset, dataset.open_dataset])

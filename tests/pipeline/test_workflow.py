@@ -7,12 +7,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import xarray as xr
 
+from tests.scenes import solve_scene
+from weier.data import dataset
 from weier.figures.checks import load_by_name
 from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.pipeline import workflow
-from weier.pipeline.batches import read_batch
+from weier.pipeline.products import mark
 from weier.pipeline.workflow import Scenes, check_packages, ending_in_one_sentence, kernels_file, kernels_of
 
 SCENE = """
@@ -37,9 +40,10 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def scenes(*names, cores=2):
+def scenes(*names, cores=2, **options):
     """As the rules have them, in a new run."""
-    return Scenes(names or ("test",), partial(load_by_name, folder="config/scenes"), Path("config"), cores)
+    load = partial(load_by_name, folder="config/scenes")
+    return Scenes(names or ("test",), load, Path("config"), cores, **options)
 
 
 def of(**wildcards):
@@ -60,25 +64,37 @@ def test_the_products_are_data_claims_and_all_figures(folder):
     assert len(made) == 2 + 2 * 3
 
 
-def test_data_that_are_cut_short_are_found(folder):
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [
+        (lambda content: content[:5000], "is not a whole netCDF file"),
+        (lambda content: content[:-80], "is not as weier wrote it, but changed by another program: delete it"),
+        (
+            lambda content: content.replace(b"a line", b"b line"),
+            "is not as weier wrote it, but changed by another program or the disk: delete it",
+        ),
+    ],
+)
+def test_data_that_are_damaged_are_found(folder, damage, sentence):
     path = folder / "results/test/contact.nc"
-    path.parent.mkdir(parents=True)
-    path.write_bytes(b"\x89HDF")
-    with pytest.raises(SystemExit, match=r"^weier: results/test/contact.nc is not a whole netCDF file"):
+    dataset.write(xr.Dataset({"key": ("case", ["a"])}), path, "a line")
+    scenes().products(of())
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(SystemExit, match=rf"^weier: results/test/contact.nc {sentence}"):
         scenes().products(of())
 
 
-@pytest.mark.parametrize(("order", "count"), [(["all", "one", "two"], 1), (["one", "two", "all"], 2)])
-def test_each_case_is_in_one_batch_whoever_asks_first(folder, order, count):
+@pytest.mark.parametrize(("order", "count"), [(["all", "one", "two"], 2), (["one", "two", "all"], 4)])
+def test_each_curve_is_in_one_batch_whoever_asks_first(folder, order, count):
     in_order = scenes(cores=1)
     found = {
         name: in_order.batches(of()) if name == "all" else in_order.batches_of_figure(of(figure=name))
         for name in order
     }
-    assert sorted({*found["one"], *found["two"]}) == sorted(found["all"])
-    assert len(found["all"]) == count  # the two cases of the first figure, and one more of the second
-    described = [read_batch(Path(path).with_suffix(".json")) for path in found["all"]]
-    assert sum(len(batch.cases) for batch in described) == 3
+    assert {*found["one"], *found["two"]} == {*found["all"]}
+    assert len(found["all"]) == count  # of each method: the two cases of the first figure, and one more of the second
+    batches = [in_order.store.batch(Path(path).stem) for path in found["all"]]
+    assert sum(len(batch.cases) for batch in batches) == 6
 
 
 def test_a_figure_of_no_study_needs_no_curves(folder):
@@ -87,32 +103,116 @@ def test_a_figure_of_no_study_needs_no_curves(folder):
 
 
 def test_a_batch_says_what_it_holds_and_takes(folder):
-    (path,) = scenes(cores=1).batches(of())
-    assert scenes().batch_label(of(batch=Path(path).stem)) == "3 cases from short to long, in about 1 s"
+    run = scenes(cores=1)
+    for path, method in zip(run.batches(of()), ("demelio", "bem"), strict=True):
+        batch = of(batch=Path(path).stem)
+        label = f"3 cases from short to long by {method}, in about 1 s"
+        assert run.batch_label(batch) == scenes().batch_label(batch) == label
+        assert scenes().batch_memory(batch, attempt=2) == 2 * scenes().batch_memory(batch, attempt=1) >= 1000
+        assert scenes().batch_minutes(batch, attempt=1) == 5
+    assert run.memory(of(), attempt=3) > run.memory(of(), attempt=1)
+    assert run.minutes(of(), attempt=3) == 30
+
+
+def test_nothing_is_written_unless_jobs_will_run(folder):
+    dry = scenes(runs=lambda: False)
+    for path in dry.batches(of()):
+        assert dry.batch_label(of(batch=Path(path).stem)).startswith("3 cases")
+    dry.products(of())
+    dry.outdated_data(of())
+    assert [path.name for path in folder.iterdir()] == ["config"]
+
+
+def digests(now):
+    figures = [now._inputs("test", name) for name in ("one", "two")]
+    return (*figures, now._inputs("test", "page.html"), now._inputs("test", ""))
 
 
 def test_digests_change_with_what_they_are_of(folder):
-    def digests():
-        now = scenes()
-        figures = [now.figure_digest(of(figure=name)) for name in ("one", "two")]
-        return (*figures, now.page_digest(of()), now.claims_digest(of()))
+    def changed(first):
+        return [old != new for old, new in zip(first, digests(scenes()), strict=True)]
 
-    first = digests()
-    assert digests() == first
+    first = digests(scenes())
+    assert changed(first) == [False, False, False, False]
     change(folder, "resistance,", "resistance, x: linear,")  # the second figure
-    assert [old == new for old, new in zip(first, digests(), strict=True)] == [True, False, False, False]
+    assert changed(first) == [False, True, True, True]
     change(folder, ", x: linear", "")
     change(folder, "[1, 2]", "[1, 4]")  # cases of the first
-    assert [old == new for old, new in zip(first, digests(), strict=True)] == [False, False, False, False]
+    assert changed(first) == [True, False, True, True]
     change(folder, "[1, 4]", "[1, 2]")
-    assert digests() == first
+    assert changed(first) == [False, False, False, False]
+    change(folder, "title: test", "title: other")
+    assert changed(first) == [False, False, True, True]
     change(folder, "[0.1, 1.0]", "[0.1, 4.0]")
-    assert not set(first) & set(digests())
+    assert changed(first) == [True, True, True, True]
+
+
+def test_products_that_were_made_of_something_else_are_outdated(folder):
+    made = folder / "results/test"
+    (made / "figures").mkdir(parents=True)
+    now = scenes()
+    one, two, page, data = digests(now)
+    for name, inputs in (("one", one), ("two", two)):
+        for suffix in ("pdf", "svg", "png"):
+            (made / f"figures/{name}.{suffix}").write_text(f"a figure, {mark(inputs)}")
+    (made / "page.html").write_text(mark(page))
+    (made / "claims.md").write_text(mark(data))
+    dataset.write(xr.Dataset(), made / "contact.nc", "data", name=data)
+
+    def outdated():
+        run = scenes()
+        figures = [run.outdated_figure(of(figure=name)) for name in ("one", "two")]
+        found = [*figures, run.outdated_page(of()), run.outdated_data(of())]
+        names = ["one", "two", "page.html", "contact.nc"]
+        for name, paths in zip(names, found, strict=True):
+            assert paths in ([], [f"results/logs/test/outdated/{name}"])
+        return [bool(paths) for paths in found]
+
+    assert outdated() == [False, False, False, False]
+    (made / "figures/one.svg").write_bytes((made / "figures/two.svg").read_bytes())
+    assert outdated() == [True, False, False, False]
+    (made / "figures/one.svg").unlink()  # Snakemake makes what is missing
+    assert outdated() == [False, False, False, False]
+    (made / "page.html").write_text("of an older version")
+    dataset.write(xr.Dataset(), made / "contact.nc", "data", name=one)
+    assert outdated() == [False, False, True, True]
+
+
+def test_a_locked_folder_is_refused_at_once(folder):
+    locks = folder / ".snakemake/locks"
+    locks.mkdir(parents=True)
+    (locks / "0.output.lock").write_text("results/other/contact.nc\n")
+    scenes().begin()
+    (locks / "1.output.lock").write_text("results/test/contact.nc\n")
+    with pytest.raises(SystemExit, match=r"^weier: results/test is locked by another run of snakemake.*--unlock"):
+        scenes().products(of())
+    scenes(runs=lambda: False).begin()  # a dry run reads only
+    scenes(locks=False).begin()
+
+
+def test_unused_batches_are_removed_when_asked(folder, capsys):
+    for name in ("test", "other"):
+        (folder / f"config/scenes/{name}.yaml").write_text(SCENE.replace("[demelio, bem]", "[demelio]"))
+    (used,) = map(Path, scenes().batches(of()))
+    solve_scene(scenes().scene("test"), used.parent)
+    old = used.parent / "demelio-00000000-000000000000.nc"
+    for path in (old, old.with_suffix(".json"), used.parent / "bem-00000000-000000000000.json"):
+        path.write_bytes(bytes(1500))
+    capsys.readouterr()
+    scenes(prune=True, runs=lambda: False).begin()
+    said = "1 of 2 batches are of no scene: {}, which frees 0.0 MB\n"
+    assert capsys.readouterr().err == said.format("would be removed")
+    assert old.exists()
+    scenes().begin()
+    assert old.exists()
+    scenes(prune=True).begin()
+    assert capsys.readouterr().err == said.format("removed")
+    assert sorted(used.parent.iterdir()) == [used.with_suffix(".json"), used]
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
-    for function in (scenes().products, scenes().batches, partial(scenes().figure_digest)):
+    for function in (scenes().products, scenes().batches, scenes().batches_of_figure):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
             function(of(figure="one"))
     with pytest.raises(SystemExit, match=r"^weier: there is no scene 'tset'.*did you mean 'test'"):
@@ -126,43 +226,34 @@ def test_an_unknown_figure_ends_in_one_sentence(folder):
 
 def test_the_cost_of_a_scene_with_a_limit_is_reported_once_and_excess_is_refused(folder, capsys):
     change(folder, "title", "max_seconds: 1.0e-6\ntitle")
-    slow = scenes()
+    slow = scenes(runs=lambda: False)
     for _ in range(2):
         slow.batches(of())
     forecast, refusal = capsys.readouterr().err.splitlines()
-    assert forecast.startswith("test: 3 cases to solve, in about ")
+    assert forecast.startswith("test: 6 curves to solve, in about ")
     assert refusal.startswith("test: it would take longer than 1e-06 s: set max_seconds: ")
     with pytest.raises(SystemExit, match=r"^weier: test: it would take longer than 1e-06 s"):
-        slow.begin()
+        scenes().batches(of())
+    assert not (folder / "results").exists()
 
 
-def test_a_run_begins_with_order_and_ends_with_where_the_curves_are(folder, capsys):
+def test_a_run_begins_with_order(folder):
     left = folder / f"results/test/.contact.nc.{os.uname().nodename.partition('.')[0]}.999999999"
     left.parent.mkdir(parents=True)
     left.touch()
-    run = scenes()
-    run.begin()
+    scenes(runs=lambda: False).begin()
+    assert left.exists()
+    scenes().begin()
     assert not left.exists()
-    run.finish()
-    assert capsys.readouterr().err == ""
-    (described,) = run.batches(of())
-    (folder / "results/test/contact.nc").touch()
-    run.finish()
-    assert not Path(described).with_suffix(".json").exists()  # it was never solved
-    assert "pages --config scenes=test` makes a page of them" in capsys.readouterr().err
-    (folder / "results/test/page.html").touch()
-    run.finish()
-    assert capsys.readouterr().err == (
-        "test: the curves are in results/test/contact.nc, results/test/page.html shows them\n"
-    )
 
 
-def test_kernels_are_compiled_for_the_numerical_methods_of_a_scene(folder, tmp_path, monkeypatch):
+def test_kernels_are_compiled_for_the_numerical_method_of_a_batch(tmp_path, monkeypatch):
     monkeypatch.setattr(workflow, "DISABLED", False)
     monkeypatch.setattr(workflow, "cache_folder", lambda: tmp_path / "cache")
-    assert scenes().kernels(of()) == [kernels_file("bem")] == [str(tmp_path / "cache/compiled/bem")]
-    change(folder, "methods: [demelio, bem]", "methods: [demelio, auto]\ntolerance: 0.1")
-    assert scenes().kernels(of()) == kernels_of(registry.METHODS)  # whichever of them is chosen
+    kernels = scenes().kernels
+    assert kernels(of(batch="bem-00275236-531c1e7735aa")) == [kernels_file("bem")]
+    assert kernels_file("bem") == str(tmp_path / "cache/compiled/bem")
+    assert kernels(of(batch="demelio-00275236-531c1e7735aa")) == []
     (tmp_path / "cache").touch()  # takes no files
     assert kernels_of([find_method("bem")]) == []
 

@@ -1,12 +1,14 @@
 """Studies know their cases without making all of them."""
 
 import itertools
-import json
 
+import numpy as np
 import pytest
 
 from tests.scenes import scene_in
 from weier import scene
+from weier.scene.case import Case, short_key
+from weier.scene.identity import Lookup, as_text, distinct, from_text
 from weier.scene.study import CaseProduct, Study
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
@@ -49,10 +51,34 @@ def test_a_study_is_a_sequence(overlapping):
     assert len(Study([])) == 0
 
 
-def test_cases_have_the_same_identity_if_they_have_the_same_key(overlapping):
-    identities = itertools.chain.from_iterable(product.identities for product in overlapping.products)
-    pairs = set(zip([case.key for case in Study(overlapping.products)], identities, strict=True))
-    assert len(pairs) == len({key for key, _ in pairs}) == len({identity for _, identity in pairs})
+def test_keys_of_products_are_those_of_their_cases(overlapping):
+    for product in overlapping.products:
+        cases = [product.case(position) for position in range(product.count)]
+        assert [short_key(key) for key in product.case_keys] == [case.key for case in cases]
+        assert np.array_equal(product.surface_keys, [case.surface_key for case in cases])
+        assert len({case.key for case in cases}) == len({repr(case) for case in cases})
+
+
+def test_numbers_that_are_equal_are_the_same_surface():
+    one, other = (Case({"D": 1.5, "gamma": 5, "m": m}, ("demelio",), {}) for m in (2, 2.0))
+    assert one.key == other.key
+    assert one.key != Case({"D": 1.5, "gamma": 5, "m": 3}, ("demelio",), {}).key
+
+
+@pytest.mark.parametrize("count", [0, 1, 500])
+def test_keys_are_found_like_words_in_a_dictionary(count):
+    random = np.random.default_rng(1)
+    table = random.integers(0, 30, (count, 2)).astype(
+        np.uint64
+    )  # so few values that many keys share their first word
+    first, number = distinct(table)
+    seen = {}
+    assert number.tolist() == [seen.setdefault(tuple(key), len(seen)) for key in table.tolist()]
+    assert first.tolist() == [number.tolist().index(each) for each in range(len(seen))]
+    wanted = random.integers(0, 31, (200, 2)).astype(np.uint64)
+    known = {tuple(key): place for place, key in reversed(list(enumerate(table.tolist())))}
+    assert Lookup(table).find(wanted).tolist() == [known.get(tuple(key), -1) for key in wanted.tolist()]
+    assert np.array_equal(from_text(as_text(table)), table)
 
 
 def test_every_case_is_there_once_with_its_studies(overlapping):
@@ -75,11 +101,6 @@ def test_every_value_of_a_parameter_is_checked(tmp_path):
         load(tmp_path, studies={"one": {"product": {"D": 1.5, "gamma": 2, "m": [2, 3], "phases": [0.0, [0.0, 1.0]]}}})
     with pytest.raises(scene.SceneError, match="at most 100000 times into the period"):
         load(tmp_path, methods=["bem"], studies={"one": {"product": FINE}})
-
-
-def test_definitions_are_plain(overlapping):
-    for product in overlapping.products:
-        assert json.loads(json.dumps(product.definition))
 
 
 def test_the_product_of_a_case_is_the_first_that_has_it(overlapping):

@@ -63,17 +63,17 @@ def batch(description: Path, data: Path) -> None:
     """
     from weier.data import dataset
     from weier.pipeline.batch import solve_batch
-    from weier.pipeline.batches import read_batch
+    from weier.pipeline.curves import read_batch
 
     wanted = read_batch(description)
     with job("solve", wanted.title):
         curves = solve_batch(
             wanted.cases,
-            wanted.common["loads"],
-            wanted.common["contact_edges"],
+            wanted.kind.loads,
+            wanted.kind.contact_edges,
             done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
         )
-        dataset.write(curves, data, wanted.title, "solved")
+        dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
 
 
 @click.command(hidden=True)
@@ -89,13 +89,15 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
     from weier.figures import draw
     from weier.pipeline.batches import Solutions
     from weier.pipeline.gather import read_study
+    from weier.pipeline.products import inputs_of_figure, mark
 
     with job("figures", scene_file.stem, *names):
-        loaded = weier.load_scene(scene_file)
-        study = cache(partial(read_study, Solutions(loaded, batches)))
-        for name in names or loaded.figures:
-            wanted = loaded.figure(name)
-            draw(wanted, [study(name) for name in wanted.studies], folder / f"{name}.png")
+        solutions = Solutions(weier.load_scene(scene_file), batches)
+        study = cache(partial(read_study, solutions))
+        for name in names or solutions.scene.figures:
+            wanted = solutions.scene.figure(name)
+            made_of = mark(inputs_of_figure(solutions, name))
+            draw(wanted, [study(name) for name in wanted.studies], folder / f"{name}.png", mark=made_of)
 
 
 @click.command(hidden=True)
@@ -113,6 +115,8 @@ def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
 
     with job("claims", scene_file.stem):
         claim.write(Solutions(weier.load_scene(scene_file), batches), path, table)
+    shown = f"`snakemake --cores 2 pages --config scenes={scene_file.stem}` makes a page of them"
+    click.echo(f"{scene_file.stem}: the curves are in {path}, {shown}", err=True)
 
 
 @click.command(hidden=True)
@@ -129,11 +133,12 @@ def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path
     from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
     from weier.pipeline.batches import Solutions
     from weier.pipeline.gather import read_cost
+    from weier.pipeline.products import inputs_of_page, mark
 
     with job("page", scene_file.stem):
-        loaded = weier.load_scene(scene_file)
-        pictures = [drawn / f"{name}.png" for name in loaded.figures]
-        pages.write(loaded, contact, pictures, read_cost(Solutions(loaded, batches)), path)
+        solutions = Solutions(weier.load_scene(scene_file), batches)
+        pictures = [drawn / f"{name}.png" for name in solutions.scene.figures]
+        pages.write(solutions.scene, contact, pictures, read_cost(solutions), path, mark(inputs_of_page(solutions)))
 
 
 @click.command(hidden=True)

@@ -75,7 +75,9 @@ def blank(
     )
 
 
-def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
+def write(
+    data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "", name: str = netcdf.UNNAMED
+) -> None:
     """Write a netCDF file atomically: under a temporary name in the same folder, then renamed.
 
     Parameters
@@ -90,11 +92,15 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
         The step that made the data, for the history of the file.
     scene : str
         The scene file as text.
+    name : str
+        A name in the last line of the file, which says what it was made of.
     """
     data = data.assign_attrs(provenance.attributes(title, step, scene))
-    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, data, {}, netcdf.text_widths(data))
-        netcdf.fill(file, data)
+    with replacing(path) as beside:
+        with netCDF4.Dataset(beside, "w") as file:
+            netcdf.create(file, data, {}, netcdf.text_widths(data))
+            netcdf.fill(file, data)
+        netcdf.seal(beside, name)
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -117,6 +123,8 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
 
 def open_lazily(path: str | Path) -> xr.Dataset:
     """A netCDF file of weier, opened lazily: its values are read on access."""
+    if Path(path).is_file():
+        netcdf.check_intact(path)
     try:
         data = xr.open_dataset(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too

@@ -11,9 +11,12 @@ index.
 
 from __future__ import annotations
 
+import hashlib
+import os
+import re
 from collections.abc import Container, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -28,6 +31,13 @@ if TYPE_CHECKING:
 CHUNK_CASES = 256  # The measurements above compare other chunks.
 CHUNK_BYTES = 2**19  # Chunks are smaller than CHUNK_CASES where a case has many contact edges.
 CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
+# The last line of a file: a name, and a digest of all bytes before it.
+SEAL = re.compile(rb"\nweier (?P<name>\S+) sha256:(?P<digest>[0-9a-f]{64})\n\Z")
+SEAL_BYTES = 256  # The line is shorter.
+UNNAMED = "-"
+BLOCK = 2**20  # bytes, read at a time
+MAX_VERIFIED = 2**26  # Files are digested when they are opened if they are smaller, which takes 0.1 s.
+REMAKE = "delete it and make it again"
 DEFLATE: Final = 1  # Higher levels take twice as long to write, as measured above.
 # The lengths of texts in the table of variables, in bytes.
 WIDTHS = {name: int(entry.dtype[1:]) for name, entry in VARIABLES.items() if entry.dtype.startswith("U")}
@@ -64,6 +74,80 @@ def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) ->
             file[str(name)][... if cases is None else cases] = _stored(file, str(name), values)
 
 
+def seal(path: str | Path, name: str = UNNAMED) -> None:
+    """Append a line with a name and a digest of the whole file, which HDF5 ignores, and removes when it writes.
+
+    The checksums of HDF5 cover chunks of values only, and not the header or the index of chunks.
+    """
+    with Path(path).open("r+b") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        file.seek(0, os.SEEK_END)
+        file.write(f"\nweier {name} sha256:{digest}\n".encode())
+
+
+def sealed_name(path: str | Path) -> str | None:
+    """Return the name in the last line of a file; None if it has no such line, or there is no such file."""
+    try:
+        with Path(path).open("rb") as file:
+            found = SEAL.search(_last_bytes(file))
+    except FileNotFoundError:
+        return None
+    return found["name"].decode() if found else None
+
+
+def check_sealed(path: str | Path, name: str = "") -> None:
+    """Refuse a file that was not written by weier under this name, or that has changed since.
+
+    Raises
+    ------
+    ValueError
+        If the file is not whole, is another one, or was changed by another program or the disk.
+    OSError
+        If it cannot be read.
+    """
+    found = _seal_of(path)
+    if found is None:
+        check_whole(path)
+        raise ValueError(f"{path} is not as weier wrote it, but changed by another program: {REMAKE}")
+    if not found.whole:
+        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
+    if name and found.name != name:
+        raise ValueError(f"{path} is another file than its name says: {REMAKE}")
+
+
+def check_intact(path: str | Path) -> None:
+    """Refuse a file that has changed since it was sealed; larger ones have the checksums of HDF5 alone."""
+    if os.path.getsize(path) < MAX_VERIFIED and (found := _seal_of(path)) and not found.whole:
+        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
+
+
+class Seal(NamedTuple):
+    """The last line of a file: its name, and whether its digest is that of all before it."""
+
+    name: str
+    whole: bool
+
+
+def _seal_of(path: str | Path) -> Seal | None:
+    try:
+        with Path(path).open("rb") as file:
+            if not (found := SEAL.search(_last_bytes(file))):
+                return None
+            left, actual = os.path.getsize(path) - len(found[0]), hashlib.sha256()
+            file.seek(0)
+            while part := file.read(min(left, BLOCK)):
+                actual.update(part)
+                left -= len(part)
+    except OSError as error:
+        raise _unreadable(path, error) from None
+    return Seal(found["name"].decode(), actual.hexdigest() == found["digest"].decode())
+
+
+def _last_bytes(file: BinaryIO) -> bytes:
+    file.seek(max(0, os.fstat(file.fileno()).st_size - SEAL_BYTES))
+    return file.read()
+
+
 def check_whole(path: str | Path) -> None:
     """Refuse a file that is missing, truncated or not of weier; its values are not read."""
     try:
@@ -81,10 +165,40 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
 
 
 def damaged_error(path: str | Path, error: Exception) -> Exception:
-    """The error to be raised for a file that cannot be read."""
+    """The error to be raised for a file that cannot be opened; only one that was read and is not whole is damaged."""
     if not str(path).isprintable() or not Path(path).is_file():
         return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
-    return ValueError(f"{path} is not a whole netCDF file: if weier made it, delete it and make it again ({error})")
+    try:
+        with Path(path).open("rb") as file:
+            if _is_locked(file):
+                return OSError(f"{path} is locked by another process, which writes it: close it there")
+        found = _seal_of(path)
+    except OSError as why:
+        return why if str(path) in str(why) else _unreadable(path, why)
+    if found and found.whole:
+        return OSError(f"{path} is whole, but cannot be opened now ({error}): try again")
+    return ValueError(f"{path} is not a whole netCDF file: if weier made it, {REMAKE} ({error})")
+
+
+def _unreadable(path: str | Path, error: OSError) -> OSError:
+    if isinstance(error, FileNotFoundError):
+        return FileNotFoundError(f"there is no file {path}: make it first")
+    return OSError(f"{path} cannot be opened ({error.strerror}), and may be whole: open it for reading")
+
+
+def _is_locked(file: BinaryIO) -> bool:
+    """Whether another process holds the lock that HDF5 takes on files that it writes."""
+    try:
+        import fcntl  # which Windows does not have
+    except ImportError:
+        return False
+    try:
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # of a disk without locks
+        return False
+    return False
 
 
 def text_widths(data: xr.Dataset) -> dict[str, int]:

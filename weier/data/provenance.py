@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
 
-from weier.digests import PACKAGE
+from weier.digests import PACKAGE, PACKAGES
 
 NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
@@ -109,14 +109,14 @@ def of_results(title: str = "") -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, str]:
-    """The versions of Python, NumPy, numba and weier, and the commit in a checkout."""
+    """The versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
     from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
 
     made = commit()
     return {
         "product_version": VERSION,
         "python_version": platform.python_version(),
-        **{f"{name}_version": version(name) for name in ("numpy", "numba")},
+        **{f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES},
         **({"git_commit": made} if made else {}),
     }
 

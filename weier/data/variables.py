@@ -245,11 +245,13 @@ VARIABLES = {
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "chosen_method": _chosen('method that "auto" chose', dtype="U16"),
     "chosen_terms": _chosen('terms that the method chosen by "auto" solves', least=1),
-    "mean_pressure_error": _measured(
-        ("case", "mean_pressure"),
-        "distance to the load that gives the wanted value, at most",
-        "p_0*",
-        comment="It follows from the stated error of the quantity whose value was wanted.",
+    "numerics": Variable(
+        RUN,
+        "digest of the code that has solved the curve",
+        dtype="U12",
+        content=AUXILIARY,
+        comment="The versions of numpy, scipy, numba and rocket-fft beside it are attributes of the file.",
+        optional=True,
     ),
     "seconds": Variable(
         RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+MARKS = {"png": "Comment", "pdf": "Keywords", "svg": "Keywords"}  # where a format keeps the mark of a product
 
 # Backends without windows; matplotlib chooses the first of them if there is no display.
 WITHOUT_WINDOWS = {
@@ -82,7 +83,11 @@ def _kind(module: str) -> FigureKind | None:
 
 
 def draw(
-    wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(METADATA)
+    wanted: Figure,
+    studies: Sequence[xr.Dataset],
+    path: str | Path,
+    formats: Collection[str] = tuple(METADATA),
+    mark: str = "",
 ) -> None:
     """Draw one figure, in several formats beside each other.
 
@@ -97,6 +102,8 @@ def draw(
         Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str
         Some of pdf, svg and png.
+    mark : str
+        A text kept in the metadata of each file.
 
     Raises
     ------
@@ -110,7 +117,7 @@ def draw(
 
     # The reset keeps the user's own matplotlibrc out of the figure.
     with matplotlib.style.context(SHEET, after_reset=True):
-        save(_drawn(wanted, studies), path, formats)
+        save(_drawn(wanted, studies), path, formats, mark)
 
 
 def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
@@ -150,7 +157,7 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     return drawn
 
 
-def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
+def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA), mark: str = "") -> None:
     """Save a figure in the current style, in several formats."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -160,4 +167,5 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
     drawn.set_layout_engine(None)  # With a layout engine, each format would be drawn twice.
     for suffix in formats:
         with replacing(Path(path).with_suffix(f".{suffix}")) as file:
-            drawn.savefig(file, format=suffix, metadata=METADATA[suffix])
+            marked = {MARKS[suffix]: mark} if mark else {}
+            drawn.savefig(file, format=suffix, metadata=METADATA[suffix] | marked)

@@ -1,200 +1,199 @@
-"""The solved curves of a scene, the files that hold them, and the division of missing ones into batches.
-
-A batch is described by a JSON file with all dependencies of its numbers: the cases, their loads, and a digest of the
-program. Its name is a digest of this description, so that a solved batch never changes under its name. Its curves are
-found again one by one, also after the scene has changed.
-"""
+"""The curves of a scene: the batches that hold them, and new batches of those that are missing."""
 
 from __future__ import annotations
 
+import itertools
 import json
-import math
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weier.data.files import write_text
-from weier.digests import KERNELS, digest, digest_of_sources
-from weier.kernels.arrays import Array
-from weier.scene.case import Case
+from weier.digests import digest
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
+from weier.scene.case import Case, short_key
 from weier.scene.cases import Scene
+from weier.scene.identity import Keys, as_text, distinct, ordered
+from weier.scene.study import CaseProduct
 
-NUMBERS = (*KERNELS, "data", "scene", "pipeline/batch.py")  # The numbers of a batch depend on these parts of weier.
-# The least time of a batch where there are several for each core, since the start of one takes one or two seconds.
-MIN_SECONDS = 30.0
-MAX_SECONDS = 120.0  # The longest time of a batch, since a killed one is lost.
-# The least time of a batch where there are fewer than one for each core, since the start of a process takes as long.
-START_SECONDS = 1.0
-BATCHES_PER_CORE = 2  # Two batches for each core leave no core idle for long at the end.
-CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.
+SEEDS = ("phases", "seed")  # The time of a curve hardly depends on these.
 
 
-class Place(NamedTuple):
-    """The location of a curve: the description of its batch, and the number of its case in it."""
+class Part(NamedTuple):
+    """The curves of a product of cases by one method.
 
-    batch: Path
-    row: int
-
-
-class Missing(NamedTuple):
-    """A case with its methods that have not solved it, and the expected cost.
-
-    studies : the studies that contain it
-    seconds : expected of its methods
+    first : number of its first case among all of the scene; the others follow
+    positions : of its cases in the product
+    surfaces : their keys
     """
 
-    case: Case
-    studies: tuple[str, ...]
-    seconds: float
+    kind: Kind
+    first: int
+    product: CaseProduct
+    positions: Indices
+    surfaces: Keys
+
+    @property
+    def cases(self) -> slice:
+        """Its cases among all of the scene."""
+        return slice(self.first, self.first + len(self.positions))
+
+    def batch_case(self, number: int) -> Case:
+        """Return one of its cases, with the method alone."""
+        found = self.product.case(int(self.positions[number]))
+        own = {self.kind.method: found.settings[self.kind.method]} if self.kind.method in found.settings else {}
+        return Case(found.parameters, (self.kind.method,), own)
+
+    def seconds(self) -> Array:
+        """Return the expected seconds of each curve."""
+        loads, axes = np.array(self.kind.loads), self.product.axes
+        shape = [len(values) for values in axes.values()]
+        costs = np.zeros([1 if name in SEEDS else len(values) for name, values in axes.items()])
+        for place in np.ndindex(costs.shape):
+            case = self.product.case(int(np.ravel_multi_index(place, shape)))
+            costs[place] = CASE_SECONDS + case.seconds(self.kind.method, loads)
+        return np.broadcast_to(costs, shape).ravel()[self.positions]
 
 
 class Solutions:
-    """The curves of a scene in a folder of batches.
+    """The curves of a scene in a folder of batches, which other scenes may use, too.
 
     Parameters
     ----------
     scene : Scene
         The scene.
-    folder : path
-        Folder with the description of each batch, NAME.json, and its curves if it is solved, NAME.nc.
+    curves : Store or path
+        The batches, or their folder.
 
     Attributes
     ----------
-    to_solve : dict
-        The cases of each batch that `files` has described and that is not yet solved, by its description.
+    to_solve : dict of Batch
+        The batches that `files` has described, by their paths.
     """
 
-    def __init__(self, scene: Scene, folder: str | Path) -> None:
-        self.scene, self.folder = scene, Path(folder)
-        self.to_solve: dict[Path, Sequence[Missing]] = {}
-        self._described: dict[str, Path] = {}  # the batch of each of their curves
-        self.common = {
-            "program": digest_of_sources(*NUMBERS),
-            "loads": scene.loads.tolist(),
-            "contact_edges": scene.contact_edges,
-        }
+    def __init__(self, scene: Scene, curves: Store | str | Path) -> None:
+        self.scene = scene
+        self.store = curves if isinstance(curves, Store) else Store(curves)
+        self.to_solve: dict[Path, Batch] = {}
 
     @cached_property
-    def _solved(self) -> dict[str, Place]:
-        """The locations of all curves solved by this program under the loads of the scene, by `Case.curve_keys`."""
-        found: dict[str, Place] = {}
-        for path in sorted(self.folder.glob("*.json")):
-            if path.with_suffix(".nc").exists() and (batch := read_batch(path)).common == self.common:
-                for row, case in enumerate(batch.cases):
-                    for curve in case.curve_keys.values():
-                        found.setdefault(curve, Place(path, row))
+    def parts(self) -> list[Part]:
+        """The curves of the scene, by product and method, in their order."""
+        scene, found = self.scene, []
+        of_case = scene.product_of_cases
+        starts = np.searchsorted(of_case, np.arange(len(scene.products) + 1))
+        for product, start, end in zip(scene.products, starts, starts[1:], strict=False):
+            if end > start:
+                positions = scene.position_in_product[start:end]
+                surfaces = product.surface_keys[positions]
+                for method in product.methods:
+                    kind = kind_of(product.case(0), method, scene.loads, scene.contact_edges)
+                    found.append(Part(kind, int(start), product, positions, surfaces))
         return found
 
-    def places(self, case: Case) -> dict[str, Place]:
-        """The locations of the curves of a case by method; ValueError if one is not solved."""
-        try:
-            return {method: self._solved[curve] for method, curve in case.curve_keys.items()}
-        except KeyError:
-            raise ValueError(
-                f"{case.profile.describe()} is not solved by all of {', '.join(case.methods)} in {self.folder}: "
-                "run snakemake again"
-            ) from None
+    @property
+    def keys(self) -> list[str]:
+        """The key of each case, as files have it."""
+        return [short_key(key) for key in self.scene.keys_of_cases]
+
+    def places(self, method: str) -> tuple[Indices, Indices, NDArray[np.object_]]:
+        """Return the batch and the row of the curve of each case by a method, and its code.
+
+        The batch is a number in `store.batches`, and -1 for cases that the method is not to solve.
+
+        Raises
+        ------
+        ValueError
+            If a curve is not solved.
+        """
+        batch, row = np.full((2, len(self.scene.distinct)), -1)
+        code = np.full(len(batch), "", object)
+        for part in self.parts:
+            if part.kind.method == method:
+                batch[part.cases], row[part.cases] = self.store.find(part.kind, part.surfaces)
+                code[part.cases] = part.kind.numerics["code"]
+                if (missing := np.flatnonzero(batch[part.cases] < 0)).size:
+                    case = part.batch_case(int(missing[0]))
+                    raise ValueError(
+                        f"{case.profile.describe()} is not solved by {method} in {self.store.folder}: "
+                        "run snakemake again"
+                    )
+        return batch, row, code
 
     def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
-        """The batches of these studies, or of the whole scene: the solved ones, and those to be solved.
+        """Return the batches of these studies, or of the whole scene: the solved ones, and those to be solved.
 
-        The descriptions of the latter, for so many cores, are written here. They contain only cases of these studies
-        that no earlier call has described, so that a case of two figures is solved once.
+        The latter hold only curves of these studies that no earlier call has described, so that a case of two figures
+        is solved once. They are cut for so many cores; `store.write` writes their descriptions.
         """
-        here, missing = set[Path](), list[Missing]()
-        for position, home in enumerate(self.scene.studies_of_cases):
-            if studies is not None and set(home).isdisjoint(studies):
-                continue
-            case = self.scene.distinct[position]
-            batches = {method: self._batch_of(curve) for method, curve in case.curve_keys.items()}
-            here |= set(filter(None, batches.values()))
-            lacking = tuple(method for method, batch in batches.items() if batch is None)
-            if lacking:
-                missing.append(missing_case(case.with_methods(lacking), home, self.scene.loads))
-        described = map(self._describe, cut_into_batches(missing, self.scene, cores))
-        return [path.with_suffix(".nc") for path in (*sorted(here), *described)]
+        wanted = self._cases_of(studies)
+        missing: dict[str, list[tuple[Part, Indices]]] = {}
+        for part in self.parts:
+            batch, _ = self.store.find(part.kind, part.surfaces)
+            lacking = np.flatnonzero((batch < 0) & wanted[part.cases])
+            if lacking.size:
+                missing.setdefault(part.kind.name, []).append((part, lacking))
+        for lacking_parts in missing.values():
+            self._describe(lacking_parts, cores)
+        used = dict[int, None]()
+        for part in self.parts:
+            batch, _ = self.store.find(part.kind, part.surfaces)
+            own = batch[wanted[part.cases]]
+            used |= dict.fromkeys(own[np.sort(np.unique(own, return_index=True)[1])].tolist())
+        return [self.store.batches[number].with_suffix(".nc") for number in used]
 
-    def _batch_of(self, curve: str) -> Path | None:
-        """The batch that contains a curve, or will contain it; None if there is none."""
-        return self._solved[curve].batch if curve in self._solved else self._described.get(curve)
+    def digest_of_curves(self, studies: Collection[str] | None = None) -> str:
+        """Return a digest of all that the curves of these studies depend on, in whatever batches they are."""
+        wanted, own = self._cases_of(studies), dict[str, list[Keys]]()
+        for part in self.parts:
+            if len(surfaces := part.surfaces[wanted[part.cases]]):
+                own.setdefault(json.dumps(part.kind._asdict(), sort_keys=True), []).append(surfaces)
+        return digest([[kind, as_text(ordered(np.concatenate(own[kind])))] for kind in sorted(own)])
 
-    def _describe(self, members: Sequence[Missing]) -> Path:
-        """The path of the description of a batch of these cases, which is written if it is missing."""
-        of = list(dict.fromkeys(study for member in members for study in member.studies))
-        cases = [member.case for member in members]
-        content = self.common | {"cases": [[case.parameters, case.methods, case.settings] for case in cases]}
-        path = self.folder / f"{of[0]}-{digest(content)[:12]}.json"
-        if not path.exists():
-            seconds = sum(member.seconds for member in members)
-            write_text(path, json.dumps(content | {"studies": of, "seconds": seconds}))
-        self.to_solve[path] = members
-        self._described |= {curve: path for case in cases for curve in case.curve_keys.values()}
-        return path
+    def _cases_of(self, studies: Collection[str] | None) -> Flags:
+        wanted = np.full(len(self.scene.distinct), studies is None)
+        for study in studies or ():
+            wanted[self.scene.cases_of_study(study)] = True
+        return wanted
 
-    def tidy(self) -> None:
-        """Remove batches of other states of the program, and descriptions of batches that were never solved."""
-        for path in self.folder.glob("*.json"):
-            if not path.with_suffix(".nc").exists() or read_batch(path).common["program"] != self.common["program"]:
-                path.unlink()
-                path.with_suffix(".nc").unlink(missing_ok=True)
-
-
-class Batch(NamedTuple):
-    """The description of a batch.
-
-    common : program, loads and contact_edges, which all batches of a scene have in common
-    cases : with the methods that solve them
-    studies : the studies that contain the cases, for messages
-    seconds : expected on one core
-    """
-
-    common: Mapping[str, Any]
-    cases: list[Case]
-    studies: list[str]
-    seconds: float
-
-    @property
-    def title(self) -> str:
-        """The number of cases and their studies, in a few words."""
-        first, last = self.studies[0], self.studies[-1]
-        count = f"{len(self.cases)} case{'s' * (len(self.cases) > 1)}"
-        return f"{count} of {first}" if first == last else f"{count} from {first} to {last}"
+    def _describe(self, parts: Sequence[tuple[Part, Indices]], cores: int) -> None:
+        """Describe batches of curves of one kind."""
+        surfaces = np.concatenate([part.surfaces[lacking] for part, lacking in parts])
+        first = distinct(surfaces)[0]  # of curves that two cases with other methods beside this one have in common
+        seconds = np.concatenate([part.seconds()[lacking] for part, lacking in parts])[first]
+        owner = np.repeat(np.arange(len(parts)), [len(lacking) for _, lacking in parts])[first]
+        number = np.concatenate([lacking for _, lacking in parts])[first]
+        case = np.concatenate([part.first + lacking for part, lacking in parts])[first]
+        names, home = self.scene.homes
+        for piece in cut(seconds, self.scene.batch_size, cores):
+            cases = CasesOfParts([part for part, _ in parts], owner[piece], number[piece])
+            homes = [names[each] for each in dict.fromkeys(home[case[piece]].tolist())]
+            studies = list(dict.fromkeys(itertools.chain.from_iterable(homes)))
+            kind = parts[0][0].kind
+            batch = Batch(kind, cases, surfaces[first][piece], studies, float(seconds[piece].sum()))
+            self.to_solve[self.store.add(batch)] = batch
 
 
-def read_batch(path: str | Path) -> Batch:
-    """Read the description of a batch; ValueError if the file is none."""
-    try:
-        raw = json.loads(Path(path).read_text(encoding="utf-8"))
-        cases = [Case(parameters, tuple(methods), settings) for parameters, methods, settings in raw.pop("cases")]
-        return Batch(studies=raw.pop("studies"), seconds=raw.pop("seconds"), cases=cases, common=raw)
-    except (OSError, TypeError, KeyError, ValueError) as error:
-        raise ValueError(f"{path} does not describe a batch: delete it and run snakemake again ({error})") from None
+class CasesOfParts(Sequence[Case]):
+    """Cases of some parts, which are made on access."""
+
+    def __init__(self, parts: Sequence[Part], owner: Indices, number: Indices) -> None:
+        self._parts, self._owner, self._number = parts, owner, number
+
+    def __len__(self) -> int:
+        """The number of cases."""
+        return len(self._owner)
+
+    def __getitem__(self, position: Any) -> Any:
+        """The case at a position."""
+        return self._parts[self._owner[position]].batch_case(int(self._number[position]))
 
 
-def cut_into_batches(members: Sequence[Missing], scene: Scene, cores: int) -> list[Sequence[Missing]]:
-    """Divide cases, in their order, into batches of about equal time: two for each core, or one if they are short.
-
-    No batch is expected to take longer than `MAX_SECONDS`, unless a single case does, and none has more cases than
-    the scene allows.
-    """
-    if not members:
-        return []
-    seconds = np.array([member.seconds for member in members])
-    total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
-    few = min(cores, math.ceil(total / START_SECONDS))
-    many = cores * min(BATCHES_PER_CORE, int(total / cores / MIN_SECONDS))
-    number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
-    ends = [*(np.flatnonzero(np.diff(number)) + 1).tolist(), len(members)]
-    parts = []
-    for start, end in zip([0, *ends], ends, strict=False):
-        size = math.ceil((end - start) / math.ceil((end - start) / scene.batch_size))
-        parts += [members[first : min(first + size, end)] for first in range(start, end, size)]
-    return parts
-
-
-def missing_case(case: Case, studies: tuple[str, ...], loads: Array) -> Missing:
-    """A case with the expected cost of its methods."""
-    return Missing(case, studies, CASE_SECONDS + sum(case.seconds(method, loads) for method in case.methods))
+def unused(store: Store, scenes: Collection[Solutions]) -> Mapping[str, int]:
+    """Return the solved batches that none of these scenes uses, with their bytes."""
+    used = {path.stem for solutions in scenes for path in solutions.files()}
+    return {name: size for name, size in store.solved.items() if name not in used}

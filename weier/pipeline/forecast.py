@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 from weier.kernels.arrays import Array
 from weier.methods import auto, registry
 from weier.methods.registry import find_method
-from weier.pipeline.batches import Missing
+from weier.pipeline.curves import Batch
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 from weier.tables import significant
@@ -37,18 +37,18 @@ def forecast(case: Case, loads: Array) -> list[str]:
     return lines
 
 
-def forecast_scene(scene: Scene, batches: Collection[Sequence[Missing]], cores: int) -> tuple[list[str], str]:
-    """The expected seconds of the batches to be solved, in lines of text, and why they may not run, if any.
+def forecast_scene(scene: Scene, batches: Collection[Batch], cores: int) -> tuple[list[str], str]:
+    """The expected seconds of the batches to be solved, in lines of text, and why they may not run, if they may not.
 
     There are no lines for a short scene without a limit. A scene that would exceed its limit is refused with the key
     that raises it.
     """
-    members = [member for batch in batches for member in batch]
-    longest = max((sum(member.seconds for member in batch) for batch in batches), default=0.0)
-    seconds = max(sum(member.seconds for member in members) / cores, longest)
-    if not members or (seconds < LONG and scene.max_seconds is None):
+    times = [batch.seconds for batch in batches]
+    seconds = max(sum(times) / cores, max(times, default=0.0))
+    if not batches or (seconds < LONG and scene.max_seconds is None):
         return [], ""
-    count, on = f"{len(members)} case{'s' * (len(members) != 1)}", f"{cores} core{'s' * (cores > 1)}"
+    curves = sum(len(batch.surfaces) for batch in batches)
+    count, on = f"{curves} curve{'s' * (curves != 1)}", f"{cores} core{'s' * (cores > 1)}"
     lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
     if scene.max_seconds is None or seconds <= scene.max_seconds:
         return lines, ""

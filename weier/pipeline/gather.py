@@ -7,7 +7,6 @@ which are studies and settings that differ, come from the scene. So no batch is 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -24,27 +23,33 @@ from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings, defaults
 from weier.pipeline.batches import Solutions
-from weier.scene.case import Case
-from weier.scene.cases import Layout, Scene, layout_of
+from weier.scene.cases import Layout, Scene
 
 BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
 def read_study(solutions: Solutions, study: str) -> xr.Dataset:
     """The cases of a study in memory; ValueError if one is not solved."""
-    cases = list(solutions.scene.study(study))
-    return _read(solutions, cases, layout_of(cases, solutions.scene.contact_edges))
+    scene = solutions.scene
+    cases = scene.cases_of_study(study)
+    return Reader(solutions, scene.layout_of(study)).read(cases)
 
 
 def read_cost(solutions: Solutions) -> xr.Dataset:
     """The seconds that each method took for each case of a scene."""
-    cases, methods = list(solutions.scene.distinct), solutions.scene.layout.methods
-    sizes = {"case": len(cases), "solution_method": len(methods)}
+    sizes = {"case": len(solutions.scene.distinct), "solution_method": len(solutions.scene.layout.methods)}
     blank = xr.Dataset({name: variables.blank(name, sizes) for name in ("key", "seconds")})
-    return _filled(blank.assign_coords(solution_method=list(methods)), solutions, cases)
+    blank = blank.assign_coords(solution_method=list(solutions.scene.layout.methods))
+    return Reader(solutions, solutions.scene.layout).fill(blank, np.arange(sizes["case"]))
 
 
-def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more: xr.Dataset | None = None) -> None:
+def gather(
+    solutions: Solutions,
+    path: str | Path,
+    step: str = "gathered",
+    more: xr.Dataset | None = None,
+    name: str = netcdf.UNNAMED,
+) -> None:
     """Write all cases of a scene in their order, with their labels, and further variables.
 
     Parameters
@@ -57,19 +62,24 @@ def gather(solutions: Solutions, path: str | Path, step: str = "gathered", more:
         As in `dataset.write`; it is appended to the history of the batches.
     more : Dataset, optional
         Further variables, without the dimension case.
+    name : str
+        As in `dataset.write`.
     """
-    scene, cases = solutions.scene, solutions.scene.distinct
-    labels, first = case_labels(scene), _read(solutions, cases[:1], scene.layout)
+    scene, count = solutions.scene, len(solutions.scene.distinct)
+    reader, labels = Reader(solutions, scene.layout), case_labels(scene)
+    first = reader.read(np.arange(1))
     header = first.merge(labels.isel(case=slice(1))).merge(more or {})
-    header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, _histories(solutions, cases)))
+    header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, reader.histories()))
     size = max(1, BLOCK_BYTES // first.nbytes)
-    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, header, {"case": len(cases)}, netcdf.text_widths(header) | netcdf.text_widths(labels))
-        netcdf.fill(file, header.drop_dims("case"))
-        netcdf.fill(file, labels, slice(0, len(cases)))
-        for start in range(0, len(cases), size):
-            block = list(cases[start : start + size])
-            netcdf.fill(file, _read(solutions, block, scene.layout), slice(start, start + len(block)))
+    with replacing(path) as beside:
+        with netCDF4.Dataset(beside, "w") as file:
+            netcdf.create(file, header, {"case": count}, netcdf.text_widths(header) | netcdf.text_widths(labels))
+            netcdf.fill(file, header.drop_dims("case"))
+            netcdf.fill(file, labels, slice(0, count))
+            for start in range(0, count, size):
+                block = np.arange(start, min(start + size, count))
+                netcdf.fill(file, reader.read(block), slice(start, start + len(block)))
+        netcdf.seal(beside, name)
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
@@ -120,55 +130,70 @@ def _column(values: list[Any]) -> NDArray[Any]:
     return np.array(values, float)
 
 
-def _histories(solutions: Solutions, cases: Sequence[Case]) -> list[str]:
-    """The distinct histories of the files of these cases."""
-    found = dict[str, None]()
-    for batch in sorted({place.batch for case in cases for place in solutions.places(case).values()}):
-        with dataset.reading(batch.with_suffix(".nc")) as data:
-            found[data.attrs.get("history", "")] = None
-    return list(found)
+class Reader:
+    """Reads cases of a scene from its batches, each of which is verified once.
 
-
-def _read(solutions: Solutions, cases: Sequence[Case], layout: Layout) -> xr.Dataset:
-    """Some cases in memory, in arrays of this layout."""
-    methods, terms, edges, optional = layout
-    blank = dataset.blank(len(cases), methods, solutions.scene.loads, terms, edges, optional)
-    return _filled(blank, solutions, cases)
-
-
-def _filled(blank: xr.Dataset, solutions: Solutions, cases: Sequence[Case]) -> xr.Dataset:
-    """The cases with their curves from the batches.
-
-    They are filled in method by method, so that a case has the edges of contact of its last method.
+    Parameters
+    ----------
+    solutions : Solutions
+        The scene with its solved curves.
+    layout : Layout
+        Of the arrays to read into.
     """
-    methods = blank["solution_method"].values.tolist()
-    wanted = dict[tuple[int, Path], list[tuple[int, int]]]()  # rows there and here, by method and file
-    for number, case in enumerate(cases):
-        for method, place in solutions.places(case).items():
-            key = methods.index(method), place.batch.with_suffix(".nc")
-            wanted.setdefault(key, []).append((place.row, number))
-    rows_of = dict[Path, list[int]]()
-    for (_, file), rows in wanted.items():
-        rows_of.setdefault(file, []).extend(row for row, _ in rows)
-    parts = {file: _read_rows(file, min(rows), max(rows) + 1, blank) for file, rows in rows_of.items()}
-    for (column, file), rows in sorted(wanted.items()):
-        there, here = np.array(rows).T
-        own = parts[file]["solution_method"].values.tolist().index(methods[column])
-        _copy(blank, parts[file].isel(case=there - min(rows_of[file]), solution_method=own), here, column)
-    blank["key"].values[:] = [case.key for case in cases]
-    return blank
+
+    def __init__(self, solutions: Solutions, layout: Layout) -> None:
+        self.solutions, self.layout, self.keys = solutions, layout, solutions.keys
+        self._places = {method: solutions.places(method) for method in layout.methods}
+        self._verified = set[int]()
+
+    def read(self, cases: Indices) -> xr.Dataset:
+        """Return some cases, by their numbers among all of the scene."""
+        methods, terms, edges, optional = self.layout
+        loads = self.solutions.scene.loads
+        return self.fill(dataset.blank(len(cases), methods, loads, terms, edges, optional | {"numerics"}), cases)
+
+    def fill(self, blank: xr.Dataset, cases: Indices) -> xr.Dataset:
+        """Fill in the curves of some cases, method by method: a case has the contact edges of its last method."""
+        for column, method in enumerate(self.layout.methods):
+            batches, rows, code = (values[cases] for values in self._places[method])
+            order = np.argsort(batches, kind="stable")
+            for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
+                if here.size and (batch := int(batches[here[0]])) >= 0:
+                    start = int(rows[here].min())
+                    part = self._rows(batch, start, int(rows[here].max()) + 1, blank)
+                    _copy(blank, part, rows[here] - start, here, column)
+            if "numerics" in blank:
+                blank["numerics"].values[:, column] = code
+        blank["key"].values[:] = [self.keys[number] for number in cases.tolist()]
+        return blank
+
+    def histories(self) -> list[str]:
+        """Return the distinct histories of the batches."""
+        found = dict[str, None]()
+        for batch in sorted({number for batches, _, _ in self._places.values() for number in batches if number >= 0}):
+            with dataset.reading(self._file(batch)) as data:
+                found[data.attrs.get("history", "")] = None
+        return list(found)
+
+    def _file(self, batch: int) -> Path:
+        return self.solutions.store.batches[batch].with_suffix(".nc")
+
+    def _rows(self, batch: int, start: int, end: int, like: xr.Dataset) -> xr.Dataset:
+        """Return a range of cases of a batch in memory, with the variables of `like`."""
+        file = self._file(batch)
+        if batch not in self._verified:
+            netcdf.check_sealed(file, file.stem)
+            self._verified.add(batch)
+        with dataset.reading(file) as data:
+            return data.drop_vars(data.variables.keys() - like.variables.keys()).isel(case=slice(start, end)).load()
 
 
-def _read_rows(file: Path, start: int, end: int, like: xr.Dataset) -> xr.Dataset:
-    """Cases of a file in memory, with the variables of `like`; a range is read faster than single cases."""
-    with dataset.reading(file) as data:
-        return data.drop_vars(data.variables.keys() - like.variables.keys()).isel(case=slice(start, end)).load()
-
-
-def _copy(blank: xr.Dataset, part: xr.Dataset, rows: Indices, column: int) -> None:
-    """Copy the curves of a method, and the parameters of their cases, into these rows."""
+def _copy(blank: xr.Dataset, part: xr.Dataset, there: Indices, rows: Indices, column: int) -> None:
+    """Copy curves of a method, and the parameters of their cases, from their rows of a batch into these rows."""
     for name in blank.variables.keys() & part.variables.keys() - blank.sizes.keys():
-        target, values, here = blank.variables[name], part.variables[name].values, rows
+        target, values, here = blank.variables[name], part.variables[name].values[there], rows
+        if "solution_method" in target.dims:
+            values = values[:, 0]
         if "edge" in target.dims:
             known = np.isfinite(values).any(axis=(1, 2))
             values, here = values[known], rows[known]

@@ -1,6 +1,7 @@
-"""Functions of scenes for the rules of the Snakefile: files, digests of their dependencies, and checks before a run.
+"""Functions of scenes for the rules of the Snakefile: files, what each product was made of, and checks before a run.
 
-Snakemake adds a traceback to an error. An invalid scene or folder ends the run with one sentence instead.
+Snakemake adds a traceback to an error. An invalid scene or folder ends the run with one sentence instead. Nothing is
+written unless jobs are going to run.
 """
 
 from __future__ import annotations
@@ -15,21 +16,27 @@ from pathlib import Path
 from typing import Any
 
 from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
-from weier.data.netcdf import check_whole
-from weier.digests import digest, digest_of_sources
+from weier.data.netcdf import check_sealed
 from weier.kernels.jit import DISABLED, cache_folder
 from weier.methods import auto
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
-from weier.pipeline.batches import NUMBERS, Solutions, read_batch
+from weier.pipeline.batches import Solutions, unused
+from weier.pipeline.curves import Store
 from weier.pipeline.forecast import forecast_scene
+from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_page, made_of
 from weier.scene import Scene
 
-# The parts of the package on which steps depend: they run again after a change of a text file in these folders.
-TABLES = (*NUMBERS, "pipeline")
-PICTURES = (*TABLES, "figures")
-MEASURED = (*TABLES, "accuracy")
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats.
+LOCKS = Path(".snakemake/locks")
+LOCKED = (
+    "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
+    "power was lost, the lock can be removed with the --unlock argument"
+)
+# Megabytes of a process, and more for each of its cases; minutes beside those that are expected.
+BATCH_MB, CASE_MB, BATCH_MINUTES = 500, 0.05, 5
+# Expected seconds of a batch may be wrong by this factor.
+SECONDS_FACTOR = 3
 
 
 class Scenes:
@@ -47,20 +54,43 @@ class Scenes:
         The number of cores that Snakemake may use.
     results : path, optional
         The folder for the results.
+    runs : callable, optional
+        Whether jobs are going to run: a dry run writes nothing.
+    locks : bool, optional
+        Whether locks of other runs are respected.
+    prune : bool, optional
+        Whether batches that no scene of the configuration folder uses are removed.
     """
 
     def __init__(
-        self, names: Sequence[str], load: Callable[[str], Scene], config: Path, cores: int, results: str = "results"
+        self,
+        names: Sequence[str],
+        load: Callable[[str], Scene],
+        config: Path,
+        cores: int,
+        results: str = "results",
+        runs: Callable[[], bool] = lambda: True,
+        locks: bool = True,
+        prune: bool = False,
     ) -> None:
         self.names, self.config, self.cores, self.results = names, config, cores, Path(results)
-        self._load, self._solutions = load, dict[str, Solutions]()
+        self._load, self._runs, self._locks, self._prune = load, runs, locks, prune
         # Snakemake calls these several times: a scene is read, divided into batches and reported once.
         self.scene, self._batches, self._report = cache(self._checked_scene), cache(self._cut_batches), cache(report)
+        self.solutions, self._begin, self._inputs = cache(self._solved), cache(self.begin), cache(self._made_of)
+        self.store = Store(self.results / "curves")
 
     def _checked_scene(self, name: str) -> Scene:
         """The scene of this name."""
         with ending_in_one_sentence():
             return self._load(name)
+
+    def _solved(self, name: str) -> Solutions:
+        """The curves of a scene."""
+        self._begin()
+        scene = self.scene(name)
+        with ending_in_one_sentence():
+            return Solutions(scene, self.store)
 
     def scene_file(self, wildcards: Any) -> str:
         """The file of a scene, as jobs read it."""
@@ -69,14 +99,15 @@ class Scenes:
     def products(self, wildcards: Any) -> list[str]:
         """All products of the scenes of the configuration: data, claims and figures.
 
-        No job reads the data, so that truncated files and those of other programs are detected here.
+        No job reads the data, so that damaged files and those of other programs are detected here.
         """
         made = []
         for name in self.names:
             data, claims = self.results / name / "contact.nc", self.results / name / "claims.md"
+            self._begin()
             with ending_in_one_sentence():
                 if data.exists():
-                    check_whole(data)
+                    check_sealed(data)
             made += [str(data), str(claims), *self.figures_of(name)]
         return made
 
@@ -104,72 +135,120 @@ class Scenes:
 
         The expected cost of missing batches is reported here, so that a dry run reports it, too.
         """
-        scene = self.scene(name)
+        solutions = self.solutions(name)
         with ending_in_one_sentence():
-            solutions = self._solutions.setdefault(name, Solutions(scene, self.results / name / "batches"))
             paths = [str(path) for path in solutions.files(studies, self.cores)]
-            lines, refusal = self._forecast(solutions)
-        for line in filter(None, [*lines, refusal]):
-            self._report(line)
+            lines, refusal = forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
+            for line in filter(None, [*lines, refusal]):
+                self._report(line)
+            if self._runs():
+                if refusal:
+                    raise ValueError(refusal)
+                self.store.write()
         return paths
 
-    def _forecast(self, solutions: Solutions) -> tuple[list[str], str]:
-        return forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
+    def description(self, wildcards: Any) -> str:
+        """The description of a batch."""
+        return str(self.store.folder / f"{wildcards.batch}.json")
 
     def batch_label(self, wildcards: Any) -> str:
         """The content of a batch, and its expected time."""
         with ending_in_one_sentence():
-            return batch_label(self.results / wildcards.scene / "batches" / f"{wildcards.batch}.json")
+            return self.store.batch(wildcards.batch).label
+
+    def batch_memory(self, wildcards: Any, attempt: int) -> int:
+        """The megabytes that a batch may need, more at each attempt."""
+        with ending_in_one_sentence():
+            cases = len(self.store.batch(wildcards.batch).surfaces)
+        return round(attempt * (BATCH_MB + CASE_MB * cases))
+
+    def batch_minutes(self, wildcards: Any, attempt: int) -> int:
+        """The minutes that a batch may need, more at each attempt."""
+        with ending_in_one_sentence():
+            seconds = self.store.batch(wildcards.batch).seconds
+        return round(attempt * (BATCH_MINUTES + SECONDS_FACTOR * seconds / 60))
+
+    def memory(self, wildcards: Any, attempt: int) -> int:
+        """The megabytes that a product of a scene may need, more at each attempt."""
+        return round(attempt * 2 * (BATCH_MB + CASE_MB * len(self.scene(wildcards.scene).distinct) / 10))
+
+    def minutes(self, wildcards: Any, attempt: int) -> int:
+        """The minutes that a product of a scene may need, more at each attempt."""
+        return round(attempt * (10 + len(self.scene(wildcards.scene).distinct) / 10_000))
 
     def kernels(self, wildcards: Any) -> list[str]:
-        """The files that mark the kernels of a scene as compiled."""
-        used = [find_method(name) for name in self.scene(wildcards.scene).layout.methods]
-        return kernels_of(METHODS if auto.METHOD in used else used)
+        """The files that mark the kernels of the method of a batch as compiled."""
+        return kernels_of(methods_of(wildcards.batch.partition("-")[0]))
 
-    def figure_digest(self, wildcards: Any) -> str:
-        """A digest of everything a figure depends on."""
-        scene = self.scene(wildcards.scene)
-        figure = scene.figure(wildcards.figure)
-        entry = [repr(figure), scene.digest_of_cases(*figure.studies)]
-        return self._made_of(PICTURES, wildcards.scene, entry, figure.studies)
+    def outdated_data(self, wildcards: Any) -> list[str]:
+        """A file whose making makes the data and claims again, if they were made of something else."""
+        return self._outdated(wildcards.scene, "", "contact.nc", "claims.md")
 
-    def claims_digest(self, wildcards: Any) -> str:
-        """A digest of everything the data and claims of a scene depend on."""
-        return self._made_of(TABLES, wildcards.scene, self.scene(wildcards.scene).text)
+    def outdated_figure(self, wildcards: Any) -> list[str]:
+        """The same for a figure."""
+        files = [f"figures/{wildcards.figure}.{suffix}" for suffix in FORMATS]
+        return self._outdated(wildcards.scene, wildcards.figure, *files)
 
-    def page_digest(self, wildcards: Any) -> str:
-        """A digest of everything the page of a scene depends on."""
-        scene = self.scene(wildcards.scene)
-        return self._made_of(PICTURES, wildcards.scene, [scene.text, repr(scene.figures)])
+    def outdated_page(self, wildcards: Any) -> list[str]:
+        """The same for the page of a scene."""
+        return self._outdated(wildcards.scene, "page.html", "page.html")
 
-    def _made_of(self, code: Sequence[str], name: str, entry: Any, studies: tuple[str, ...] | None = None) -> str:
-        """A digest of a product: the names of all batches that it reads, its own entry in the scene, and the code.
+    def _outdated(self, name: str, product: str, *files: str) -> list[str]:
+        folder = self.results / name
+        with ending_in_one_sentence():
+            found = {made_of(path) for path in (folder / file for file in files) if path.exists()}
+        marker = self.results / "logs" / name / "outdated" / (product or "contact.nc")
+        return [str(marker)] if found - {self._inputs(name, product)} else []
 
-        The name of a batch is a digest of its curves, so that their surfaces, loads and settings count, too. A batch
-        that was solved long ago is older than the product, hence the names and not the dates.
-        """
-        batches = sorted(Path(path).stem for path in self._batches(name, studies))
-        return digest([entry, batches, digest_of_sources(*code)])
+    def _made_of(self, name: str, product: str) -> str:
+        """The digest of the inputs of the data, the page or a figure of a scene."""
+        solutions = self.solutions(name)
+        if product in solutions.scene.figures:
+            return inputs_of_figure(solutions, product)
+        return inputs_of_page(solutions) if product else inputs_of_data(solutions)
 
     def begin(self) -> None:
-        """Clean up after earlier runs, and stop if a scene would take longer than it allows."""
+        """Clean up after earlier runs, and refuse a folder that another run has locked; do nothing in a dry run."""
         with ending_in_one_sentence():
-            check_writable(self.results)
-            remove_leftovers(self.results)
-            bring_to_present(self.results, self.config)
-            for solutions in self._solutions.values():
-                _, refusal = self._forecast(solutions)
-                if refusal:
-                    raise ValueError(refusal)
+            if self._runs():
+                self._check_unlocked()
+                check_writable(self.results)
+                for name in self.names:
+                    check_target(self.results / name / "contact.nc")
+                remove_leftovers(self.results)
+                for marker in self.results.glob("logs/*/outdated/*"):  # of a run that was killed
+                    marker.unlink()
+                bring_to_present(self.results, self.config)
+            if self._prune:
+                self._remove_unused()
 
-    def finish(self) -> None:
-        """Remove obsolete batches, and report where the curves are."""
-        for name, solutions in self._solutions.items():
-            solutions.tidy()
-            data, page = self.results / name / "contact.nc", self.results / name / "page.html"
-            how = f"`snakemake --cores 2 pages --config scenes={name}` makes a page of them"
-            if data.exists():
-                report(f"{name}: the curves are in {data}, {f'{page} shows them' if page.exists() else how}")
+    def _check_unlocked(self) -> None:
+        files = LOCKS.glob("*.lock") if self._locks and LOCKS.is_dir() else ()
+        held = {line for path in files for line in path.read_text(encoding="utf-8").splitlines()}
+        for name in self.names:
+            if any(line.startswith(f"{self.results / name}/") for line in held):
+                raise ValueError(LOCKED.format(name))
+
+    def _remove_unused(self) -> None:
+        """Remove batches that no scene in the folder of scenes uses, and descriptions that were never solved."""
+        names = sorted(path.stem for path in (self.config / "scenes").glob("*.yaml"))
+        found = unused(self.store, [Solutions(self.scene(name), Store(self.store.folder)) for name in names])
+        size = sum(found.values()) / 1e6
+        does = "removed" if self._runs() else "would be removed"
+        report(f"{len(found)} of {len(self.store.solved)} batches are of no scene: {does}, which frees {size:.1f} MB")
+        if self._runs():
+            solved = self.store.solved
+            for path in self.store.folder.glob("*.json"):
+                if path.stem in found or path.stem not in solved:
+                    path.with_suffix(".nc").unlink(missing_ok=True)
+                    path.unlink()
+            self.store = Store(self.store.folder)
+
+
+def methods_of(name: str) -> Sequence[Method]:
+    """The methods that a method runs: itself, or all where it chooses among them."""
+    method = find_method(name)
+    return METHODS if method is auto.METHOD else [method]
 
 
 def kernels_of(methods: Iterable[Method]) -> list[str]:
@@ -195,13 +274,6 @@ def kernels_file(method: str) -> str:
     except OSError:
         cache = Path("results")
     return str(cache / "compiled" / method)
-
-
-@cache
-def batch_label(description: Path) -> str:
-    """The content of a batch, and its expected time."""
-    batch = read_batch(description)
-    return f"{batch.title}, in about {max(1, round(batch.seconds))} s"
 
 
 def check_packages(*names: str) -> None:

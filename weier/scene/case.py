@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import math
@@ -18,6 +17,7 @@ import numpy as np
 from weier.checks import checked_file
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
+from weier.scene.identity import Keys, as_text, key_of, keys_of
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
 from weier.surface.measured.trace import Trace
@@ -54,28 +54,15 @@ class Case:
         """The case of a surface, which is kept, since measured heights may not be in a file."""
         return cls(surface.parameters, methods, settings, surface)
 
-    @property
-    def _identity(self) -> Mapping[str, Any]:
-        """The parameters without those that do not change the surface."""
-        return {name: identity(name, value) for name, value in self.parameters.items()}
+    @cached_property
+    def surface_key(self) -> Keys:
+        """The key of the surface: where the file of a trace is does not change it."""
+        return keys_of([name, identity(name, value)] for name, value in self.parameters.items()).sum(axis=0)
 
     @cached_property
     def key(self) -> str:
         """A digest of all dependencies of the numbers except the loads: a case has the same key in every file."""
-        definition = json.dumps([self._identity, self.methods, self.settings], sort_keys=True)
-        return hashlib.sha256(definition.encode()).hexdigest()[:12]
-
-    @cached_property
-    def curve_keys(self) -> dict[str, str]:
-        """By method, all dependencies of its curve except the loads, as text."""
-        profile = json.dumps(self._identity, sort_keys=True)
-        own = {method: json.dumps(self.settings.get(method, {}), sort_keys=True) for method in self.methods}
-        return {method: f"{method} {settings} {profile}" for method, settings in own.items()}
-
-    def with_methods(self, methods: tuple[str, ...]) -> Case:
-        """The case with only some of its methods."""
-        settings = {name: own for name, own in self.settings.items() if name in methods}
-        return Case(self.parameters, methods, settings, self.surface)
+        return short_key(self.surface_key + key_of([self.methods, self.settings]))
 
     @cached_property
     def profile(self) -> Any:
@@ -126,9 +113,16 @@ class Case:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
+def short_key(key: Keys) -> str:
+    """Return the key of a case as files have it."""
+    return as_text(key)[:12]
+
+
 def identity(name: str, value: Any) -> Any:
     """The value that identifies a parameter: of a trace its name and content, not the location of its file."""
-    return [value.get("name", value["file"]), value["digest"]] if name == "trace" else value
+    if name == "trace":
+        return [value.get("name", value["file"]), value["digest"]]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def trace_files(file: str, folder: Path) -> list[str]:

@@ -16,6 +16,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
+from weier.scene.identity import Keys, as_text, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
@@ -23,7 +24,7 @@ from weier.surface.limits import resolvable
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-MAX_BATCH_CASES = 1000  # A process that solves and writes so many cases together takes 0.3 GB.
+MAX_BATCH_CASES = 10_000  # A process that solves and writes so many cases together takes 0.5 GB.
 
 
 class Layout(NamedTuple):
@@ -83,17 +84,14 @@ class Scene:
         return tuple(product for study in self.studies.values() for product in study.products)
 
     @cached_property
-    def _distinct(self) -> tuple[Indices, list[tuple[str, ...]]]:
-        """The first position of each case among all studies, shape (cases,), and the studies that contain it."""
-        seen: dict[tuple[str, ...], int] = {}
-        identities = itertools.chain.from_iterable(product.identities for product in self.products)
-        number = np.array([seen.setdefault(identity, len(seen)) for identity in identities], int)
-        study = np.repeat(np.arange(len(self.studies)), [len(study) for study in self.studies.values()])
-        member = np.zeros((len(seen), len(self.studies)), bool)
-        member[number, study] = True
-        homes, home = np.unique(member, axis=0, return_inverse=True)
-        names = [tuple(itertools.compress(self.studies, row)) for row in homes]
-        return np.unique(number, return_index=True)[1], [names[home_number] for home_number in home.ravel().tolist()]
+    def _keys(self) -> Keys:
+        """The keys of the cases of all studies in turn, shape (cases, 2)."""
+        return np.concatenate([np.empty((0, 2), np.uint64), *(product.case_keys for product in self.products)])
+
+    @cached_property
+    def _distinct(self) -> tuple[Indices, Indices]:
+        """The first position of each distinct case among all studies, and the number of each case among those."""
+        return distinct(self._keys)
 
     @cached_property
     def distinct(self) -> Study:
@@ -101,25 +99,62 @@ class Scene:
         return Study(self.products, self._distinct[0])
 
     @property
+    def keys_of_cases(self) -> Keys:
+        """The key of each case, in order of appearance, shape (cases, 2)."""
+        return self._keys[self._distinct[0]]
+
+    @property
     def cases(self) -> dict[str, Case]:
         """Every case by its key, each once, in order of appearance: all of them in memory."""
         return {case.key: case for case in self.distinct}
 
-    @property
+    @cached_property
     def product_of_cases(self) -> Indices:
         """The number of the first product that contains each case, in order of appearance, shape (cases,)."""
         counts = [product.count for product in self.products]
         return np.repeat(np.arange(len(counts)), counts)[self._distinct[0]]
 
+    @cached_property
+    def position_in_product(self) -> Indices:
+        """The position of each case within that product, shape (cases,)."""
+        starts = np.cumsum([0, *(product.count for product in self.products)])
+        return self._distinct[0] - starts[self.product_of_cases]
+
+    def cases_of_study(self, name: str) -> Indices:
+        """The numbers of the cases of a study among all distinct ones, in the order of the study."""
+        study = self.study(name)
+        start = sum(
+            len(other) for other in itertools.takewhile(lambda other: other is not study, self.studies.values())
+        )
+        return self._distinct[1][start : start + len(study)]
+
+    @cached_property
+    def homes(self) -> tuple[list[tuple[str, ...]], Indices]:
+        """The sets of studies that contain cases, and the number of that set for each case, shape (cases,)."""
+        member = np.zeros((len(self.distinct), len(self.studies)), bool)
+        for column, name in enumerate(self.studies):
+            member[self.cases_of_study(name), column] = True
+        code: Indices = np.zeros(len(member), int)
+        for flags in member.T:  # numbers of sets, without a sort of whole rows
+            code = np.unique(2 * code + flags, return_inverse=True)[1]
+        first = np.unique(code, return_index=True)[1]
+        return [tuple(itertools.compress(self.studies, member[row])) for row in first], code
+
     @property
     def studies_of_cases(self) -> list[tuple[str, ...]]:
         """The studies that each case belongs to, in order of appearance."""
-        return self._distinct[1]
+        names, number = self.homes
+        return [names[home] for home in number.tolist()]
 
     @cached_property
     def layout(self) -> Layout:
         """The sizes and variables of the arrays for all cases."""
-        cases = [case for product in self.products for case in product.of_all_kinds("gamma", "m")]
+        return self.layout_of(*self.studies)
+
+    def layout_of(self, *studies: str) -> Layout:
+        """The sizes and variables of the arrays for the cases of some studies."""
+        products = [product for name in studies for product in self.study(name).products]
+        cases = [case for product in products for case in product.of_all_kinds("gamma", "m")]
         return layout_of(cases, self.contact_edges)
 
     def study(self, name: str) -> Study:
@@ -137,5 +172,6 @@ class Scene:
 
     def digest_of_cases(self, *studies: str) -> str:
         """A digest of the cases of some studies in their order."""
-        cases = [[product.definition for product in self.study(study).products] for study in studies]
-        return digest(cases)
+        return digest(
+            [digest(as_text(product.case_keys)) for name in studies for product in self.study(name).products]
+        )

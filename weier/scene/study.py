@@ -6,7 +6,6 @@ Each case is made on access, so that a study of a million cases takes no more me
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,8 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from weier.kernels.arrays import Indices
 from weier.scene.case import Case, identity
+from weier.scene.identity import Keys, key_of, keys_of
 from weier.surface.profile import random_phases
 
 MAX_CASES = 10_000  # By default, more cases are refused, since a typing error would take hours.
@@ -45,11 +47,6 @@ class CaseProduct:
         """The number of cases."""
         return math.prod(map(len, self.axes.values()))
 
-    @property
-    def definition(self) -> list[Any]:
-        """The definition of the cases and their order, as plain values."""
-        return [list(self.axes.items()), self.methods, self.settings]
-
     def case(self, position: int) -> Case:
         """The case at this position."""
         chosen = {}
@@ -58,14 +55,19 @@ class CaseProduct:
             chosen[name] = values[index]
         return Case(chosen, self.methods, self.settings)
 
+    @cached_property
+    def surface_keys(self) -> Keys:
+        """The key of the surface of each case, shape (count, 2)."""
+        total = np.zeros((1, 2), np.uint64)
+        for name, values in self.axes.items():
+            own = keys_of([name, identity(name, value)] for value in values)
+            total = (total[:, None] + own).reshape(-1, 2)
+        return total
+
     @property
-    def identities(self) -> Iterator[tuple[str, ...]]:
-        """The identity of each case in turn: its parameters, methods and settings, as texts."""
-        solved_by = json.dumps([self.methods, self.settings], sort_keys=True)
-        texts = [
-            [json.dumps([name, identity(name, value)]) for value in values] for name, values in self.axes.items()
-        ]
-        return (tuple(sorted(row)) for row in itertools.product([solved_by], *texts))
+    def case_keys(self) -> Keys:
+        """The key of each case, with its methods and settings, shape (count, 2)."""
+        return self.surface_keys + key_of([self.methods, self.settings])
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:
         """Cases with each combination of the values of some parameters; the others have their first value."""

@@ -91,7 +91,7 @@ class Section(NamedTuple):
     scene: str = ""
 
 
-def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset, path: Path) -> None:
+def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset, path: Path, mark: str = "") -> None:
     """Write the page of a scene atomically.
 
     Parameters
@@ -106,10 +106,12 @@ def write(scene: Scene, contact: Path, figures: Sequence[Path], cost: xr.Dataset
         The seconds of each case and method.
     path : path
         The HTML file to write.
+    mark : str
+        What it was made of, for a comment at its end.
     """
     with dataset.reading(contact) as data:
         text = _page(scene, as_cases(data), figures, cost)
-    write_text(path, text)
+    write_text(path, f"{text}\n<!-- {mark} -->\n")
 
 
 def _page(scene: Scene, data: xr.Dataset, figures: Sequence[Path], cost: xr.Dataset) -> str:

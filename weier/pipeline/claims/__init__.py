@@ -39,13 +39,15 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     """
     # The import of xarray is not needed to check the names of claims.
     from weier.pipeline.gather import gather, read_study
+    from weier.pipeline.products import inputs_of_data, mark
 
     # Only the studies of claims are read into memory, each once.
     study = cache(partial(read_study, solutions))
     wanted = solutions.scene.claims.items()
     judged = {claim: evaluate(claim, [study(name) for name in names]) for claim, names in wanted}
-    gather(solutions, path, "checked against the paper" if judged else "gathered", report.to_dataset(judged))
-    write_text(table, report.to_markdown(solutions.scene.title, judged))
+    step, inputs = "checked against the paper" if judged else "gathered", inputs_of_data(solutions)
+    gather(solutions, path, step, report.to_dataset(judged), inputs)
+    write_text(table, f"{report.to_markdown(solutions.scene.title, judged)}\n<!-- {mark(inputs)} -->\n")
 
 
 def evaluate(name: str, studies: Cases) -> Judgement:

@@ -1,0 +1,260 @@
+"""The solved curves of all scenes: batches in one folder, each of one method, found again curve by curve.
+
+A curve depends on its surface, its method with all settings, the loads, and the code and packages that compute it; on
+nothing else, so that scenes share curves. The name of a batch is a digest of all that.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from weier.data.files import write_text
+from weier.digests import PACKAGE, digest, digest_of_callables, versions
+from weier.kernels.arrays import Array, Indices
+from weier.methods.registry import find_method
+from weier.methods.settings import all_settings
+from weier.scene.case import Case
+from weier.scene.identity import Keys, Lookup, as_text, from_text
+
+# The surfaces, and what a batch computes from them besides a method.
+OF_SERIES = (("weier.surface.profile", "Profile"), ("weier.surface.profile", "random_phases"))
+OF_TRACES = (("weier.surface.measured.trace", "Trace"),)
+OF_ALL = (
+    ("weier.theory.bounds", "infinite_series_bounds"),
+    ("weier.theory.bounds", "first_contact"),
+    ("weier.kernels.jit", "OPTIONS"),
+)
+CODE_DIGITS = 12  # of the digest of the code that files state
+
+
+@cache
+def numerics(method: str, of_trace: bool) -> dict[str, str]:
+    """Return a digest of the code that computes the curves of a method, and the versions of its packages."""
+    found = find_method(method)
+    measured = [path for path in (PACKAGE / "surface" / "measured").glob("*.py") if path.stem != "trace"]
+    code = digest_of_callables(
+        (found.solve, found.applies, found.solution_error),
+        *OF_ALL,
+        *(OF_TRACES if of_trace else OF_SERIES),
+        # A trace is identified by its heights, however they are read.
+        stop=[f"weier.surface.measured.{path.stem}" for path in measured],
+    )
+    return {"code": code[:CODE_DIGITS], "packages": versions()}
+
+
+class Kind(NamedTuple):
+    """What the curves of a batch have in common.
+
+    method, settings : the method with all its settings
+    loads : in p_0*
+    contact_edges : whether the edges of contact are kept
+    numerics : as `numerics` returns them
+    """
+
+    method: str
+    settings: Mapping[str, Any]
+    loads: Sequence[float]
+    contact_edges: bool
+    numerics: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """The beginning of the names of its batches."""
+        return f"{self.method}-{digest(self._asdict())[:8]}"
+
+
+def kind_of(case: Case, method: str, loads: Array, contact_edges: bool) -> Kind:
+    """Return the kind of the curve of a case by one of its methods."""
+    settings = dict(sorted(all_settings(find_method(method), case.settings.get(method, {})).items()))
+    return Kind(method, settings, loads.tolist(), contact_edges, numerics(method, "trace" in case.parameters))
+
+
+class Batch(NamedTuple):
+    """A batch: cases, each with the method of its kind alone.
+
+    surfaces : the keys of their surfaces, shape (cases, 2)
+    studies : the studies that contain them, for messages
+    seconds : expected on one core
+    """
+
+    kind: Kind
+    cases: Sequence[Case]
+    surfaces: Keys
+    studies: Sequence[str]
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """A digest of all that its curves depend on."""
+        return f"{self.kind.name}-{digest([self.kind._asdict(), as_text(self.surfaces)])[:12]}"
+
+    @property
+    def title(self) -> str:
+        """The number of cases, their studies and the method, in a few words."""
+        first, last = self.studies[0], self.studies[-1]
+        count = f"{len(self.surfaces)} case{'s' * (len(self.surfaces) > 1)}"
+        return f"{count} {f'of {first}' if first == last else f'from {first} to {last}'} by {self.kind.method}"
+
+    @property
+    def label(self) -> str:
+        """Its title, and the expected time."""
+        return f"{self.title}, in about {max(1, round(self.seconds))} s"
+
+    def describe(self) -> str:
+        """Return its description as text of JSON: parameters of the same names are rows of a table."""
+        tables: dict[tuple[str, ...], list[list[Any]]] = {}
+        order = []
+        for case in self.cases:
+            names = tuple(case.parameters)
+            tables.setdefault(names, []).append(list(case.parameters.values()))
+            order.append(list(tables).index(names))
+        described = {
+            **self.kind._asdict(),
+            "surfaces": as_text(self.surfaces),
+            "tables": list(tables.items()),
+            "order": order if len(tables) > 1 else [],
+            "given": self.cases[0].settings,
+            "studies": self.studies,
+            "seconds": self.seconds,
+        }
+        return json.dumps(described)
+
+
+def read_batch(path: str | Path) -> Batch:
+    """Read the description of a batch; ValueError if the file is none."""
+    raw, kind = _read(path)
+    try:
+        method = (kind.method,)
+        tables = [
+            iter([Case(dict(zip(names, row, strict=True)), method, raw["given"]) for row in rows])
+            for names, rows in raw["tables"]
+        ]
+        surfaces = from_text(raw["surfaces"])
+        cases = [next(tables[number]) for number in raw["order"] or [0] * len(surfaces)]
+        return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"])
+    except (TypeError, KeyError, ValueError, IndexError, StopIteration) as error:
+        raise _no_batch(path, error) from None
+
+
+def _read(path: str | Path) -> tuple[dict[str, Any], Kind]:
+    try:
+        raw = json.loads(Path(path).read_text(encoding="utf-8"))
+        return raw, Kind(*(raw[name] for name in Kind._fields))
+    except (OSError, TypeError, KeyError, ValueError) as error:
+        raise _no_batch(path, error) from None
+
+
+def _no_batch(path: str | Path, error: Exception) -> ValueError:
+    return ValueError(f"{path} does not describe a batch: delete it and run snakemake again ({error})")
+
+
+class Store:
+    """The batches of a folder: the solved ones, and those that this process has described.
+
+    Each has a description, NAME.json, and its curves if it is solved, NAME.nc.
+
+    Attributes
+    ----------
+    batches : list of path
+        Descriptions of the batches that are known; places refer to them by number.
+    described : dict of Batch
+        Those that this process has described, by their names.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.batches: list[Path] = []
+        self.described: dict[str, Batch] = {}
+        self._known: dict[str, list[tuple[int, Keys]]] = {}
+        self._lookups: dict[str, tuple[Lookup, Indices, Indices]] = {}
+
+    def find(self, kind: Kind, surfaces: Keys) -> tuple[Indices, Indices]:
+        """Return the number of the batch, and the row in it, of the curve of each surface; -1 where there is none."""
+        lookup, batch, row = self._lookup(kind.name)
+        place = lookup.find(surfaces)  # -1 is the last one, which stands for no batch
+        return np.append(batch, -1)[place], np.append(row, -1)[place]
+
+    def add(self, batch: Batch) -> Path:
+        """Return the path of the description of a batch that is to be solved; `write` writes it."""
+        path = self.folder / f"{batch.name}.json"
+        self._batches_of(batch.kind.name).append((len(self.batches), batch.surfaces))
+        self._lookups.pop(batch.kind.name, None)
+        self.batches.append(path)
+        self.described[path.stem] = batch
+        return path
+
+    def write(self) -> None:
+        """Write the descriptions that are missing."""
+        for name, batch in self.described.items():
+            path = self.folder / f"{name}.json"
+            if not path.exists():
+                write_text(path, batch.describe())
+
+    def batch(self, name: str) -> Batch:
+        """Return the batch of this name."""
+        return self.described[name] if name in self.described else read_batch(self.folder / f"{name}.json")
+
+    @cached_property
+    def solved(self) -> dict[str, int]:
+        """The names of all solved batches, with the bytes of their files."""
+        sizes = {entry.name: entry.stat().st_size for entry in self._entries() if entry.is_file()}
+        named = {name[:-3]: size for name, size in sizes.items() if name.endswith(".nc")}
+        return {name: size for name, size in sorted(named.items()) if f"{name}.json" in sizes}
+
+    def _entries(self) -> Iterable[os.DirEntry[str]]:
+        return os.scandir(self.folder) if self.folder.is_dir() else ()
+
+    def _batches_of(self, kind: str) -> list[tuple[int, Keys]]:
+        """The numbers of the batches of a kind, with the keys of their surfaces."""
+        if kind not in self._known:
+            self._known[kind] = []
+            for path in (self.folder / f"{batch}.json" for batch in self.solved if batch.startswith(f"{kind}-")):
+                self._known[kind].append((len(self.batches), from_text(_read(path)[0]["surfaces"])))
+                self.batches.append(path)
+        return self._known[kind]
+
+    def _lookup(self, kind: str) -> tuple[Lookup, Indices, Indices]:
+        if kind not in self._lookups:
+            known = self._batches_of(kind)
+            sizes = [len(keys) for _, keys in known]
+            every = np.concatenate([np.empty((0, 2), np.uint64), *(keys for _, keys in known)])
+            batch = np.repeat([number for number, _ in known], sizes).astype(int)
+            row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)]).astype(int)
+            self._lookups[kind] = Lookup(every), batch, row
+        return self._lookups[kind]
+
+
+def cut(seconds: Array, most: int, cores: int) -> list[slice]:
+    """Divide curves, in their order, into batches of about equal time: two for each core, or one if they are short.
+
+    No batch is expected to take longer than `MAX_SECONDS`, unless a single curve does, and none has more than `most`.
+    """
+    if not seconds.size:
+        return []
+    total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
+    few = min(cores, math.ceil(total / START_SECONDS))
+    many = cores * min(BATCHES_PER_CORE, int(total / cores / MIN_SECONDS))
+    number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
+    ends = [*(np.flatnonzero(np.diff(number)) + 1).tolist(), seconds.size]
+    parts = []
+    for start, end in zip([0, *ends], ends, strict=False):
+        size = math.ceil((end - start) / math.ceil((end - start) / most))
+        parts += [slice(first, min(first + size, end)) for first in range(start, end, size)]
+    return parts
+
+
+# The least time of a batch where there are several for each core, since the start of one takes one or two seconds.
+MIN_SECONDS = 30.0
+MAX_SECONDS = 120.0  # The longest time of a batch, since a killed one is lost.
+# The least time of a batch where there are fewer than one for each core, since the start of a process takes as long.
+START_SECONDS = 1.0
+BATCHES_PER_CORE = 2  # Two batches for each core leave no core idle for long at the end.
+CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.

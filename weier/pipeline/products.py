@@ -1,0 +1,77 @@
+"""The products of a scene, each with a digest of everything that it was made of.
+
+A product carries this digest, so that a stale one is found by itself, in a copy of the folder, too. All digests are
+computed here: of the curves that a product reads, as the names of batches are, of their order, of the product's own
+entry in the scene, and of the code that makes it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from weier.data.netcdf import sealed_name
+from weier.digests import Name, digest, digest_of_code, digest_of_resources
+from weier.methods.registry import METHODS
+from weier.pipeline.batches import Solutions
+
+# Figures and tables know methods by their names and looks; the code of a method is in the names of its batches.
+REGISTRY = "weier.methods.registry"
+FIGURE = (("weier.figures", "draw"), ("weier.pipeline.gather", "read_study"))
+LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
+MARK = re.compile(rb"made of weier:([0-9a-f]{32})")
+
+
+def inputs_of_data(solutions: Solutions) -> str:
+    """Return the digest of the inputs of the data and the claims of a scene."""
+    return _inputs(solutions, None, solutions.scene.text, [("weier.pipeline.claims", "write")])
+
+
+def inputs_of_figure(solutions: Solutions, name: str) -> str:
+    """Return the digest of the inputs of a figure."""
+    figure = solutions.scene.figure(name)
+    code = [
+        (f"weier.figures.{figure.draw}", "draw"),
+        ("weier.figures", "draw"),
+        ("weier.pipeline.gather", "read_study"),
+    ]
+    return _inputs(solutions, figure.studies, [name, repr(figure)], code, "figures")
+
+
+def inputs_of_page(solutions: Solutions) -> str:
+    """Return the digest of the inputs of the page of a scene."""
+    scene = solutions.scene
+    figures = [inputs_of_figure(solutions, name) for name in scene.figures]
+    entry = [scene.text, figures, inputs_of_data(solutions)]
+    return _inputs(solutions, None, entry, [("weier.figures.page", "write")], "figures")
+
+
+def _inputs(
+    solutions: Solutions, studies: Collection[str] | None, entry: Any, code: Collection[Name], *resources: str
+) -> str:
+    """Return the digest of a product that reads these studies, or all."""
+    scene = solutions.scene
+    curves = solutions.digest_of_curves(studies)
+    cases = scene.digest_of_cases(*(scene.studies if studies is None else studies))
+    looks = [[str(getattr(method, name)) for name in LOOKS] for method in METHODS]
+    program = [digest_of_code(*code, stop=[REGISTRY]), digest_of_resources(*resources), looks]
+    return digest([scene.name, entry, curves, cases, program])[:32]
+
+
+def mark(inputs: str) -> str:
+    """Return the text by which a product that is not netCDF carries the digest of its inputs."""
+    return f"made of weier:{inputs}"
+
+
+def made_of(path: str | Path) -> str | None:
+    """Return the digest of the inputs that a product carries; None if it has none, or there is no such file."""
+    path = Path(path)
+    if path.suffix == ".nc":
+        return sealed_name(path)
+    try:
+        found = MARK.search(path.read_bytes())
+    except FileNotFoundError:
+        return None
+    return found[1].decode() if found else None
