@@ -1,8 +1,4 @@
-"""Measurements, one command each; `python -m benchmarks` sets weier beside other programs.
+"""Comparisons with other programs, one command each; `python -m benchmarks` sets weier beside them.
 
-to_error : processor time to a given error, beside other programs
-trade : seconds and errors of each method on random series
-stated_errors : whether methods keep the errors that they state, on families of hard series
-parts : what estimates, batches, the import and compiling cost
-float32 : what single precision would gain
+to_error : processor time to a given error
 """

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, measure, parts, programs, report, to_error, trade
+from benchmarks import command, measure, programs, report, to_error
 from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
 from benchmarks.programs import PROGRAMS
 from benchmarks.solvers import slippy
@@ -189,19 +189,6 @@ def test_the_figure_of_errors_is_written(one_wave, monkeypatch, tmp_path: Path):
     assert {path.suffix for path in tmp_path.iterdir()} == {".pdf", ".svg", ".png"}
 
 
-def test_the_trade_has_bounds_where_a_method_states_them():
-    case = trade.random_case(np.random.default_rng(0))
-    assert case.loads[-1] < case.profile.full_contact_load
-    layer, elements, patches = (
-        trade.row(method, [trade.measure(case, method, {}, 1)]) for method in ("layer", "bem", "patches")
-    )
-    assert len(layer) == len(elements) == len(trade.HEADER)
-    assert layer[3:5] == ["", ""]
-    assert 0 < float(elements[4]) <= 1
-    assert float(patches[4]) <= 1
-    assert {name for name, _ in trade.METHODS.values()} == {"archard", "demelio", "layer", "bem", "patches"}
-
-
 def test_nothing_is_solved_where_no_pressure_is():
     problem = Problem(PROFILE, LOADS, 32, TOLERANCE)
     for pressure in (np.zeros(32), np.full(32, np.nan)):
@@ -229,10 +216,3 @@ def test_another_environment_answers_through_a_pipe():
     with worker.process, pytest.raises(RuntimeError, match="has ended"):
         worker.request("nothing it knows")
     assert worker.process.returncode == 1
-
-
-def test_every_part_has_a_row(monkeypatch):
-    monkeypatch.setattr(parts, "REPEATS", 1)
-    rows = [*parts.estimates(3, 50), *parts.layers(4), *parts.batches(2)]
-    assert len({what for what, _ in rows}) == len(rows) == 2 * 2 * 3 + 3 + 1
-    assert not any("nan" in measured or "inf" in measured for _, measured in rows)

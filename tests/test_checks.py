@@ -54,6 +54,7 @@ class Map:
 # Sound values of the arguments, by their names; a function may have others.
 SOUND = {
     "profile": PROFILE,
+    "surface": PROFILE,
     "subject": PROFILE,
     "mean_pressure": [0.1, 1.0],
     "D": 1.25,
@@ -106,7 +107,10 @@ OWN = {
     "cases": {"phases": 1.0, "seed": None, "study": None},
     "Interface": {"E_1": None, "E_2": None},
     "composite_modulus": {"E_1": None, "E_2": None},
-    "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio")},
+    "find_load": {"resistance": 1.0, "compliance": None, "contact_fraction": None},
+    "Interface.solve": {"method": "demelio", "pressure": [1e6, 1e7]},
+    "Interface.find_pressure": {"resistance": 1e-10, "compliance": None, "contact_fraction": None},
+    "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio"), "unit": None},
 }
 
 
@@ -239,7 +243,7 @@ anything = st.none() | never | arrays_of_none | numbers | st.just(PROFILE) | st.
 
 NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "missing", "across"}
 UNITS = {"unit", "x_unit", "height_unit"}
-NOT_NUMBERS = {"profile", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
+NOT_NUMBERS = {"profile", "surface", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}
 TEXTS = {"fft", "direct", "compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
@@ -252,6 +256,8 @@ NONE_TOO = {
     "fit": {"longest", "shortest"},
     "Interface": {"E_1", "E_2"},
     "composite_modulus": {"E_1", "E_2"},
+    "find_load": {"compliance", "contact_fraction"},
+    "Interface.find_pressure": {"compliance", "contact_fraction"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }
 
@@ -270,6 +276,7 @@ def attempt(call, argument):
         warnings.simplefilter("error")
         # To doubt the unit of phases or loads that are drawn so large is as clear an answer as to refuse them.
         warnings.filterwarnings("ignore", "all (phases|loads)")
+        warnings.filterwarnings("ignore", "(mu|rho)_[12] = .* is (below|above)")
         try:
             return (call(),)
         except (ValueError, ConvergenceError, FileNotFoundError) as refusal:

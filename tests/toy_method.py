@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Method, Settings, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 
@@ -29,11 +28,6 @@ def _applies(profile: Profile) -> None:
         raise NotApplicableError("the toy is for several waves, got m = 1: take westergaard")
 
 
-def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
-    for fraction in (0.25, 0.5):
-        yield f"{fraction:g}", {"fraction": fraction}
-
-
 TOY = Method(
     name="toy",
     label="a toy",
@@ -41,6 +35,4 @@ TOY = Method(
     solve=_solve,
     applies=_applies,
     style=Style("#123456", (7, 2), "p"),
-    algorithms=({}, {"fraction": 0.1}),
-    variants=_variants,
 )

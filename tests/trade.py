@@ -1,11 +1,9 @@
 """A small trade, measured on coarse grids, for the tests of what is made of it."""
 
-from importlib import import_module
-
 import pytest
 
 from tests.scenes import scene_in
-from weier.accuracy import tradeoff
+from weier.accuracy import tradeoff, variants
 
 SCENE = """
 title: Small
@@ -22,5 +20,5 @@ studies:
 def small_trade(folder, text=SCENE, max_points=800):
     """The trade of a scene, on grids of no more points than this."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.methods.bem.method"), "MAX_POINTS_COMPARED", max_points)
+        patch.setattr(variants, "MAX_POINTS", max_points)
         return tradeoff.measure(scene_in(folder, text))

@@ -19,18 +19,19 @@ if TYPE_CHECKING:
     from weier.methods.errors import OutOfReachError as OutOfReachError
     from weier.pipeline.fields import events as events
     from weier.pipeline.fields import fields as fields
+    from weier.pipeline.interface import Interface as Interface
+    from weier.pipeline.inverse import find_load as find_load
     from weier.pipeline.solve import solve as solve
     from weier.surface.measured.trace import Trace as Trace
     from weier.surface.profile import Profile as Profile
     from weier.surface.profile import random_phases as random_phases
     from weier.surface.spectrum import fit as fit
-    from weier.theory.conduction import Interface as Interface
 
 __version__ = VERSION
 
 _MODULES = {
     "ConvergenceError": "methods.errors",
-    "Interface": "theory.conduction",
+    "Interface": "pipeline.interface",
     "NotApplicableError": "methods.errors",
     "OutOfReachError": "methods.errors",
     "Profile": "surface.profile",
@@ -38,6 +39,7 @@ _MODULES = {
     "choose": "methods.auto",
     "events": "pipeline.fields",
     "fields": "pipeline.fields",
+    "find_load": "pipeline.inverse",
     "fit": "surface.spectrum",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",

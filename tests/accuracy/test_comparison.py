@@ -8,8 +8,8 @@ import pytest
 from weier import Profile
 from weier.accuracy import comparison, extremes, tradeoff
 from weier.accuracy.comparison import Comparison
+from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, RUN, Variable
-from weier.methods.method import Variant
 from weier.scene import Case
 
 COARSE, FINE = (Variant(f"bem {points}", "bem", {"points": points}) for points in (12, 24))

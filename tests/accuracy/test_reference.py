@@ -10,8 +10,8 @@ from weier import Profile
 from weier.accuracy import reference as module
 from weier.accuracy.reference import contact_reference, find_reference, is_in_reach
 from weier.accuracy.runner import Outcome, attempt
+from weier.accuracy.variants import Variant
 from weier.methods import registry, westergaard
-from weier.methods.method import Variant
 
 THREE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 LOADS = np.array([0.01, 0.1])

@@ -12,9 +12,9 @@ import pytest
 import weier
 from tests.scenes import scene_in, solve_scene
 from weier.accuracy.comparison import Comparison
+from weier.accuracy.variants import Variant
 from weier.cli import cli
 from weier.figures import draw
-from weier.methods.method import Variant
 from weier.pipeline import claims
 from weier.scene import Case
 

@@ -84,6 +84,65 @@ def test_what_was_selected_away_comes_back_as_one_value(path):
         assert again["key"].values.tolist() == ["case2"]
 
 
+def solved():
+    profiles = [Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), Profile(1.5, 5, 2, 1.0)]
+    return weier.solve(profiles, [0.1, 0.5, 1.0], ["archard", "demelio"])
+
+
+SELECTED = {
+    "one case": lambda data: data.isel(case=0),
+    "one method": lambda data: data.sel(solution_method="demelio"),
+    "one load": lambda data: data.isel(mean_pressure=1),
+    "one number": lambda data: data.isel(case=1, solution_method=0, mean_pressure=2),
+    "some loads": lambda data: data.sel(mean_pressure=[1.0, 0.1]),
+    "transposed": lambda data: data.transpose(),
+    "loads first": lambda data: data.transpose("mean_pressure", ...),
+    "squeezed": lambda data: data.isel(case=[0]).squeeze(),
+    "one case with a dimension again": lambda data: data.isel(case=0).expand_dims("case"),
+    "by another label": lambda data: data.swap_dims(case="D"),
+    "without names": lambda data: data.drop_vars("case"),
+    "one quantity": lambda data: data[["compliance"]],
+}
+
+
+@pytest.mark.parametrize("select", SELECTED.values(), ids=SELECTED)
+def test_a_selection_has_the_same_rows(select):
+    """Each row has the labels and the phases of its own curve."""
+    rows = {}
+    for row in solved().weier.table().to_dict("records"):
+        rows[row["D"], row["solution_method"], row["mean_pressure"]] = row
+    selected = select(solved())
+    table = selected.weier.table()
+    assert len(table) == selected.compliance.size
+    for row in table.to_dict("records"):
+        expected = rows[row["D"], row["solution_method"], row["mean_pressure"]]
+        assert row == {name: expected[name] for name in row}
+    for D in np.unique(selected.D):
+        cases = selected.weier.cases(D=float(D))
+        assert cases.compliance.dims == ("case", "solution_method", "mean_pressure")
+        assert cases.compliance.size == selected.compliance.size / np.unique(selected.D).size
+
+
+def test_a_selection_that_is_no_curve_any_more_is_refused():
+    with pytest.raises(ValueError, match="has the dimension case, which curves have not: unstack it first"):
+        solved().stack(row=("case", "mean_pressure")).weier.table()
+    with pytest.raises(ValueError, match="phases are not among the coordinates"):
+        solved()[["compliance"]].weier.cases(phases=1.0)
+    with pytest.raises(ValueError, match="data must have the coordinate phases"):
+        weier.profile_of(solved()[["compliance"]].isel(case=0))
+
+
+def test_names_of_files_may_have_commas():
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
+    names = ["map.x3p, x 1", "side A.csv", "a, side A.csv"]
+    traces = [weier.Trace(z, length, unit="m", source=name) for length, name in enumerate(names, start=1)]
+    curves = weier.solve(traces, [0.1], ["bem"])
+    for length, name in enumerate(names, start=1):
+        assert curves.weier.cases(trace=name).trace_length.values.tolist() == [length]
+    with pytest.raises(ValueError, match=r"no case has trace = 'map.x3p': choose from a, side A.csv, map.x3p, x 1"):
+        curves.weier.cases(trace="map.x3p")
+
+
 @pytest.mark.parametrize(
     ("labels", "message"),
     [

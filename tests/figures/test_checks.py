@@ -10,7 +10,7 @@ from weier import figures, scene
 from weier.figures import checks
 from weier.figures.captions import caption
 from weier.scene import Grouping, SceneError
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
 OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))
@@ -100,7 +100,7 @@ def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1
         with pytest.raises(SceneError, match=f"figures.f.units: {said}"):
             checks.load_scene(path)
     else:
-        assert checks.load_scene(path).figures["f"].interface == Interface(**bodies)
+        assert checks.load_scene(path).figures["f"].interface == Bodies(**bodies)
 
 
 def test_a_body_may_have_young_s_modulus_in_place_of_its_shear_modulus(tmp_path):
@@ -109,7 +109,7 @@ def test_a_body_may_have_young_s_modulus_in_place_of_its_shear_modulus(tmp_path)
     young = others | {"E_1": "2.1e11", "rho_1": 0.0, "rho_2": 0.0}
     path.write_text(path.read_text() + yaml.safe_dump({"interface": young}))
     interface = checks.load_scene(path).figures["f"].interface
-    assert interface == Interface(**young | {"E_1": 2.1e11})
+    assert interface == Bodies(**young | {"E_1": 2.1e11})
     assert interface.mu_1 == 2.1e11 / (2 * (1 + CONDUCTORS["nu_1"]))
 
 

@@ -10,7 +10,7 @@ from weier.data import dataset
 from weier.figures import compliance
 from weier.scene import Axis, Grouping
 from weier.scene import Figure as Wanted
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 LOADS = np.geomspace(0.01, 4, 12)
 GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
@@ -146,7 +146,7 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     """Lines, bands, ends and words change together: each point is that of `Interface` for the normalised one."""
     kept = []
     monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
-    bodies = Interface(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
+    bodies = Bodies(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
     grouping = Grouping("gamma", ("method",), ("seed",))
     for interface in (None, bodies):
         figures.draw(Wanted(kind, grouping=grouping, interface=interface), [sweep], tmp_path / "f.png")

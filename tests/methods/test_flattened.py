@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.extreme_series import CORNERS, EPS, assert_sums, extreme_cases
+from weier.accuracy import multiprecision as exact
 from weier.methods import archard, demelio
-from weier.methods import multiprecision as exact
 from weier.surface.series import leading_amplitude
 
 either = pytest.mark.parametrize("estimate", [archard, demelio])

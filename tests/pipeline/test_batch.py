@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import wraps
+
 import numpy as np
 
 from tests.scenes import scene_in
+from weier.methods import registry
 from weier.methods.registry import find_method
-from weier.methods.solve import solve_checked
-from weier.pipeline import batch, workers
+from weier.pipeline import batch
 
 
 def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):
     """And with their seconds, and no others: neither for other profiles nor with other settings."""
     solved = []
 
-    def counted(profile, loads, method, settings):
-        solved.append((method.name, profile.D, profile.m, settings.get("points")))
-        return solve_checked(profile, loads, method, settings)
+    def counting(method):
+        def counted(profile, loads, **settings):
+            solved.append((method.name, profile.D, profile.m, settings.get("points")))
+            return method.solve(profile, loads, **settings)
 
-    monkeypatch.setattr(workers, "solve_checked", counted)
+        return replace(method, solve=wraps(method.solve)(counted))
+
+    monkeypatch.setattr(registry, "METHODS", tuple(map(counting, registry.METHODS)))
     product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
     loaded = scene_in(
         tmp_path,

@@ -1,6 +1,17 @@
-"""Measurements of speed against accuracy, of stability at the extremes, and of convergence of the infinite series.
+"""Measurements of weier itself: errors, seconds, and whether errors are what is stated of them.
 
-The first two run variants of methods on cases and compare the results with a reference: `runner` runs a variant,
-`reference` finds the reference, `metrics` computes errors, `comparison` fills a dataset, and `report` writes tables.
+| command | what it measures |
+|---|---|
+| `snakemake tradeoff` | speed against accuracy of all variants of methods |
+| `snakemake extremes` | stability at the limits of floats |
+| `snakemake convergence` | the infinite series by the number of terms resolved |
+| `python -m weier.accuracy.coverage` | whether errors are within what is stated, on families of hard series |
+| `python -m weier.accuracy.random_series` | seconds and errors of each method on usual series |
+| `python -m weier.accuracy.expected_seconds` | seconds of each method over those expected |
+| `python -m weier.accuracy.costs` | estimates, batches, the import and compiling |
+| `python -m weier.accuracy.single_precision` | what single precision would gain |
+
+`variants` says what is compared, `runner` runs a variant, `reference` finds the reference, `families` draws hard
+series, `metrics` computes errors, and `comparison` fills a dataset; all tables are written by `weier.data.markdown`.
 Imports the pipeline and all folders below it.
 """

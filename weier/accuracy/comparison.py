@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from weier.accuracy.variants import Variant
 from weier.data import dataset, variables
 from weier.data.variables import LABEL, Variable
 from weier.kernels.arrays import Array
-from weier.methods.method import Variant
 from weier.pipeline.batch import arrays, describe_case
 from weier.scene import Case
 

@@ -10,8 +10,8 @@ import mpmath as mp
 import numpy as np
 import xarray as xr
 
+from weier.accuracy.multiprecision import DIGITS
 from weier.kernels.arrays import Array
-from weier.methods.multiprecision import DIGITS
 
 MAX_DIGITS = 16.0  # An error of 0 counts as so many digits, those of a double.
 TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.

@@ -1,6 +1,6 @@
 """Reference curves from other sources than the method under test.
 
-An estimate is compared with the sum that defines it (`Method.reference`), and a solution of the series with the exact
+An estimate is compared with the sum that defines it (`OF_ESTIMATES`), and a solution of the series with the exact
 contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
 them. The patches solve the profile shifted along x, so that no number is the same by construction.
 """
@@ -8,17 +8,21 @@ them. The patches solve the profile shifted along x, so that no number is the sa
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
+from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
 
+from weier.accuracy import multiprecision
 from weier.accuracy.runner import Outcome, Run, attempt
+from weier.accuracy.variants import Variant
 from weier.kernels.arrays import Array
-from weier.methods import multiprecision, patches
+from weier.methods import layer, patches
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Method, Reference, Variant
+from weier.methods.method import Method
 from weier.surface.crests import find_crests
 from weier.surface.expansions import expand
 from weier.surface.limits import resolvable
@@ -31,7 +35,44 @@ AT_FULL_CONTACT = 1 + 1e-12  # Full contact is certain at this factor of its loa
 TOLERANCES = (1e-12, 1e-11, 1e-10)
 RESISTANCE_FACTOR = 50.0  # Largest error of R over the tolerance of h that was measured next to mergers.
 SHIFT = 0.3  # lambda_0: the contact patches solve the profile shifted by this distance.
+MAX_FINER_SCALES, FINER_ACCURACY = 10, 1e-6  # More scales of the finer layer take minutes with this accuracy.
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
+
+
+class Reference(NamedTuple):
+    """Reference values of compliance and resistance, shape (loads,), floats or numbers of mpmath, and their source.
+
+    resistance_error : the stated error of the resistance, in g_0/p_0*, of the same shape or 0
+    """
+
+    compliance: Any
+    resistance: Any
+    source: str
+    resistance_error: Any = 0.0
+
+
+def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Array) -> Reference:
+    """The sums that define an estimate, in many digits."""
+    series = profile.D, float(profile.gamma), profile.m
+    pairs = [terms(float(p), *series) for p in loads]
+    return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
+
+
+def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
+    """The layer on a mesh of twice the points, which leaves a quarter of the error; None where that takes minutes."""
+    if MAX_FINER_SCALES < profile.m < math.inf:
+        return None
+    series = profile.D, float(profile.gamma), profile.m
+    finer = layer.curve(loads, *series, points=2 * layer.POINTS, accuracy=FINER_ACCURACY)
+    return Reference(finer.compliance, finer.resistance, "finer layer")
+
+
+# The references of estimates, which have errors of their own beside those of their models, by their names.
+OF_ESTIMATES: dict[str, Callable[[Profile, Array], Reference | None]] = {
+    "archard": partial(_sums, multiprecision.archard),
+    "demelio": partial(_sums, multiprecision.demelio),
+    "layer": _finer_layer,
+}
 
 
 def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
@@ -49,9 +90,9 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
-    if profile.m != 1 and method.reference is not None:
+    if profile.m != 1 and method.name in OF_ESTIMATES:
         with suppress(ConvergenceError):
-            return method.reference(profile, loads)
+            return OF_ESTIMATES[method.name](profile, loads)
         return None
     solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.compliance_error).any())
     if not (solves_series and is_in_reach(profile, loads)):
@@ -70,7 +111,7 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     """The exact curve of a finite series that can be resolved; NaN where the contact patches fail."""
     if profile.m == 1:
-        return multiprecision.reference(multiprecision.westergaard, profile, np.array(loads))
+        return _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
     pairs, error = _by_patches(_shift(profile), np.array(loads))
     full_contact, touch = profile.full_contact_load * AT_FULL_CONTACT, _single_crest(profile)
     for i, load in enumerate(loads):

@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weier.accuracy.variants import Variant
 from weier.digests import PACKAGE
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.method import Method, Variant
+from weier.methods.method import Method
 from weier.methods.registry import find_method
-from weier.methods.solve import solve_checked
 from weier.surface.profile import Profile
 
 # The median of so many runs counts. Other programs lengthen some runs, and the clock of a virtual machine may shorten
@@ -69,12 +69,14 @@ class Run(NamedTuple):
 def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     """The curve of a variant; raises what `weier.solve` raises."""
     method, start = find_method(variant.method), process_time()
-    solved, _ = solve_checked(profile, loads, method, variant.settings)
-    seconds, values = process_time() - start, solved._asdict()
+    method.check_applies(profile)
+    values = method.solve(profile, loads, **variant.settings)._asdict()
+    seconds = process_time() - start
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
+    solution_error = values.get(STATED[0], values.get("distance_to_bounds", 0.0))
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(h, R, h_error, R_error, float(np.max(method.solution_error(solved))), outcome, seconds, values)
+    return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, seconds, values)
 
 
 def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:

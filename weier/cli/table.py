@@ -12,7 +12,7 @@ from weier.checks import suggestion
 from weier.cli.options import FILE, STDOUT, output
 from weier.data.files import write_text
 from weier.scene.yaml import number, parse_yaml
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -61,9 +61,9 @@ def _table_in_si(data: xr.Dataset, path: Path) -> pd.DataFrame:
     return table.rename(columns={name: f"{name} ({units[name]})" for name in table if units.get(name, "1") != "1"})
 
 
-def _read_interface(path: Path) -> Interface:
+def _read_interface(path: Path) -> Bodies:
     """The bodies of a file."""
-    given, known = parse_yaml(path.read_text(encoding="utf-8")), signature(Interface).parameters
+    given, known = parse_yaml(path.read_text(encoding="utf-8")), signature(Bodies).parameters
     needed = [name for name, value in known.items() if value.default is value.empty]
     given = given if isinstance(given, dict) else {}
     if strange := [name for name in given if name not in known]:
@@ -74,4 +74,4 @@ def _read_interface(path: Path) -> Interface:
         raise ValueError(
             f"{path} must have {', '.join(needed)} and a modulus of each body, and lacks {', '.join(missing)}"
         )
-    return Interface(**{name: number(name, value) for name, value in given.items()})
+    return Bodies(**{name: number(name, value) for name, value in given.items()})

@@ -6,7 +6,7 @@ Importing this module gives every `xarray.Dataset` the accessor `weier`.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
 MAX_VALUES_IN_MESSAGE = 10  # A message lists at most so many values, to stay short.
 # A dataset of curves has these variables.
-NEEDED = (*PARAMETERS, "phases", "solution_method", "mean_pressure")
+NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 
 Ratio = int | float | str | Fraction
 
@@ -108,23 +108,28 @@ class CurvesAccessor:
         1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
         """
         data = as_cases(self._data)
-        curve = curve_dims(data)
-        phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
+        curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
         labels = [name for name in _labels(data) if name != "case"]
         quantities = [name for name, values in data.data_vars.items() if values.dims == curve]
         rows = data[quantities].drop_vars("phases", errors="ignore")
-        frame = rows.assign_coords(phases=("case", phases)).to_dataframe(dim_order=curve).reset_index()
-        frame = frame.dropna(how="all", subset=quantities)[[*labels, "phases", *CURVE[1:], *quantities]]
+        if "phases" in data.coords:
+            phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
+            rows, labels = rows.assign_coords(phases=("case", phases)), [*labels, "phases"]
+        frame = rows.to_dataframe(dim_order=curve).reset_index()
+        frame = frame.dropna(how="all", subset=quantities)[[*labels, *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
 
 def as_cases(data: xr.Dataset) -> xr.Dataset:
-    """Curves over case, solution_method and mean_pressure; missing dimensions are added with size 1.
+    """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
+
+    A dimension that was selected away is added with size 1. Curves in SI units may be over LOAD in place of
+    mean_pressure.
 
     Raises
     ------
     ValueError
-        If a variable that describes a curve is missing or has the wrong type.
+        If a variable that describes a curve is missing or has the wrong type, or if dimensions were stacked.
     """
     for name in NEEDED:
         kind = data.variables[name].dtype.kind if name in data.variables else "nothing"
@@ -133,24 +138,32 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
                 f"the dataset holds no curves, since there is {'no' if kind == 'nothing' else 'a damaged'} {name}: "
                 "take a result of weier.solve, or a file of curves"
             )
-    for dim in reversed(curve_dims(data)):
-        if dim not in data.dims:
-            values = {name: _along(dim, str(name), variable) for name, variable in data.variables.items()}
-            data = xr.Dataset(values, attrs=data.attrs).set_coords(list(data.coords))
-    return data
+    swapped = data.variables["case"].dims if "case" in data.variables else ("case",)
+    if len(swapped) == 1 and swapped != ("case",):
+        data = data.swap_dims({swapped[0]: "case"})
+    # Every name in the table has its dimensions, in its order, and a label outside of it has a value for each case.
+    changed = dict[Hashable, xr.Variable]()
+    for label, variable in data.variables.items():
+        dims: tuple[Hashable, ...] = _dims(str(label), data) or (("case",) if variable.ndim == 0 else variable.dims)
+        if strange := [str(dim) for dim in variable.dims if dim not in dims]:
+            raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
+        if variable.dims != dims:
+            sizes = {dim: data.sizes.get(dim, 1) for dim in dims}
+            changed[label] = variable.set_dims(sizes).transpose(*dims)  # type: ignore[no-untyped-call]  # of xarray
+    if not changed:
+        return data
+    # A coordinate that becomes a dimension needs a new index.
+    kept = {label: variable for label, variable in data.variables.items() if label not in changed}
+    return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords))
 
 
-def curve_dims(data: xr.Dataset) -> tuple[str, ...]:
-    """The dimensions of curves; over LOAD in place of mean_pressure if the loads depend on the case."""
-    return tuple(LOAD if dim == LOADS and LOAD in data.dims else dim for dim in CURVE)
-
-
-def _along(dim: str, name: str, variable: xr.Variable) -> xr.Variable:
-    """A variable with the dimension added, if the table has it; labels outside the table have the dimension case."""
-    dims = VARIABLES[name].dims if name in VARIABLES else ("case",) if variable.ndim == 0 else ()
-    if dim not in dims:
-        return variable
-    return xr.Variable((dim, *variable.dims), variable.values[None], variable.attrs)
+def _dims(name: str, data: xr.Dataset) -> tuple[str, ...]:
+    """The dimensions of a variable of the table in this dataset; empty if it is not in the table."""
+    if LOAD not in data.dims:
+        return VARIABLES[name].dims if name in VARIABLES else ()
+    if name == LOADS:
+        return ("case", LOAD)
+    return tuple(LOAD if dim == LOADS else dim for dim in VARIABLES[name].dims) if name in VARIABLES else ()
 
 
 def profile_of(data: xr.Dataset) -> Profile:
@@ -184,6 +197,8 @@ def profile_of(data: xr.Dataset) -> Profile:
     if cases.sizes["case"] != 1:
         raise ValueError(f"data must have one case, got {cases.sizes['case']}: select it by data.isel(case=[0])")
     case = cases.isel(case=0)
+    if "phases" not in case.coords:
+        raise ValueError("data must have the coordinate phases: take the whole curve, not some of its variables")
     if np.isnan(case["D"]):
         raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
     m, seed = float(case["m"]), float(case.coords.get("seed", np.nan))
@@ -245,21 +260,21 @@ def _list(name: str, wanted: Any) -> list[Any]:
 
 
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
-    """Whether each case has one of the wanted values; a text label may hold several, separated by commas."""
+    """Whether each case has one of the wanted values; it may belong to several studies, separated by commas."""
     known = [label for label in _labels(data) if label != "case"]
     if name not in known:
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
     labels = data[name].values
     if labels.dtype.kind in "UOT":
         texts = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
-        fits = np.array([[text in str(label).split(", ") for text in texts] for label in labels])
+        fits = np.array([[text in _texts(name, label) for text in texts] for label in labels])
     else:
         numbers = np.array([_number(name, value, units.unit_of(data[name]) or units.NONE) for value in wanted])
         # Equality is tested as well, for inf.
         fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
     if not fits.any(axis=0).all():
         absent = wanted[int(np.argmin(fits.any(axis=0)))]
-        raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(labels)}")
+        raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(name, labels)}")
     return np.asarray(fits.any(axis=1))
 
 
@@ -272,6 +287,8 @@ def _number(name: str, value: Any, unit: str) -> float:
 def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     """Whether each case has these phases: of every term but the first, or of each; an infinite series has any."""
     given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
+    if "phases" not in data.coords:
+        raise ValueError("phases are not among the coordinates: select by them before single variables are taken")
     if given.ndim > 1 or given.size == 0:
         raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
     phases = data["phases"].values
@@ -290,9 +307,14 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     return fits
 
 
-def _some(values: NDArray[Any]) -> str:
-    """The distinct values of a label; a text may hold several, separated by commas."""
+def _texts(name: str, label: Any) -> list[str]:
+    """The values of a label that is a text: the name of a file may have a comma, the name of a study has none."""
+    return str(label).split(", ") if name == "study" else [str(label)]
+
+
+def _some(name: str, values: NDArray[Any]) -> str:
+    """The distinct values of a label."""
     if values.dtype.kind in "UOT":
-        values = np.array([part for text in values for part in str(text).split(", ")])
+        values = np.array([part for text in values for part in _texts(name, text)])
     texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]
     return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

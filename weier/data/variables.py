@@ -245,6 +245,12 @@ VARIABLES = {
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "chosen_method": _chosen('method that "auto" chose', dtype="U16"),
     "chosen_terms": _chosen('terms that the method chosen by "auto" solves', least=1),
+    "mean_pressure_error": _measured(
+        ("case", "mean_pressure"),
+        "distance to the load that gives the wanted value, at most",
+        "p_0*",
+        comment="It follows from the stated error of the quantity whose value was wanted.",
+    ),
     "numerics": Variable(
         RUN,
         "digest of the code that has solved the curve",

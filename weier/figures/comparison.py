@@ -26,7 +26,7 @@ from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
 MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.
@@ -55,7 +55,7 @@ class PlottedCurve(NamedTuple):
 
 
 def compare(
-    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Interface | None = None
+    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Bodies | None = None
 ) -> tuple[Figure, Sequence[Axes], Sequence[xr.Dataset]]:
     """A figure of a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
 
@@ -105,7 +105,7 @@ def compare(
 
 
 def _curves(
-    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Interface | None
+    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Bodies | None
 ) -> list[PlottedCurve]:
     """All curves, in normalised or SI units, in the order in which they are drawn."""
     numerical, found = numerical_names(), []

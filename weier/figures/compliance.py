@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 CAPTION = (
     "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where the compliance "
@@ -19,7 +19,7 @@ CAPTION = (
 
 
 def draw(
-    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
+    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Bodies | None = None
 ) -> Figure:
     """Compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
     figure, panels, cases = compare(studies, title, "compliance", grouping, interface)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from weier.figures import style
 from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 CAPTION = (
     "Contact resistance over mean pressure. {methods} The exact curve drops at each load at which a contact is "
@@ -19,7 +19,7 @@ CAPTION = (
 
 
 def draw(
-    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Interface | None = None
+    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Bodies | None = None
 ) -> Figure:
     """Resistance over mean pressure by every method, on logarithmic axes."""
     figure, panels, cases = compare(studies, title, "resistance", grouping, interface)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import multiprecision_sums, solve_by
+from weier.methods.estimate import solve_by
 from weier.methods.flattened import Remaining, remaining
 from weier.methods.method import Method, Style
 from weier.surface.series import full_contact_pressure
@@ -112,5 +112,4 @@ METHOD = Method(
     solve=solve_by(compliance, resistance),
     uses_phases=False,
     style=Style("#D55E00", (5, 1.5), "v"),
-    reference=multiprecision_sums("archard"),
 )

@@ -17,7 +17,7 @@ from weier.checks import checked_number, checked_word, hinting
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.errors import OutOfReachError
-from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Noise, Style
+from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Style
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
 from weier.surface.waves import Waves, checked_surface
@@ -246,7 +246,5 @@ METHOD = Method(
     check=_check,
     takes_traces=True,
     style=Style("#56B4E9", (3, 0.8), "X"),
-    variants=lambda profile: (),  # The methods that it chooses from are compared instead.
-    noise=Noise(TOLERANCE, math.inf),
     seconds=_seconds,
 )

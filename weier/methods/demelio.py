@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import multiprecision_sums, solve_by
+from weier.methods.estimate import solve_by
 from weier.methods.flattened import remaining
 from weier.methods.method import Method, Style
 
@@ -59,5 +59,4 @@ METHOD = Method(
     solve=solve_by(compliance, resistance),
     uses_phases=False,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
-    reference=multiprecision_sums("demelio"),
 )

@@ -1,4 +1,4 @@
-"""What closed-form estimates of a whole series have in common: how they are run, and their reference."""
+"""What closed-form estimates of a whole series have in common: how they are run."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.method import Estimate, Reference
+from weier.methods.method import Estimate
 from weier.surface.profile import Profile
 
 Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # The arguments are loads, D, gamma and m.
@@ -21,14 +21,3 @@ def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Arr
         return Estimate(compliance(loads, *series), resistance(loads, *series))
 
     return solve
-
-
-def multiprecision_sums(name: str) -> Callable[[Profile, Array], Reference]:
-    """The reference of an estimate: its sums, by the function of this name in `weier.methods.multiprecision`."""
-
-    def reference(profile: Profile, loads: Array) -> Reference:
-        from weier.methods import multiprecision  # mpmath, which only the stability report needs
-
-        return multiprecision.reference(getattr(multiprecision, name), profile, loads)
-
-    return reference

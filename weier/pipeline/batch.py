@@ -127,7 +127,7 @@ def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str
     profile = case.profile
     if not method.numerical or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
-    return infinite_series_bounds(profile, loads, solution.compliance, method.solution_error(solution))
+    return infinite_series_bounds(profile, loads, solution.compliance, solution.compliance_error)
 
 
 def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:

@@ -9,10 +9,9 @@ from contextlib import suppress
 import numpy as np
 
 from weier.kernels import jit
-from weier.methods import registry
+from weier.methods import bem, patches, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
-from weier.methods.solve import solve_checked
 from weier.pipeline.fields import events, fields
 from weier.surface.profile import Profile
 
@@ -27,11 +26,14 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
     if jit.DISABLED:
         return
     for method in [find_method(name) for name in methods] or registry.METHODS:
-        method.run_kernels()
-        for settings in method.algorithms:
+        if method is patches.METHOD:
+            patches.run_kernels()
+        for solver in bem.SOLVERS if method is bem.METHOD else [None]:
+            settings = {"solver": solver} if solver else {}
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
-                    solve_checked(profile, loads, method, settings)
+                    method.check_applies(profile)
+                    method.solve(profile, loads, **settings)
     if not methods:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])

@@ -41,7 +41,7 @@ def numerics(method: str, of_trace: bool) -> dict[str, str]:
     found = find_method(method)
     measured = [path for path in (PACKAGE / "surface" / "measured").glob("*.py") if path.stem != "trace"]
     code = digest_of_callables(
-        (found.solve, found.applies, found.solution_error),
+        (found.solve, found.applies),
         *OF_ALL,
         *(OF_TRACES if of_trace else OF_SERIES),
         # A trace is identified by its heights, however they are read.

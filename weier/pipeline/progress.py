@@ -7,8 +7,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
+from weier.kernels.jit import COMPILING_SECONDS
+
 ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
 TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # Intervals between two messages: a log keeps all of them.
+
+
+def clock() -> float:
+    """Seconds from an arbitrary start, without those of compiling."""
+    return perf_counter() - COMPILING_SECONDS.get()
 
 
 class Loads:

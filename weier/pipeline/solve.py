@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
-from weier.methods.solve import solve_checked
+from weier.pipeline.progress import clock
 from weier.surface.loads import listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
 
@@ -122,10 +122,12 @@ def _list(name: str, given: Any) -> list[Any]:
 def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
     """One curve with its labels and settings, over mean_pressure."""
     given = checked_settings(method, settings)
-    solution, seconds = solve_checked(profile, loads, method, given)
+    method.check_applies(profile)
+    start = clock()
+    solution = method.solve(profile, loads, **given)
     values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
     labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
-    return dataset.curve(loads, values | {"seconds": seconds}, labels, all_settings(method, given))
+    return dataset.curve(loads, values | {"seconds": clock() - start}, labels, all_settings(method, given))
 
 
 def _solve_all(

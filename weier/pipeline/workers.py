@@ -20,8 +20,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.progress import reporting_to
 from weier.methods.registry import find_method
-from weier.methods.solve import solve_checked
-from weier.pipeline.progress import Loads, Progress
+from weier.pipeline.progress import Loads, Progress, clock
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 
@@ -68,12 +67,13 @@ class Solver:
 
     def _solve(self, profile: Any, name: str, settings: Mapping[str, Any]) -> tuple[Any, float]:
         method = find_method(name)
+        method.check_applies(profile)
+        start = clock()
         if method.uses_phases:
-            return solve_checked(profile, self.loads, method, settings)
-        method.check_applies(profile)  # a trace has no D
+            return method.solve(profile, self.loads, **settings), clock() - start
         same = name, *(getattr(profile, parameter) for parameter in PARAMETERS), json.dumps(settings, sort_keys=True)
         if same not in self.known:
-            self.known[same] = solve_checked(profile, self.loads, method, settings)
+            self.known[same] = method.solve(profile, self.loads, **settings), clock() - start
         return self.known[same]
 
 

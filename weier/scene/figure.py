@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 PHASES = ("phases", "seed")  # Profiles of the same D, gamma and m differ in one of these.
 MAX_PANELS = 4  # A column of more panels does not fit on a page.
@@ -74,4 +74,4 @@ class Figure(NamedTuple):
     x: Axis = FREE
     y: Axis = FREE
     size: tuple[float, float] | None = None
-    interface: Interface | None = None
+    interface: Bodies | None = None

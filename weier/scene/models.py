@@ -42,7 +42,7 @@ from weier.surface.measured.layout import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
-from weier.theory.conduction import Interface
+from weier.theory.conduction import Bodies
 
 LINE = r"[^\x00-\x1f\x7f\ud800-\udfff]{0,200}"
 MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.
@@ -410,9 +410,9 @@ class InterfaceKeys(Part):
         self.bodies()
         return self
 
-    def bodies(self) -> Interface:
+    def bodies(self) -> Bodies:
         """Return the two bodies."""
-        return Interface(**{name: number(name, value) for name, value in self.given.items()})
+        return Bodies(**{name: number(name, value) for name, value in self.given.items()})
 
 
 class AxisKeys(Part):
@@ -488,7 +488,7 @@ class FigureKeys(Part):
             if sum(name in part for part in parts) > 1:
                 yield Mistake((), f"{name} can be the colour, the facet or one to take the median over, not two")
 
-    def figure(self, interface: Interface | None) -> Figure:
+    def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units of the bodies if it has these units."""
         return Figure(
             draw=self.draw,

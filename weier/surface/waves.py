@@ -141,8 +141,8 @@ class Waves(ABC):
         return total
 
 
-def checked_surface(profile: Waves) -> Waves:
-    """The surface, if it is one."""
+def checked_surface(profile: Waves, name: str = "profile") -> Waves:
+    """The surface, if it is one; `name` is that of the argument."""
     if not isinstance(profile, Waves):
-        raise ValueError(f"profile must be a weier.Profile or a weier.Trace, got {shown(profile)}")
+        raise ValueError(f"{name} must be a weier.Profile or a weier.Trace, got {shown(profile)}")
     return profile

@@ -1,6 +1,6 @@
 """From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
 
-The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of an `Interface` follow
+The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of `Bodies` follow
 from (7): lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times
 area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 """
@@ -8,7 +8,8 @@ area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.checks import Condition, checked_number, checked_numbers, checked_word, shown
 from weier.kernels.arrays import Array
+from weier.surface.measured.trace import MAX_SLOPE
 from weier.surface.waves import checked_surface
 from weier.tables import html_table
 
@@ -133,6 +135,11 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
     **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0, units.METRE)),
 }
+# Values outside these ranges are unusual enough for a warning, which names the likely slip.
+USUAL = {
+    "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
+    "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
+}
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
@@ -149,40 +156,21 @@ def _checked(name: str, values: ArrayLike) -> Array:
     return checked_numbers(name, values, *RANGES[name])
 
 
+def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
+    for name, value in bodies.items():
+        what = {"mu": "modulus", "rho": "resistivity"}.get(name[:-2])
+        if what is None or value in (0, math.inf):
+            continue
+        least, most, unit, slip = USUAL[what]
+        if not least <= value <= most:
+            limit = f"below {least:g}" if value < least else f"above {most:g}"
+            yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
+
+
 @dataclass(frozen=True, kw_only=True)
-class Interface:
-    """Two bodies in contact: turns normalised results into SI units.
-
-    All values may be quantities of pint or astropy, or arrays with the attribute `units`, which are converted.
-
-    Parameters
-    ----------
-    mu_1, mu_2 : float
-        Shear moduli, in Pa. One may be inf: a rigid body.
-    E_1, E_2 : float
-        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in Pa, which the interface turns into mu.
-    nu_1, nu_2 : float
-        Poisson's ratios, in (-1, 0.5].
-    rho_1, rho_2 : float
-        Resistivities, in ohm m. 0 is a perfect conductor.
-    lambda_0, g_0 : float, optional
-        Wavelength and amplitude of the coarsest wave of a series, in m. The curves of a `Trace` carry its own.
-
-    Raises
-    ------
-    ValueError
-        If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
-        or if both bodies are rigid.
-
-    Examples
-    --------
-    >>> import weier
-    >>> copper = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
-    >>> contact = weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)
-    >>> print(f"{contact.pressure(0.1) / 1e6:.1f} MPa, {contact.resistance(2.5):.2e} ohm m2")
-    21.4 MPa, 1.35e-11 ohm m2
-
-    """
+class Bodies:
+    """Two bodies in contact, which turn normalised results into SI units: see `weier.Interface` for their values."""
 
     mu_1: float = None  # type: ignore[assignment]  # until E_1 gives it
     mu_2: float = None  # type: ignore[assignment]
@@ -201,17 +189,25 @@ class Interface:
             "mu_2": _shear_modulus(2, self.mu_2, E_2, self.nu_2),
         }
         # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
-        given = {name: value for name, value in (vars(self) | moduli).items() if value is not None}
+        given = {name: value for name, value in (vars(self) | moduli).items() if name in BODIES or value is not None}
         vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in given.items()})
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
+        for doubt in _doubts({name: vars(self)[name] for name in BODIES}):
+            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
         scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
         full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
         if not 0 < full < math.inf:
             raise ValueError(
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {full}"
+            )
+        slope = math.sqrt(2) * math.pi * scale[1] / scale[0]
+        if self.g_0 is not None and slope > MAX_SLOPE:
+            raise ValueError(
+                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+                f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m: is a unit wrong?"
             )
 
     def _repr_html_(self) -> str:
@@ -234,9 +230,9 @@ class Interface:
     @property
     def full_contact_pressure(self) -> float:
         """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
-        return float(self._units()["p_0*"][0])
+        return float(self._scales()["p_0*"][0])
 
-    def at(self, surface: Any) -> Interface:
+    def at(self, surface: Any) -> Bodies:
         """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
 
         Parameters
@@ -253,11 +249,13 @@ class Interface:
             lambda_0, g_0 = self._scale_of(surface)
             if _varies((lambda_0, g_0)):
                 raise ValueError("surface must be one, got curves of traces of several lengths or heights")
-        elif hasattr(checked_surface(surface), "g_0"):
+        elif hasattr(checked_surface(surface, "surface"), "g_0"):
             lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
         else:
             lambda_0, g_0 = map(np.asarray, self._scale())
-        return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
+        with warnings.catch_warnings():  # which were given when this interface was made
+            warnings.simplefilter("ignore")
+            return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Any:
         """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
@@ -320,7 +318,7 @@ class Interface:
         _check_normalised(data)
         scale = self._scale_of(data)
         found = _over_loads(data) if _varies(scale) and LOADS in data.dims else data
-        known = self._units(*scale)
+        known = self._scales(*scale)
         # By methods of the dataset itself, so that nothing of xarray has to be imported here.
         values = {name: _converted(variable, known) for name, variable in found.variables.items()}
         coordinates = list(found.coords)
@@ -353,8 +351,10 @@ class Interface:
             )
         return self.lambda_0, self.g_0
 
-    def _units(self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None) -> dict[str, tuple[Array, str]]:
-        """The value of each normalised unit in SI units, at the scale given or at that of this interface."""
+    def _scales(
+        self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None
+    ) -> dict[str, tuple[Array, str]]:
+        """The value of each normalised unit in SI units, at the scale given or at that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
         p = 2 * math.pi * self.composite_modulus * height / length
@@ -370,7 +370,7 @@ class Interface:
     def _of_unit(self, unit: str, normalised: Any) -> Any:
         """Values of one unit; those that say they are of another one are refused."""
         if not hasattr(normalised, "to_dataset"):
-            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._units()[unit][0])
+            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
         if (own := units.unit_of(normalised) or unit) != unit:
             raise ValueError(f"normalised must be in {unit}, got values in {own}")
         return self.in_si(normalised.assign_attrs(unit=unit))

@@ -24,7 +24,11 @@ def test_every_method_meets_what_it_applies_to():
 
 def test_a_second_algorithm_is_tried_on_the_coarsest_grid_of_the_trade():
     """The paper's 12 points for each of the finest waves; not at all where its dense matrices are too large."""
-    assert names(Profile(1.25, 5, 3))["bem direct"] == {"solver": "direct", "points": 12 * 25, "staircase": "kept"}
+    assert names(Profile(1.25, 5, 3))["bem direct"] == {
+        "solver": "direct",
+        "points_per_wave": 12,
+        "staircase": "kept",
+    }
     assert "bem direct" not in names(Profile(1.25, 1000, 2))
 
 
@@ -32,7 +36,7 @@ def test_slow_methods_meet_few_loads():
     long = Profile(1.25, 5, 1000)
     assert "layer" not in names(long)
     assert "layer" in names(long, USUAL[:1])
-    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "layer", "hybrid", "auto"}
+    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "persson", "layer", "hybrid", "auto"}
 
 
 def test_what_no_computer_holds_is_tried_for_its_refusal():

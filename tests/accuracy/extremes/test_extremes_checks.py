@@ -6,7 +6,6 @@ import pytest
 from weier import Profile
 from weier.accuracy.extremes import checks
 from weier.methods import westergaard
-from weier.methods.method import CLOSED_FORM
 
 ONE, LOADS = Profile(1.25, 5, 1), np.geomspace(1e-6, 10, 30)
 NONE = checks.Stated(np.zeros(30), np.zeros(30))
@@ -19,34 +18,28 @@ def curve():
 
 def test_westergaards_curve_passes(curve):
     assert checks.monotone(curve[0], 1e-12, NONE)
-    assert checks.concave(LOADS, *curve, CLOSED_FORM, 1.0, NONE)
-    assert checks.within_band(ONE, LOADS, *curve, CLOSED_FORM, NONE)
+    assert checks.concave(LOADS, *curve, checks.ROUNDING, 1.0, NONE)
+    assert checks.within_band(ONE, LOADS, *curve, checks.ROUNDING, NONE)
 
 
 def test_each_check_can_fail(curve):
     h, R = curve
     dented = np.where(np.arange(30) == 12, h - 1e-3, h)
     assert not checks.monotone(np.where(np.arange(30) == 29, 0.9, h), 1e-12, NONE)
-    assert not checks.concave(LOADS, dented, R, CLOSED_FORM, 1.0, NONE)
-    assert not checks.concave(LOADS, h, R * 1.3, CLOSED_FORM, 1.0, NONE)
-    assert not checks.within_band(ONE, LOADS, dented, R, CLOSED_FORM, NONE)
-    assert not checks.within_band(ONE, LOADS, h, R + 1, CLOSED_FORM, NONE)
+    assert not checks.concave(LOADS, dented, R, checks.ROUNDING, 1.0, NONE)
+    assert not checks.concave(LOADS, h, R * 1.3, checks.ROUNDING, 1.0, NONE)
+    assert not checks.within_band(ONE, LOADS, dented, R, checks.ROUNDING, NONE)
+    assert not checks.within_band(ONE, LOADS, h, R + 1, checks.ROUNDING, NONE)
 
 
 def test_what_a_solution_is_off_is_allowed(curve):
     dented = np.where(np.arange(30) == 12, curve[0] - 1e-3, curve[0])
     stated = checks.Stated(np.full(30, 2e-3), np.zeros(30))
-    assert checks.within_band(ONE, LOADS, dented, curve[1], CLOSED_FORM, NONE, 2e-3)
+    assert checks.within_band(ONE, LOADS, dented, curve[1], checks.ROUNDING, NONE, 2e-3)
     assert checks.monotone(np.where(np.arange(30) == 29, curve[0][28] - 1e-3, curve[0]), 1e-12, stated)
-    assert checks.concave(LOADS, dented, curve[1], CLOSED_FORM, 1.0, stated)
+    assert checks.concave(LOADS, dented, curve[1], checks.ROUNDING, 1.0, stated)
     of_slope = checks.Stated(np.zeros(30), 0.4 * curve[1])
-    assert checks.concave(LOADS, curve[0], curve[1] * 1.3, CLOSED_FORM, 1.0, of_slope)
-
-
-def test_a_resistance_without_a_bound_on_its_noise_is_not_judged(curve):
-    heights_only = CLOSED_FORM._replace(slope=np.inf)
-    assert checks.concave(LOADS, curve[0], curve[1] + 1, heights_only, 1.0, NONE)
-    assert checks.within_band(ONE, LOADS, curve[0], curve[1] + 1, heights_only, NONE)
+    assert checks.concave(LOADS, curve[0], curve[1] * 1.3, checks.ROUNDING, 1.0, of_slope)
 
 
 def test_a_deviation_within_what_is_stated():

@@ -1,5 +1,6 @@
 """The extremes as measured, and the report with their faults."""
 
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -7,12 +8,13 @@ import pytest
 
 from tests.conventions import check, complaints
 from weier import figures
-from weier.accuracy import extremes, runner
+from weier.accuracy import extremes
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.runner import Outcome
+from weier.accuracy.variants import Variant
 from weier.data import dataset
 from weier.data.variables import Check
-from weier.methods.method import Variant
+from weier.methods import auto, registry
 from weier.scene import Case, Figure
 
 LOADS = np.array([1e-300, 1e-21, 1e-3, 0.1, 1.0, 10.0])
@@ -107,16 +109,14 @@ def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):
 
 def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
     """Three waves at light loads: the resistance of a grid, with its own error."""
-    solve_checked = runner.solve_checked
 
-    def overconfident(*arguments):
-        solved, seconds = solve_checked(*arguments)
-        if "resistance_error" in solved._fields:
-            solved = solved._replace(resistance_error=solved.resistance_error / 100)
-        return solved, seconds
+    def overconfident(*arguments, **settings):
+        solved = auto.METHOD.solve(*arguments, **settings)
+        return solved._replace(resistance_error=solved.resistance_error / 100)
 
     case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
     some = [Comparison("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("auto", "auto", {}),))]
     assert extremes.failures(extremes.measure(some)) == []
-    monkeypatch.setattr(runner, "solve_checked", overconfident)
+    changed = replace(auto.METHOD, solve=overconfident)
+    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS[:-1], changed))
     assert extremes.failures(extremes.measure(some)) == ["light, auto: not within stated error"]

@@ -1,16 +1,18 @@
 """The measured trade: errors against the exact contact, who takes part, what is written."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.trade import small_trade
 from weier import Profile, figures
-from weier.accuracy import runner, tradeoff
+from weier.accuracy import tradeoff
 from weier.accuracy.metrics import MEASURED, STATED, seconds_per_load, worst_over_loads
 from weier.data import dataset
 from weier.data.variables import Status
+from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import QUANTITIES
 from weier.methods.registry import find_method
@@ -89,13 +91,11 @@ def test_the_table_and_the_figure_are_made_from_the_file(measured, tmp_path):
 
 
 def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):
-    def stop(profile, loads, method, settings):
-        if method.name == "bem":
-            raise ConvergenceError("stopped")
-        return solve_checked(profile, loads, method, settings)
+    def stop(profile, loads, **settings):
+        raise ConvergenceError("stopped")
 
-    solve_checked = runner.solve_checked
-    monkeypatch.setattr(runner, "solve_checked", stop)
+    stopping = [replace(method, solve=stop) if method is bem.METHOD else method for method in registry.METHODS]
+    monkeypatch.setattr(registry, "METHODS", tuple(stopping))
     data = small_trade(tmp_path, max_points=50)
     stopped = (data["solution_method"] == "bem").values
     assert np.isin(data["status"].values[:, stopped], [Status.not_converged, Status.not_requested]).all()

@@ -12,16 +12,18 @@ from numpy.typing import ArrayLike
 
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.reference import is_in_reach
+from weier.accuracy.variants import Variant, variants_of
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Method, Settings, Variant
+from weier.methods.method import Method, Settings
 from weier.pipeline.fields import events
 from weier.scene import Case
 from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 
 MAX_RUN_SECONDS = 60.0  # A method is left out if it takes longer for a curve and for its loads one by one.
+DENSE: Settings = {"solver": "direct"}  # The other algorithm of boundary elements.
 MIN_NODES, MAX_NODES = 3, 2**20  # The coarsest and the finest grid of the extremes.
 MAX_DENSE_NODES = 2000  # A dense solution then takes a quarter of a second, and a curve some hundred solutions.
 DISTANCES = (1e-12, 1e-8, 1e-4)  # The loads around an event are at these distances, relative to its load.
@@ -77,20 +79,19 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
 
 
 def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
-    """Each algorithm with all its settings: the default, and others where a reference for them is in reach.
+    """Each algorithm with all its settings: the default, and dense matrices where a reference is in reach.
 
-    Those may be slow, as dense matrices are, and their cost is not modelled. They have the coarsest settings of the
-    tradeoff, and are left out if these have more than `MAX_DENSE_NODES` nodes.
+    These have the coarsest settings of the tradeoff, and are left out above `MAX_DENSE_NODES` nodes.
     """
-    default, *others = method.algorithms
-    yield default, default
-    for algorithm in others:
-        if not resolvable(profile):
-            yield algorithm, algorithm
-        elif is_in_reach(profile, loads):
-            coarsest = next(iter(method.all_variants(profile))).settings
-            if coarsest.get("points", 0) <= MAX_DENSE_NODES:
-                yield algorithm, {**coarsest, **algorithm}
+    yield {}, {}
+    if method is not bem.METHOD:
+        return
+    if not resolvable(profile):
+        yield DENSE, DENSE
+    elif is_in_reach(profile, loads):
+        coarsest = next(variants_of(method, profile)).settings
+        if bem.points_of(profile, **coarsest) <= MAX_DENSE_NODES:
+            yield DENSE, {**coarsest, **DENSE}
 
 
 def _name(method: Method, algorithm: Settings) -> str:
@@ -117,9 +118,7 @@ def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> 
 def _on_grid(grid: Settings) -> tuple[Variant, ...]:
     """Boundary elements on a grid, by each of their algorithms."""
     method = bem.METHOD
-    return tuple(
-        Variant(_name(method, algorithm), method.name, {**algorithm, **grid}) for algorithm in method.algorithms
-    )
+    return tuple(Variant(_name(method, own), method.name, {**own, **grid}) for own in ({}, DENSE))
 
 
 def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, Array]]:

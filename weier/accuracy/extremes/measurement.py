@@ -15,9 +15,10 @@ from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, attempt
+from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, VARIABLES, Check, Variable, variables_of_file
 from weier.kernels.arrays import Array
-from weier.methods.method import Method, Variant
+from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
@@ -82,7 +83,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
         "compliance_error": errors[0],
         "compliance_deviation": deviation[0],
         "compliance_digits": digits[0],
-        "resistance_digits": digits[1] if np.isfinite(method.noise.slope) else np.full(R.size, np.nan),
+        "resistance_digits": digits[1],
         "outcome": result.outcome,
         "message": result.message,
         "reference": right.source if np.isfinite(digits[0]).any() else "",
@@ -98,7 +99,7 @@ def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
 ) -> dict[str, Check]:
     """The checks of a curve at the solved loads; those of its shape need at least two loads."""
-    found, noise, total = {}, method.noise, profile.total_amplitude
+    found, noise, total = {}, checks.noise_of(method), profile.total_amplitude
     if p.size > 0:
         found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))
     if p.size > 1:

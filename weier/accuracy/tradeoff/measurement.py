@@ -14,10 +14,10 @@ from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import deviation
 from weier.accuracy.reference import contact_reference
 from weier.accuracy.runner import median_run
+from weier.accuracy.variants import Variant, variants_of
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Status, Variable, variables_of_file
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Variant
 from weier.scene import Scene
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
@@ -67,7 +67,7 @@ def variants(profile: Profile) -> list[Variant]:
         )
     check_resolvable(profile)
     applicable = [method for method in registry.METHODS if method.takes(profile)]
-    return [variant for method in applicable for variant in method.all_variants(profile)]
+    return [variant for method in applicable for variant in variants_of(method, profile)]
 
 
 def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:

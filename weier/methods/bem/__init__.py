@@ -8,7 +8,18 @@ is how the rest of the package chooses and calls all this.
 """
 
 from weier.methods.bem.fields import Field, field
-from weier.methods.bem.method import METHOD, within_few_points
-from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, checked_points, curve
+from weier.methods.bem.method import METHOD, points_of, within_few_points
+from weier.methods.bem.solver import POINTS_PER_WAVE, SOLVERS, BemCurve, checked_points, curve
 
-__all__ = ["METHOD", "POINTS_PER_WAVE", "BemCurve", "Field", "checked_points", "curve", "field", "within_few_points"]
+__all__ = [
+    "METHOD",
+    "POINTS_PER_WAVE",
+    "SOLVERS",
+    "BemCurve",
+    "Field",
+    "checked_points",
+    "curve",
+    "field",
+    "points_of",
+    "within_few_points",
+]

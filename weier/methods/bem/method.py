@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
-from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
-PAPER_POINTS = 12  # Points for each of the finest waves, as the paper has them.
-MAX_POINTS_COMPARED = 100_000  # Points in one period in comparisons: a load then takes tens of milliseconds.
 MAX_RESIDUAL = 1e-10  # Residual, in g_0, at which the solver stops by default: below the error of any grid.
 # Residual over the tolerance, where one is given, so that the tolerance is left to the error of the grid. Three more
 # digits of the residual cost a step or two.
 RESIDUAL_FRACTION = 1e-3
 # Seconds of a load on few points, and how they grow: as N log N, times iterations and misses of the cache.
-SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.5
+SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.3
 
 
 def _solve(
@@ -70,17 +66,6 @@ def within_few_points(profile: Waves, tolerance: float) -> bool:
     return points_within(profile, tolerance) <= few
 
 
-def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
-    """The paper's grid as it is, and the tolerances that a grid of at most `MAX_POINTS_COMPARED` keeps."""
-    points = PAPER_POINTS * profile.waves_per_period[-1]
-    if points <= MAX_POINTS_COMPARED:
-        yield f"kept {PAPER_POINTS}", {"points": points, "staircase": "kept"}
-    for tolerance in TOLERANCES_COMPARED:
-        with suppress(ValueError):
-            if _grid_within(profile, tolerance)[0] <= MAX_POINTS_COMPARED:
-                yield f"{tolerance:.0e}", {"tolerance": tolerance}
-
-
 def _check(
     profile: Waves,
     solver: str = "fft",
@@ -97,19 +82,22 @@ def _check(
     check_points(checked_points(profile, points, points_per_wave), solver == "direct")
 
 
-def _seconds(
+def points_of(
     profile: Waves,
-    loads: Array,
     tolerance: float | None = None,
     points_per_wave: int | None = None,
     points: int | None = None,
     **settings: Any,
-) -> float:
-    """Expected seconds of a curve by FFTs."""
+) -> int:
+    """The points in a period by the settings."""
     if tolerance is not None:
-        points, points_per_wave = points_within(profile, tolerance), None
-    nodes = checked_points(profile, points, points_per_wave)
-    return SECONDS_LOAD * loads.size * (1 + (nodes / TIMED_POINTS) ** POINTS_POWER)
+        return points_within(profile, tolerance)
+    return checked_points(profile, points, points_per_wave)
+
+
+def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
+    """Expected seconds of a curve by FFTs."""
+    return SECONDS_LOAD * loads.size * (1 + (points_of(profile, **settings) / TIMED_POINTS) ** POINTS_POWER)
 
 
 METHOD = Method(
@@ -129,9 +117,6 @@ METHOD = Method(
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "o"),
-    noise=Noise(1e-9, 2.5e-3),  # A residual of 1e-10, and what is left of the staircase on the default grid.
-    algorithms=({}, {"solver": "direct"}),
-    variants=_variants,
     seconds=_seconds,
     check=_check,
 )

@@ -24,6 +24,7 @@ from weier.surface.waves import Waves
 
 # Points for each of the finest waves by default: R is then within 1 % at nine of ten loads (docs/numerics.md).
 POINTS_PER_WAVE = 64
+SOLVERS = "fft", "direct"
 MIN_POINTS_PER_WAVE = 3  # Two points do not resolve a wave.
 MAX_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
 
@@ -195,7 +196,7 @@ def _checked_points_per_wave(count: int | None) -> int:
 
 def check_words(solver: str, staircase: str) -> None:
     """Refuse an unknown solver or treatment of the staircase by a ValueError."""
-    if solver not in ("fft", "direct"):
+    if solver not in SOLVERS:
         raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
     if staircase not in ("removed", "kept"):
         raise ValueError(f'staircase must be "removed" or "kept", got {staircase!r}')

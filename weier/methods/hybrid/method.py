@@ -5,7 +5,7 @@ from __future__ import annotations
 from weier.kernels.arrays import Array
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import check_infinite
-from weier.methods.method import Method, Noise, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 
 DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes: a load takes tens of milliseconds.
@@ -26,6 +26,4 @@ METHOD = Method(
     },
     applies=check_infinite,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
-    solution_error=lambda solved: solved.distance_to_bounds,
-    noise=Noise(1e-6, 1e-4),  # These are the tables of the layer, of accuracy 1e-5, and slopes between their rows.
 )

@@ -4,6 +4,6 @@ The formulas are derived in docs/layer.md; each module names the sections that i
 """
 
 from weier.methods.layer.method import METHOD
-from weier.methods.layer.solver import LayerCurve, compliance, curve, resistance, tail_closure
+from weier.methods.layer.solver import POINTS, LayerCurve, compliance, curve, resistance, tail_closure
 
-__all__ = ["METHOD", "LayerCurve", "compliance", "curve", "resistance", "tail_closure"]
+__all__ = ["METHOD", "POINTS", "LayerCurve", "compliance", "curve", "resistance", "tail_closure"]

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
-from weier.methods.method import Method, Noise, Reference, Settings, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
-POINTS_COMPARED = (6, 24)
-# A mesh of twice the points leaves a quarter of the error at most, and serves as the reference.
-REFERENCE_POINTS, REFERENCE_ACCURACY = 2 * POINTS, 1e-6
-MAX_REFERENCE_SCALES = 10  # More scales take minutes with this accuracy.
 SECONDS = 0.02, 1e-4  # Of the table of a scale, and of a load.
 
 
@@ -25,19 +20,6 @@ def _solve(
     accuracy: float = ACCURACY,
 ) -> LayerCurve:
     return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
-
-
-def _variants(profile: Profile) -> Iterator[tuple[str, Settings]]:
-    for points in POINTS_COMPARED:
-        yield f"{points}", {"points": points}
-
-
-def _reference(profile: Profile, loads: Array) -> Reference | None:
-    """The solution on a mesh of twice the points, or None where that takes minutes."""
-    if MAX_REFERENCE_SCALES < profile.m < math.inf:
-        return None
-    finer = _solve(profile, loads, REFERENCE_POINTS, REFERENCE_ACCURACY)
-    return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
 def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
@@ -57,8 +39,5 @@ METHOD = Method(
     },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),
-    noise=Noise(1e-6, 1e-5),  # These are what cubics through tables of accuracy 1e-5 leave.
-    variants=_variants,
     seconds=_seconds,
-    reference=_reference,
 )

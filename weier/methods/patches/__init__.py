@@ -8,8 +8,8 @@ fewer nodes. Each load is solved by itself:
 1. Boundary elements on a coarse grid, or crests where contacts are tiny, give the contacts that the load is likely to
    have (`start`).
 2. On given edges the density is a linear problem, solved directly for few contacts and by conjugate gradients with
-   fast sums for many (`given_edges`, `pair_sums`). Its singularities at the edges determine how these must move, as in
-   Newton's method (`edge_iteration`).
+   fast sums for many (`given_edges`, `pair_sums`). Its singularities at the edges determine how these must move, as
+   in Newton's method (`edge_iteration`).
 3. Tension on a contact or overlap outside shows that the set of contacts is wrong (`inequalities`). Then contacts are
    cut, added, removed and merged, and step 2 begins anew (`many_contacts`).
 4. The residuals of all conditions, evaluated at other points from closed forms (`fields`), certify the solution and
@@ -46,7 +46,7 @@ method
 """
 
 from weier.methods.patches.event_search import Events, events
-from weier.methods.patches.method import METHOD
+from weier.methods.patches.method import METHOD, run_kernels
 from weier.methods.patches.solver import TOLERANCE, PatchCurve, Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE
 
@@ -60,6 +60,7 @@ __all__ = [
     "Solution",
     "curve",
     "events",
+    "run_kernels",
     "solve_load",
     "solve_loads",
 ]

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from weier.kernels.arrays import Array
-from weier.methods.method import TOLERANCES_COMPARED, Method, Noise, Settings, Style, applies_to_resolvable
+from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.methods.patches import many_contacts
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.given_edges import Bounds, make_punches, solve_forces_on_contacts
-from weier.methods.patches.solver import TOLERANCE, PatchCurve, curve
+from weier.methods.patches.solver import TOLERANCE, curve
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.surface.profile import Profile
@@ -24,21 +23,12 @@ ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
 SECONDS_LOAD, SECONDS_WAVE = 3e-3, 1.2e-4  # Of a load, and of a load and each of the finest waves.
 
 
-def _variants(profile: Waves) -> Iterator[tuple[str, Settings]]:
-    for tolerance in TOLERANCES_COMPARED:
-        yield f"{tolerance:.0e}", {"tolerance": tolerance}
-
-
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
     """Expected seconds of a curve."""
     return loads.size * (SECONDS_LOAD + SECONDS_WAVE * profile.waves_per_period[-1])
 
 
-def _solve_loads(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> PatchCurve:
-    return curve(profile, loads, tolerance)
-
-
-def _run_kernels() -> None:
+def run_kernels() -> None:
     """Solve for one contact and for one gap with the solvers of few and of many, and take both kinds of sums.
 
     Nothing starts from boundary elements, which may still be compiled by another process.
@@ -61,7 +51,7 @@ METHOD = Method(
     name="patches",
     label="contact patches",
     summary="the edges of contact as unknowns, ten digits; finite m, any number of contacts",
-    solve=_solve_loads,
+    solve=curve,
     settings={
         "tolerance": "largest accepted error of the compliance, in g_0, from 1e-13 to 1; the bound is within it",
     },
@@ -69,8 +59,5 @@ METHOD = Method(
     takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),
-    noise=Noise(1e-10, 1e-7),  # These go with the default tolerance, 1e-10.
-    run_kernels=_run_kernels,
-    variants=_variants,
     seconds=_seconds,
 )

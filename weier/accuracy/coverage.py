@@ -1,6 +1,6 @@
 """Whether stated errors hold, on families of hard series, against contact patches at a tight tolerance.
 
-`python -m benchmarks.stated_errors` draws fresh series, prints how many numbers of a family are beyond what a method
+`python -m weier.accuracy.coverage` draws fresh series, prints how many numbers of a family are beyond what a method
 states of their errors, with the largest ratio of error to statement, and lists the worst. With a file, exact curves
 are solved once.
 """
@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
-from benchmarks.families import FAMILIES, Draw, draws, relative_scale
 from weier import ConvergenceError
+from weier.accuracy.families import FAMILIES, Draw, draws, relative_scale
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches

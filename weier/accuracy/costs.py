@@ -1,4 +1,4 @@
-"""The cost of parts of weier: `python -m benchmarks.parts` prints one table.
+"""The cost of parts of weier: `python -m weier.accuracy.costs` prints one table.
 
 Estimates against np.log of as many numbers, the layer's curve, a batch against the sum of its solves, the import,
 and the compilation of all kernels. Each time is the least of several, taken in turn with what it is compared to.
@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr
+from functools import partial
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
@@ -60,9 +61,9 @@ def estimates(cases: int, long: int) -> Iterator[Row]:
         for estimate in (archard, demelio):
             for m in TERMS:
                 log, h, R = least_seconds(
-                    lambda x=numbers: np.log(x),
-                    lambda f=estimate.compliance, p=loads, D=dimension, m=m: f(p, D, 5, m),
-                    lambda f=estimate.resistance, p=loads, D=dimension, m=m: f(p, D, 5, m),
+                    partial(np.log, numbers),
+                    partial(estimate.compliance, loads, dimension, 5, m),
+                    partial(estimate.resistance, loads, dimension, 5, m),
                     repeats=REPEATS,
                 )
                 name = estimate.__name__.removeprefix("weier.")
@@ -73,7 +74,7 @@ def layers(loads: int) -> Iterator[Row]:
     """Time of the layer's curve."""
     p = np.geomspace(1e-3, 10, loads)
     for m in TERMS:
-        (curve,) = least_seconds(lambda m=m: layer.curve(p, 1.25, 5, m), repeats=REPEATS)
+        (curve,) = least_seconds(partial(layer.curve, p, 1.25, 5, m), repeats=REPEATS)
         yield f"layer, m = {m:g}, {loads} loads", f"{1e3 * curve:.2f} ms"
 
 

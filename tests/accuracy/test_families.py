@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import families, stated_errors
-from benchmarks.families import FAMILIES, LOADS, MAX_WAVES
 from weier import ConvergenceError, Profile
+from weier.accuracy import coverage, families
+from weier.accuracy.families import FAMILIES, LOADS, MAX_WAVES
 from weier.methods import bem
 
 
@@ -54,15 +54,15 @@ def test_a_file_gives_the_same_draws(one_draw, tmp_path: Path, monkeypatch):
 
 
 def test_an_error_beyond_what_is_stated_is_found(one_draw):
-    right = stated_errors.judge_all(one_draw)
+    right = coverage.judge_all(one_draw)
     assert list(right) == ["bem", "bem, staircase kept", "patches"]
     for judged in right.values():
         assert not np.any(judged.ratio > 1)
-    assert list(stated_errors.exceeded([(one_draw, right)])) == []
+    assert list(coverage.exceeded([(one_draw, right)])) == []
     off = 10 * right["bem"].stated[0, 1]
     wrong = one_draw._replace(exact=one_draw.exact + np.array([[0.0, off], [0.0, 0.0]]))
-    judged = stated_errors.judge(wrong, stated_errors.by_elements)
-    (ratio, where), *others = stated_errors.exceeded([(wrong, {"bem": judged})])
+    judged = coverage.judge(wrong, coverage.by_elements)
+    (ratio, where), *others = coverage.exceeded([(wrong, {"bem": judged})])
     assert others == []
     assert ratio == pytest.approx(10, abs=1)
     assert f"h by bem is off by {judged.error[0, 1]:.2e}" in where
@@ -71,7 +71,7 @@ def test_an_error_beyond_what_is_stated_is_found(one_draw):
 
 def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw):
     coarse = one_draw._replace(uncertainty=np.full((2, 2), 100.0))
-    assert all(np.isnan(judged.ratio).all() for judged in stated_errors.judge_all(coarse).values())
+    assert all(np.isnan(judged.ratio).all() for judged in coverage.judge_all(coarse).values())
 
 
 def test_refused_and_unsolved_loads_are_counted(one_draw, monkeypatch):
@@ -80,21 +80,21 @@ def test_refused_and_unsolved_loads_are_counted(one_draw, monkeypatch):
             raise ConvergenceError("too light")
         return bem.curve(draw.profile, loads, **draw.settings)
 
-    monkeypatch.setattr(stated_errors, "METHODS", {"bem": refuse_light_loads})
+    monkeypatch.setattr(coverage, "METHODS", {"bem": refuse_light_loads})
     unsolved = one_draw._replace(exact=np.full((2, 2), np.nan), uncertainty=np.full((2, 2), np.nan))
-    found = [(draw, stated_errors.judge_all(draw)) for draw in (one_draw, unsolved)]
-    family, loads, h, R, refused = stated_errors.row("usual", found)
+    found = [(draw, coverage.judge_all(draw)) for draw in (one_draw, unsolved)]
+    family, loads, h, R, refused = coverage.row("usual", found)
     assert (family, loads, refused) == ("usual", "4", "2")
     assert h.startswith("0 of 1,")
     assert R.startswith("0 of 1,")
 
 
 def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatch):
-    monkeypatch.setattr(stated_errors, "draws", lambda *arguments: iter([one_draw]))
-    result = CliRunner().invoke(stated_errors.main, ["--families", "usual"])
+    monkeypatch.setattr(coverage, "draws", lambda *arguments: iter([one_draw]))
+    result = CliRunner().invoke(coverage.main, ["--families", "usual"])
     assert result.exit_code == 0
     rows = [line for line in result.stdout.splitlines() if line.startswith("|")]
     assert [line.split(" | ")[0] for line in rows] == ["| family", "| ---", "| usual", "| all"]
     assert len({line.count("|") for line in rows}) == 1
     assert "half of the errors" in result.stdout
-    assert CliRunner().invoke(stated_errors.main, ["--families", "unknown"]).exit_code == 2
+    assert CliRunner().invoke(coverage.main, ["--families", "unknown"]).exit_code == 2

@@ -7,24 +7,12 @@ function returns compliance, in g_0, and resistance, in g_0/p_0*.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import mpmath as mp
 
-from weier.kernels.arrays import Array
-from weier.methods.method import Reference
-from weier.surface.profile import Profile
-
 DIGITS = 50  # Cancellation in the sums leaves far more than the 16 digits of a double.
 Pair = tuple[Any, Any]
-
-
-def reference(sums: Callable[..., Pair], profile: Profile, loads: Array) -> Reference:
-    """The sums of a method for all loads."""
-    series = profile.D, float(profile.gamma), profile.m
-    pairs = [sums(float(p), *series) for p in loads]
-    return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
 
 
 def westergaard(p: float, *series: float) -> Pair:

@@ -5,7 +5,7 @@ import math
 import mpmath as mp
 import pytest
 
-from weier.methods import multiprecision as exact
+from weier.accuracy import multiprecision as exact
 
 TERMS = 200  # of a sum that falls by half a term: below the last digit
 

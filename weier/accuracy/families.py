@@ -99,12 +99,12 @@ def aligned(random: Generator, waves: Array) -> Array:
     """All crests, or all troughs, meet at one place: on a node, between two, or anywhere."""
     points = 32 * waves[-1]
     place = float(random.choice([0.0, 0.5, 0.25, random.random()])) / points
-    return -2 * np.pi * waves * place + np.pi * float(random.random() < 0.2)
+    return np.asarray(-2 * np.pi * waves * place + np.pi * float(random.random() < 0.2))
 
 
 def twin_crests(random: Generator, waves: Array) -> Array:
     """An even profile, whose crests come in pairs, but for one phase by 1e-12 to 1e-2."""
-    phases = np.pi * random.integers(0, 2, waves.size)
+    phases = np.asarray(np.pi * random.integers(0, 2, waves.size), np.float64)
     phases[random.integers(waves.size)] += 10 ** random.uniform(-12, -2) * random.choice([-1, 1])
     return phases
 
@@ -174,10 +174,10 @@ Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, 
 
 def _family(*features: Callable[..., Any]) -> Features:
     """The features that are named, and what is usual for the others."""
-    kinds = SERIES, PHASES, PRESSURES, SETTINGS
-    return tuple(
-        tuple(f for f in features if f in kind) or (usual,) for kind, usual in zip(kinds, DEFAULT, strict=True)
-    )
+    kinds: Features = (SERIES, PHASES, PRESSURES, SETTINGS)
+    chosen = [tuple(f for f in features if f in kind) for kind in kinds]
+    usual_of_kind: Features = tuple((feature,) for feature in DEFAULT)
+    return tuple(own or default for own, default in zip(chosen, usual_of_kind, strict=True))
 
 
 FAMILIES: dict[str, Features] = {

@@ -1,7 +1,7 @@
-"""Time and errors of each method on random series: `python -m benchmarks.trade [SERIES]`.
+"""Time and errors of each method on random series: `python -m weier.accuracy.random_series [SERIES]`.
 
-The series are those of `benchmarks.families` that are not made to be hard. The reference is contact patches at
-`REFERENCE_TOLERANCE`.
+The series are those of `weier.accuracy.families` that are not made to be hard. The reference is contact patches at
+a tolerance of 1e-12 g_0.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
-from benchmarks.families import relative_scale, usual_profile
-from benchmarks.problem import REFERENCE_TOLERANCE
 from weier import Profile
+from weier.accuracy.families import REFERENCE, relative_scale, usual_profile
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
@@ -80,7 +79,7 @@ def random_case(random: np.random.Generator) -> Case:
     profile = usual_profile(random, MAX_WAVES)
     most = max(MAX_LOAD * profile.full_contact_load, 2 * MIN_LOAD)
     loads = np.unique(np.exp(random.uniform(math.log(MIN_LOAD), math.log(most), LOADS)))
-    exact = patches.curve(profile, loads, REFERENCE_TOLERANCE)
+    exact = patches.curve(profile, loads, REFERENCE[0])
     uncertainty = np.array([exact.compliance_error, exact.resistance_error])
     return Case(profile, loads, np.array([exact.compliance, exact.resistance]), uncertainty)
 

@@ -1,4 +1,4 @@
-"""What single precision would gain for boundary elements, and what it would lose: `python -m benchmarks.float32`."""
+"""What single precision would gain and lose for boundary elements: `python -m weier.accuracy.single_precision`."""
 
 from __future__ import annotations
 

@@ -1,0 +1,100 @@
+"""`weier.find_load`: the load for a given resistance, compliance or contact fraction."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import weier
+from weier.methods import westergaard
+
+TWO = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+
+
+@pytest.mark.parametrize("xi", [1e-200, 1e-6, 0.3, 0.99])
+def test_one_wave_follows_from_westergaard(xi):
+    one = weier.Profile(D=1.5, gamma=2, m=1)
+    values = {
+        "resistance": float(westergaard.resistance(xi)),
+        "contact_fraction": 2 * float(westergaard.contact_half_width(xi)),
+        "compliance": float(westergaard.compliance(xi)),
+    }
+    for name, value in values.items():
+        if name != "resistance" and xi == 1e-200:
+            continue  # the error of heights is larger than the indentation
+        found = weier.find_load(one, **{name: value})
+        off, error = abs(found.mean_pressure.item() - xi), found.mean_pressure_error.item()
+        # The value has one rounding, which moves the load by itself over the slope of the value in ln p.
+        rounding = 4e-16 * {"resistance": -math.log(xi), "contact_fraction": 2, "compliance": 1 / xi}[name] * xi
+        assert off <= error + 8 * rounding, (name, off, error)
+        assert error <= 1e-6 * xi, name
+        assert found[name].item() == pytest.approx(value, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_load_of_a_curve_comes_back_within_its_error(seed):
+    random = np.random.default_rng(seed)
+    profile = weier.Profile(
+        1 + 0.9 * random.random(), int(random.integers(2, 6)), int(random.integers(2, 5)), seed=seed
+    )
+    loads = np.exp(random.uniform(math.log(1e-3), math.log(0.95 * profile.full_contact_load), 3))
+    curve = weier.solve(profile, loads, "patches")
+    for name in ("resistance", "compliance", "contact_fraction"):
+        found = weier.find_load(profile, **{name: curve[name].values})
+        error = found.mean_pressure_error.values
+        assert (np.abs(found.mean_pressure.values - loads) <= error).all(), name
+        assert (error <= 1e-6 * loads).all(), name
+
+
+def test_a_trace_has_a_load_too():
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(40) / 40) + 2e-7 * np.cos(2 * np.pi * np.arange(40) / 8 + 1)
+    trace = weier.Trace(z, 1e-3, ends="periodic", unit="m")
+    resistance = weier.solve(trace, [0.1], "patches").resistance.item()
+    found = weier.find_load(trace, resistance=resistance)
+    assert abs(found.mean_pressure.item() - 0.1) <= found.mean_pressure_error.item() <= 1e-8
+
+
+def test_a_resistance_within_a_drop_has_the_load_of_the_birth():
+    births = weier.events(TWO, 1e-3, 1.0)
+    birth = births.mean_pressure.values[births.birth.values][0]
+    before, after = weier.solve(TWO, birth * np.array([1 - 1e-6, 1 + 1e-6]), "patches").resistance.values
+    assert before > 1.1 * after
+    with pytest.warns(UserWarning, match="the resistance drops past .* where a contact is born, under 0.0767"):
+        found = weier.find_load(TWO, resistance=(before + after) / 2)
+    assert abs(found.mean_pressure.item() - birth) <= found.mean_pressure_error.item() + 1e-9 * birth
+
+
+REFUSED = [
+    ({"resistance": 0.0}, r"resistance must lie between 0, from full contact under 2.4759\d* p_0\* on, and 692"),
+    ({"resistance": -1.0}, "resistance must lie between 0"),
+    ({"resistance": 1e4}, r"under the lightest load of 1e-300 p_0\*, got 10000"),
+    ({"resistance": math.nan}, "resistance must lie between 0"),
+    ({"compliance": 0.01}, r"compliance must lie between 0.0175\d* g_0, at first contact, and 1.299\d* g_0, at full"),
+    ({"compliance": 2.0}, "compliance must lie between"),
+    ({"contact_fraction": 1.0}, r"contact_fraction must lie between 0, at first contact, and 1, at full contact"),
+    ({"contact_fraction": 0.0}, "contact_fraction must lie between"),
+    ({"resistance": []}, "resistance must be a number or a list of numbers"),
+    ({}, "give one of resistance, compliance, contact_fraction, got none"),
+    ({"resistance": 1.0, "compliance": 1.0}, "got resistance and compliance"),
+]
+
+
+@pytest.mark.parametrize(("wanted", "message"), REFUSED)
+def test_what_no_load_gives_is_refused_in_a_sentence(wanted, message):
+    with pytest.raises(ValueError, match=message):
+        weier.find_load(TWO, **wanted)
+
+
+def test_an_infinite_series_has_no_such_load():
+    with pytest.raises(ValueError, match="the finest wave must fit"):
+        weier.find_load(weier.Profile(1.5, 2, math.inf), resistance=1.0)
+
+
+def test_the_order_of_the_values_is_kept():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = weier.find_load(TWO, compliance=[1.0, 0.2, 1.0])
+    assert found.compliance.values == pytest.approx([1.0, 0.2, 1.0], rel=1e-10)
+    assert found.mean_pressure_error.dims == ("mean_pressure",)
+    assert found.mean_pressure_error.attrs["unit"] == "p_0*"

@@ -1,0 +1,203 @@
+"""`weier.Interface`: two bodies, whose contact is solved from Pa to m and ohm m^2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from weier import units
+from weier.checks import checked_numbers, hinting, shown
+from weier.data.selection import as_cases, name_cases
+from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
+from weier.pipeline.inverse import find_load
+from weier.pipeline.solve import solve
+from weier.surface.waves import Waves
+from weier.theory.conduction import LOADS, Bodies
+
+PRESSURE = {"units": units.PASCAL, "long_name": VARIABLES[LOADS].long_name, "symbol": VARIABLES[LOADS].symbol}
+
+
+class Interface(Bodies):
+    """Two bodies in contact: solves for their surfaces in SI units, and turns normalised results into them.
+
+    All values may be quantities of pint or astropy, or arrays with the attribute `units`, which are converted.
+
+    Parameters
+    ----------
+    mu_1, mu_2 : float
+        Shear moduli, in Pa. One may be inf: a rigid body.
+    E_1, E_2 : float
+        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in Pa, which the interface turns into mu.
+    nu_1, nu_2 : float
+        Poisson's ratios, in (-1, 0.5].
+    rho_1, rho_2 : float
+        Resistivities, in ohm m. 0 is a perfect conductor.
+    lambda_0, g_0 : float, optional
+        Wavelength and amplitude of the coarsest wave of a series, in m. The curves of a `Trace` carry its own.
+
+    Raises
+    ------
+    ValueError
+        If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
+        if both bodies are rigid, or if the coarsest wave is steeper than any instrument measures.
+
+    Warns
+    -----
+    UserWarning
+        If a shear modulus is below 1 MPa or above 10 TPa, or a resistivity below 1e-9 or above 1e12 ohm m.
+
+    Examples
+    --------
+    >>> import weier
+    >>> copper = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
+    >>> contact = weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)
+    >>> print(f"{contact.pressure(0.1) / 1e6:.1f} MPa, {contact.resistance(2.5):.2e} ohm m2")
+    21.4 MPa, 1.35e-11 ohm m2
+
+    """
+
+    @hinting
+    def solve(
+        self,
+        surface: Waves | Sequence[Waves],
+        pressure: ArrayLike,
+        method: str | Sequence[str] | None = None,
+        **options: Any,
+    ) -> xr.Dataset:
+        """Compliance and contact resistance in m and ohm m^2, under mean pressures in Pa.
+
+        Parameters
+        ----------
+        surface : Profile, Trace or sequence of these
+            A series needs lambda_0 and g_0 of this interface; a trace has its own.
+        pressure : array_like, shape (loads,)
+            Positive, in Pa, or with a unit.
+        method, **options
+            As of `weier.solve`; a `tolerance` is in g_0.
+
+        Returns
+        -------
+        Dataset
+            As of `weier.solve`, in SI units, with the values of this interface as attributes. Several surfaces are
+            cases with common pressures.
+
+        Raises
+        ------
+        ValueError, ConvergenceError
+            As of `weier.solve`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import weier
+        >>> steel = weier.Interface(E_1=210e9, E_2=210e9, nu_1=0.3, nu_2=0.3, rho_1=1.4e-7, rho_2=1.4e-7)
+        >>> x = 5e-6 * np.arange(200)
+        >>> z = 1e-6 * np.cos(2 * np.pi * x / 2e-4) + 2e-7 * np.cos(2 * np.pi * x / 4e-5 + 1)
+        >>> trace = weier.Trace(z, length=1e-3, ends="periodic", unit="m")
+        >>> curve = steel.solve(trace, [1e6, 1e7])
+        >>> print(curve.resistance.values.round(13), curve.resistance.units)
+        [8.27e-11 6.21e-11] ohm m^2
+        """
+        pressures = np.atleast_1d(checked_numbers("pressure", pressure, "be positive", _positive, units.PASCAL))
+        if isinstance(surface, Waves):
+            curves = solve(surface, self.at(surface).normalised_pressure(pressures), method, **options)
+        elif isinstance(surface, list | tuple) and surface:
+            loads = [self.at(one).normalised_pressure(pressures) for one in surface]
+            curves = joined([solve([one], own, method, **options) for one, own in zip(surface, loads, strict=True)])
+        else:
+            raise ValueError(
+                f"surface must be a weier.Profile, a weier.Trace, or a list of some of these, got {shown(surface)}"
+            )
+        found = self.in_si(curves)
+        if LOADS not in found.dims:  # but a dimension for loads that depend on the case
+            found = found.drop_vars(LOADS).rename_dims(load=LOADS)
+        return found.assign_coords({LOADS: (LOADS, pressures, PRESSURE)})
+
+    @hinting
+    def find_pressure(
+        self,
+        surface: Waves,
+        *,
+        resistance: ArrayLike | None = None,
+        compliance: ArrayLike | None = None,
+        contact_fraction: ArrayLike | None = None,
+    ) -> xr.Dataset:
+        """Mean pressure in Pa at which one quantity has a given value.
+
+        Parameters
+        ----------
+        surface : Profile or Trace
+            A series needs lambda_0 and g_0 of this interface; a trace has its own.
+        resistance, compliance, contact_fraction : array_like
+            One of them: the wanted value, or several, in ohm m^2, in m, or as a fraction.
+
+        Returns
+        -------
+        Dataset
+            As of `weier.find_load`, in SI units.
+
+        Raises
+        ------
+        ValueError, ConvergenceError
+            As of `weier.find_load`.
+
+        Examples
+        --------
+        >>> import weier
+        >>> bodies = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.4e-7, "rho_2": 1.4e-7}
+        >>> steel = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6)
+        >>> found = steel.find_pressure(weier.Profile(D=1.25, gamma=5, m=2), resistance=1e-10)
+        >>> print(f"{found.mean_pressure.item():.4g} {found.mean_pressure.units}")
+        4.305e+07 Pa
+        """
+        own = self.at(surface)
+        scales = own._scales()
+        wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
+        normalised: dict[str, Any] = {}
+        for name, value in wanted.items():
+            if value is not None:
+                scale, unit = scales.get(VARIABLES[name].unit, (1.0, units.NONE))
+                if scale == 0:
+                    raise ValueError(
+                        "resistance must be that of bodies with a resistivity, got two perfect conductors"
+                    )
+                normalised[name] = checked_numbers(name, value, unit=unit) / scale
+        return own.in_si(find_load(surface, **normalised))
+
+
+def _positive(pressures: Array) -> Any:
+    return (pressures > 0) & np.isfinite(pressures)
+
+
+def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Curves of several cases, each with loads of its own, over case and the number of the load."""
+    cases = [as_cases(part).assign_coords({LOADS: (LOADS, np.arange(part.sizes[LOADS]))}) for part in parts]
+    longest = {dim: max(part.sizes.get(dim, 0) for part in cases) for dim in ("term", "edge")}
+    labels = {name: values for part in cases for name, values in part.coords.items() if values.dims == ("case",)}
+    padded = []
+    for case in cases:
+        part = case.reindex(term=np.arange(longest["term"]))
+        if "edge" in part.dims:
+            part = part.pad(edge=(0, longest["edge"] - part.sizes["edge"]))
+        blank = {
+            name: ("case", [np.nan if values.dtype.kind == "f" else ""], values.attrs)
+            for name, values in labels.items()
+            if name not in part.coords
+        }
+        padded.append(part.assign_coords(blank))
+    return name_cases(
+        xr.concat(
+            padded,
+            dim="case",
+            data_vars="minimal",
+            coords="minimal",
+            combine_attrs="override",
+            join="outer",
+            compat="override",
+        )
+    )

@@ -1,0 +1,199 @@
+"""`weier.find_load`: the mean pressure at which the resistance, the compliance or the contact fraction has a value.
+
+All three are monotone in the load p: h and the contact fraction increase, and R = dh/dp decreases, with a drop at
+each birth of a contact. Brent's method in ln p finds the load by contact patches. Its error is the distance to the
+nearest loads at which the quantity, with its stated error, certainly lies on one side of the target.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # Its submodules are loaded on first use.
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from weier.checks import checked_numbers, hinting
+from weier.data import variables
+from weier.data.variables import VARIABLES
+from weier.methods import patches
+from weier.methods.errors import ConvergenceError
+from weier.methods.patches.solver import MIN_LOAD, TOLERANCE
+from weier.pipeline.solve import solve
+from weier.surface.limits import check_resolvable
+from weier.surface.waves import Waves, checked_surface
+from weier.theory.bounds import first_contact
+
+QUANTITIES = ("resistance", "compliance", "contact_fraction")
+ERROR = "mean_pressure_error"
+# Brent's method ends within this of ln p, some roundings.
+LOG_ACCURACY = 1e-14
+FIRST_DECADES = 1.0  # The first bracket is so wide; each further one is twice as wide.
+WIDER = 10.0  # The distance to a load that is certain to lie on one side is found within this factor.
+# A load that misses a tolerance of patches is solved with a looser one; the error of the load follows.
+LOOSER, MAX_TOLERANCE = 100.0, 1e-4
+JUMP = 1e-6  # A quantity that differs by more than this from its target, relative, drops past it.
+
+
+class Value(NamedTuple):
+    """A quantity under one load, and its stated error."""
+
+    value: float
+    error: float
+    height_error: float
+    resistance: float
+
+
+@hinting
+def find_load(
+    profile: Waves,
+    *,
+    resistance: ArrayLike | None = None,
+    compliance: ArrayLike | None = None,
+    contact_fraction: ArrayLike | None = None,
+) -> xr.Dataset:
+    """Mean pressure at which one quantity has a given value.
+
+    Parameters
+    ----------
+    profile : Profile or Trace
+        With a finite number of terms.
+    resistance, compliance, contact_fraction : array_like
+        One of them: the wanted value, or several, in g_0/p_0*, in g_0, or as a fraction.
+
+    Returns
+    -------
+    Dataset
+        The curve by contact patches at these loads, in the order of the values, with `mean_pressure_error`, in p_0*:
+        how far the load may be off by the stated error of the quantity.
+
+    Raises
+    ------
+    ValueError
+        If no load gives such a value: the message says between which limits it lies.
+    ConvergenceError
+        If a load on the way cannot be solved.
+
+    Warns
+    -----
+    UserWarning
+        If the resistance drops past the value where a contact is born: the load is then that of the birth.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.find_load(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), resistance=1.5)
+    >>> print(found.mean_pressure.values.round(6), found.resistance.values.round(6))
+    [0.199413] [1.5]
+    """
+    check_resolvable(checked_surface(profile))
+    given = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
+    wanted = {name: value for name, value in given.items() if value is not None}
+    if len(wanted) != 1:
+        raise ValueError(f"give one of {', '.join(QUANTITIES)}, got {' and '.join(wanted) or 'none'}")
+    ((name, target),) = wanted.items()
+    targets = np.atleast_1d(checked_numbers(name, target, unit=VARIABLES[name].unit))
+    if targets.ndim != 1 or targets.size == 0:
+        raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
+    search = _Search(profile, name)
+    found = [search.load(float(value)) for value in targets]
+    loads, errors = np.array(found).T
+    curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
+    attributes = variables.attributes(ERROR)
+    for value, reached, load in zip(targets, curve[name].values, loads, strict=True):
+        if name == "resistance" and abs(reached - value) > JUMP * value:
+            warnings.warn(
+                f"the resistance drops past {value:g} g_0/p_0* where a contact is born, under {load:.9g} p_0*",
+                stacklevel=3,  # at the call of `find_load`, which `hinting` hands on
+            )
+    return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
+
+
+class _Search:
+    """Loads of one surface at which a quantity has a value."""
+
+    def __init__(self, profile: Waves, name: str) -> None:
+        self.profile, self.name = profile, name
+        self.falls = name == "resistance"
+        # Compliance is compared as indentation, which is accurate under light loads.
+        self.offset = first_contact(profile) if name == "compliance" else 0.0
+        self.full = float(profile.full_contact_load)
+        self.known = dict[float, Value]()
+        self.tolerance = TOLERANCE
+
+    def load(self, target: float) -> tuple[float, float]:
+        """The load, and its error, in p_0*."""
+        self._check(target)
+        value = target - self.offset
+
+        def rising(log_load: float) -> float:
+            """What increases with the load, and vanishes at the target."""
+            return (value - self.at(log_load).value) if self.falls else self.at(log_load).value - value
+
+        high = math.log(self.full)
+        low, width = high, FIRST_DECADES * math.log(10)
+        least = math.log(MIN_LOAD)
+        while rising(low) > 0:
+            if low == least:
+                raise ValueError(self._limits(target))
+            high, low, width = low, max(low - width, least), 2 * width
+        root = float(scipy.optimize.brentq(rising, low, high, xtol=LOG_ACCURACY)) if low < high else low
+        load = math.exp(root)
+        off = max(self._distance(root, rising, side) for side in (-1, 1))
+        at_root = self.at(root)
+        from_heights = at_root.height_error / at_root.resistance if self.name == "contact_fraction" else 0.0
+        return load, load * math.expm1(off) + from_heights
+
+    def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
+        """How far from the root, in ln p, the quantity is certain to lie on the side of the target."""
+        distance = LOG_ACCURACY
+        while side * rising(root + side * distance) <= self.at(root + side * distance).error:
+            if root + side * distance >= math.log(self.full):
+                break
+            distance *= WIDER
+        return distance
+
+    def at(self, log_load: float) -> Value:
+        """The quantity under one load."""
+        if log_load not in self.known:
+            found = self._curve(min(math.exp(log_load), self.full))
+            values = {"compliance": found.indentation, "resistance": found.resistance}
+            value = values.get(self.name, found.contact_fraction)
+            errors = {"compliance": found.compliance_error, "resistance": found.resistance_error}
+            error = errors.get(self.name, np.zeros(1))
+            numbers = (value, error, found.compliance_error, found.resistance)
+            self.known[log_load] = Value(*(float(number[0]) for number in numbers))
+        return self.known[log_load]
+
+    def _curve(self, load: float) -> patches.PatchCurve:
+        """The solution under one load, as accurate as it can be had."""
+        while True:
+            try:
+                return patches.curve(self.profile, [load], self.tolerance)
+            except ConvergenceError:
+                self.tolerance *= LOOSER
+                if self.tolerance > MAX_TOLERANCE:
+                    raise
+
+    def _check(self, target: float) -> None:
+        """Refuse what the quantity reaches at no load, or at all loads beyond full contact."""
+        top = float(self.profile.total_amplitude)
+        low, high = {"resistance": (0.0, math.inf), "compliance": (self.offset, top)}.get(self.name, (0.0, 1.0))
+        if not low < target < high:
+            raise ValueError(self._limits(target))
+
+    def _limits(self, target: float) -> str:
+        full = f"full contact under {self.full:.6g} p_0*"
+        first = f"{self.at(math.log(MIN_LOAD)).value + self.offset:.6g}"
+        top = self.profile.total_amplitude
+        limits = {
+            "resistance": f"between 0, from {full} on, and {first} g_0/p_0*, under the lightest load of "
+            f"{MIN_LOAD:g} p_0*",
+            "compliance": f"between {self.offset:.6g} g_0, at first contact, and {top:.6g} g_0, at {full}",
+            "contact_fraction": f"between 0, at first contact, and 1, at {full}",
+        }
+        return f"{self.name} must lie {limits[self.name]}, got {target:g}"
