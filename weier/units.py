@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
     import pint
 
@@ -19,11 +21,14 @@ WITHOUT = ("", NONE, "dimensionless")
 NORMALISED_PRESSURE = "p_0*"
 NORMALISED = ("lambda_0", "g_0", NORMALISED_PRESSURE, "g_0/p_0*", "p_0*/lambda_0^(1/2)")
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
+MAX_LISTED = 10_000  # A range has at most so many numbers, so that a typing error does not fill the memory.
 MAX_NAME = 40  # No unit is longer than this.
 # Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.
 UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")
 # Spellings that pint does not know: powers as in "N mm-2", which are those of UDUNITS, and "Ohm" of astropy.
 POWER, OHM = re.compile(r"\b([A-Za-z]+)(-?\d)\b"), re.compile(r"Ohm\b")
+# A number, and its unit if it has one.
+NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)\s*(.*?)\s*")
 
 
 def unit_of(values: Any) -> str:
@@ -80,6 +85,36 @@ def _registry() -> pint.UnitRegistry[float]:
     import pint
 
     return pint.UnitRegistry(preprocessors=[lambda text: POWER.sub(r"\1**\2", OHM.sub("ohm", text))])
+
+
+def parsed(name: str, value: Any, unit: str) -> Any:
+    """Return a number in `unit`, from a number or from a text that may have another unit, as "210 GPa"."""
+    if not isinstance(value, str):
+        return value
+    if (found := NUMBER.fullmatch(value)) is None:
+        raise ValueError(f"{name} must be a number, got {value[:MAX_NAME]!r}")
+    return float(found[1]) * (factor(name, found[2], unit) if found[2] else 1.0)
+
+
+def listed(name: str, text: str, unit: str) -> list[float]:
+    """Return the numbers of a text as "1,10 MPa", in `unit`; "1:10:40 MPa" are 40 numbers in equal ratios.
+
+    A unit is that of all numbers before it.
+    """
+    ranged = ":" in text
+    parts = [found for part in text.split(":" if ranged else ",") if (found := NUMBER.fullmatch(part))]
+    if len(parts) != (3 if ranged else text.count(",") + 1):
+        raise ValueError(f'{name} must read "1,10 {unit}" or "first:last:count {unit}", got {text!r:.80}')
+    given, values = unit, list[float]()
+    for found in reversed(parts):
+        given = found[2] or given
+        values.insert(0, float(found[1]) * factor(name, given, unit))
+    if not ranged:
+        return values
+    first, last, count = *values[:2], float(parts[2][1])
+    if not (2 <= count <= MAX_LISTED and count == int(count) and first > 0 and last > 0):
+        raise ValueError(f"{name} must be positive, and at most {MAX_LISTED} numbers, got {text!r:.80}")
+    return [float(value) for value in np.geomspace(first, last, int(count))]
 
 
 def bare(values: Any) -> Any:

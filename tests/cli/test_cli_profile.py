@@ -271,3 +271,112 @@ def test_a_tolerance_is_of_all_methods_that_take_one(run):
     found = json.loads(out)["methods"]
     assert [found[name]["settings"].get("tolerance") for name in found] == [1e-4, 1e-4, None]
     assert max(found["bem"]["compliance_error"] + found["patches"]["compliance_error"]) <= 1e-4
+
+
+BODIES = "E_1: 210 GPa\nE_2: 210e9\nnu_1: 0.3\nnu_2: 0.3\nrho_1: 14 uohm cm\nrho_2: 1.4e-7\n"
+SCALE = "lambda_0: 1 mm\ng_0: 1e-6\n"
+SERIES = ("-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1")
+
+
+@pytest.fixture
+def bodies(tmp_path):
+    path = tmp_path / "bodies.yaml"
+    path.write_text(BODIES + SCALE)
+    return str(path)
+
+
+def interface(**scale):
+    return weier.Interface(E_1=210e9, E_2=210e9, nu_1=0.3, nu_2=0.3, rho_1=1.4e-7, rho_2=1.4e-7, **scale)
+
+
+def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodies):
+    """As Interface.solve has them, in the order given, in every format."""
+    options = ["--trace", str(shaft), "--x-unit", "mm", "--height-unit", "um", "--method", "bem", "--si", bodies]
+    trace = weier.Trace.read(shaft, x_unit="mm", height_unit="um")
+    expected = interface().solve(trace, [1e7, 1e6], "bem")
+    code, out, _ = run("solve", *options, "--pressures", "10,1 MPa", "--csv")
+    assert code == 0
+    table = pd.read_csv(io.StringIO(out))
+    assert table["mean_pressure (Pa)"].tolist() == [1e7, 1e6]
+    assert table["resistance (ohm m^2)"].to_numpy() == pytest.approx(expected.resistance.values, rel=1e-12)
+    code, out, _ = run("solve", *options, "--pressures", "1e7,1e6")
+    answer = json.loads(out)
+    assert (answer["mean_pressure"], answer["units"]["resistance"]) == ([1e7, 1e6], "ohm m^2")
+    assert answer["interface"]["mu_1"] == pytest.approx(210e9 / 2.6)
+    assert "normalisation" not in answer
+    assert run("solve", *options, "--pressures", "1:10:2MPa", "-o", str(tmp_path / "si.nc"))[0] == 0
+    with xr.open_dataset(tmp_path / "si.nc") as found:
+        assert found.mean_pressure.values == pytest.approx([1e6, 1e7], rel=1e-15)
+        assert found.compliance.values.ravel() == pytest.approx(expected.compliance.values[::-1], rel=1e-12)
+        assert found.compliance.units == "m"
+    assert run("plot", *options, "--pressures", "1:10:5MPa", str(tmp_path / "ohms.png"))[0] == 0
+    assert (tmp_path / "ohms.png").stat().st_size > 10_000
+
+
+def test_the_load_for_a_resistance_by_one_command(run, bodies):
+    profile = weier.Profile(1.25, 5, 2, 1.0)
+    code, out, _ = run("solve", *SERIES, "--resistance", "1.5,0.5")
+    answer, expected = json.loads(out), weier.find_load(profile, resistance=[1.5, 0.5])
+    assert code == 0
+    assert answer["mean_pressure"] == expected.mean_pressure.values.tolist()
+    assert answer["mean_pressure_error"] == expected.mean_pressure_error.values.tolist()
+    assert answer["methods"]["patches"]["resistance"] == pytest.approx([1.5, 0.5], rel=1e-9)
+    code, out, _ = run("solve", *SERIES, "--compliance", "100, 500 nm", "--si", bodies)
+    answer, expected = (
+        json.loads(out),
+        interface(lambda_0=1e-3, g_0=1e-6).find_pressure(profile, compliance=[1e-7, 5e-7]),
+    )
+    assert answer["mean_pressure"] == pytest.approx(expected.mean_pressure.values, rel=1e-9)
+    assert answer["units"]["mean_pressure_error"] == "Pa"
+    assert run("solve", *SERIES, "--contact-fraction", "1.5")[0] == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "why"),
+    [
+        (["--pressures", "1MPa"], 2, "--pressures are in Pa: name the two bodies by --si"),
+        (["--pressures", "1MPa", "--loads", "1"], 2, "loads are given once, got --pressures and --loads"),
+        (["--resistance", "1", "--contact-fraction", "1"], 2, "got --resistance and --contact-fraction"),
+        (["--pressures", "1,x"], 2, 'pressures must read "1,10 Pa" or "first:last:count Pa"'),
+        (["--pressures", "1:2mm"], 2, "pressures must read"),
+        (["--pressures", "1:2:1MPa"], 2, "pressures must be positive, and at most"),
+        (["--pressures", "1mm"], 2, "pressures must be in Pa, got values in mm"),
+        (["--pressures", "0"], 2, "pressures must be positive"),
+        (["--si", "none.yaml"], 1, "none.yaml cannot be read"),
+    ],
+)
+def test_pressures_that_are_wrong_are_refused(run, options, code, why):
+    found = run("solve", *SERIES, *options)
+    assert (found[0], found[1]) == (code, "")
+    assert why in found[2]
+
+
+def test_a_series_in_si_units_needs_its_scale(run, tmp_path):
+    (tmp_path / "bare.yaml").write_text(BODIES)
+    code, _, err = run("solve", *SERIES, "--si", str(tmp_path / "bare.yaml"))
+    assert code == 1
+    assert "lambda_0 and g_0 must be given for a series" in err
+
+
+@pytest.mark.parametrize("suffix", ["nc", "json", "csv"])
+def test_a_file_of_another_profile_is_not_overwritten(run, tmp_path, suffix, shaft, bodies):
+    path = tmp_path / f"curve.{suffix}"
+    own = ["solve", *SERIES, "--method", "demelio", "-o", str(path)]
+    assert run(*own, "--loads", "0.1")[0] == 0
+    assert run(*own, "--loads", "0.1,0.2")[0] == 0
+    assert run(*own, "--loads", "0.1,0.2", "--si", bodies)[0] == 0
+    assert run(*own, "--loads", "0.1,0.2")[0] == 0
+    before = path.read_bytes()
+    trace = ["--trace", str(shaft), "--x-unit", "mm", "--height-unit", "um", "--loads", "0.1", "--method", "bem"]
+    others = [["-D", "1.3", *SERIES[2:]], [*SERIES[:-1], "0.5"], ["-D", "1.25", "--gamma", "5", "-m", "3"], trace]
+    for other in others:
+        code, _, err = run("solve", *other, "-o", str(path))
+        assert code == 1
+        assert "exists and is not of this profile: name another file, or overwrite it by --force" in err
+    assert path.read_bytes() == before
+    assert run("solve", *trace, "-o", str(path))[0] == 1
+    assert run("solve", *trace, "-o", str(path), "--force")[0] == 0
+    assert run("solve", *trace, "-o", str(path))[0] == 0
+    path.write_bytes(b"notes")
+    assert run(*own, "--loads", "0.1")[0] == 1
+    assert path.read_bytes() == b"notes"

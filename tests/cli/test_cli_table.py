@@ -11,6 +11,7 @@ import xarray as xr
 
 import weier
 from tests.cli.test_cli import described, examples
+from weier.scene.yaml import write_yaml
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 BODIES = {
@@ -92,7 +93,7 @@ def test_a_table_in_si_units_is_not_converted_again(run, folder):
     weier.Interface(**BODIES).in_si(weier.solve(PROFILE, [0.1, 1.0], "demelio")).to_netcdf(folder / "si.nc")
     code, out, _ = run("table", "si.nc")
     assert code == 0
-    assert float(rows(out)[0]["mean_pressure"]) > 1e6
+    assert float(rows(out)[0]["mean_pressure (Pa)"]) > 1e6
     code, out, err = run("table", "si.nc", "--si", "bodies.yaml")
     assert (code, out) == (1, "")
     assert "data must be normalised" in err
@@ -113,6 +114,43 @@ def test_young_s_modulus_may_stand_in_place_of_the_shear_modulus(run, folder):
         assert float(one["resistance (ohm m^2)"]) == pytest.approx(float(other["resistance (ohm m^2)"]), rel=1e-15)
 
 
+def test_bodies_may_stand_in_the_data_file_in_a_scene_and_with_units(run, folder):
+    expected = run("table", "curve.nc", "--si", "bodies.yaml")[1]
+    with_units = {"mu_1": "79 GPa", "rho_2": "1.7 uohm cm", "lambda_0": "1 mm"}
+    (folder / "units.yaml").write_text(bodies(**with_units))
+    scene = {"title": "t", "interface": BODIES | with_units}
+    (folder / "scene.yaml").write_text(write_yaml(scene))
+    with netCDF4.Dataset("curve.nc", "a") as file:
+        file.setncattr("scene", write_yaml(scene))
+    for given in (["units.yaml"], ["scene.yaml"], ["curve.nc"], []):
+        code, out, err = run("table", "curve.nc", "--si", *given)
+        assert (code, err) == (0, "")
+        for one, other in zip(rows(out), rows(expected), strict=True):
+            assert float(one["resistance (ohm m^2)"]) == pytest.approx(
+                float(other["resistance (ohm m^2)"]), rel=1e-14
+            )
+    with netCDF4.Dataset("curve.nc", "a") as file:
+        file.setncattr("scene", "title: t")
+    assert "curve.nc knows no bodies" in run("table", "curve.nc", "--si")[2]
+
+
+def test_curves_in_si_units_become_a_file_that_knows_its_bodies(run, folder):
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(100) / 100)
+    traces = [weier.Trace(z, length, ends="periodic", source="t", unit="m") for length in (1e-3, 2e-3)]
+    weier.solve(traces, [0.1, 1.0], "bem").to_netcdf(folder / "traces.nc")
+    for name in ("curve.nc", "traces.nc"):
+        assert run("table", name, "ohms.nc", "--si", "bodies.yaml")[0] == 0
+        with weier.open_dataset(name) as normalised, weier.open_dataset("ohms.nc") as found:
+            expected = weier.Interface(**BODIES).in_si(normalised)
+            assert found.resistance.units == "ohm m^2"
+            assert found.resistance.values.ravel().tolist() == expected.resistance.values.ravel().tolist()
+            assert found.mean_pressure.values.tolist() == expected.mean_pressure.values.tolist()
+        assert run("table", "ohms.nc")[1] == run("table", name, "--si", "bodies.yaml")[1]
+        # The bodies of the file itself, which is in SI units already.
+        assert "data must be normalised" in run("table", "ohms.nc", "--si")[2]
+        assert run("table", name, "--si", "ohms.nc")[1] == run("table", name, "--si", "bodies.yaml")[1]
+
+
 WRONG_BODIES = [
     (
         "mu_1: 1.0\n",
@@ -125,6 +163,7 @@ WRONG_BODIES = [
     (bodies(E_1=1), "got both"),
     (bodies(mu=1), "has a key 'mu', which is none of .*: did you mean 'mu_2'"),
     (bodies(mu_1="soft"), "mu_1 must be a number, got 'soft'"),
+    (bodies(mu_1="80 mm"), "mu_1 must be in Pa, got values in mm"),
 ]
 
 

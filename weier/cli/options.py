@@ -9,7 +9,8 @@ from typing import Any
 import click
 import numpy as np
 
-from weier.checks import checked_workers, nearest
+from weier import units
+from weier.checks import checked_numbers, checked_workers, nearest
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
@@ -104,6 +105,10 @@ def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path 
 NEEDED = {"-D": "D", "--gamma": "gamma", "-m": "m"}
 SERIES = (*NEEDED.values(), "phases", "seed")
 FILE = click.Path(path_type=Path)
+SI = (
+    "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
+    "with the key interface. Traces have their own lambda_0 and g_0."
+)
 INTO = click.option(
     "-o",
     "--output",
@@ -259,10 +264,25 @@ OF_TRACE = (
 )
 
 
+def parse_pressures(text: str) -> Array:
+    """Pressures in Pa from "1e6,1e7", "1,10MPa" or, in equal ratios, "1:100:20MPa"."""
+    return checked_numbers("pressures", units.listed("pressures", text, units.PASCAL), "be positive", lambda p: p > 0)
+
+
+OF_BODIES = (
+    click.Option(["--si", "bodies"], type=FILE, help=f"Give Pa, m and ohm m^2 for two bodies. {SI}"),
+    click.Option(
+        ["--pressures"],
+        callback=_read(parse_pressures),
+        help='With --si: mean pressures in Pa, or in a unit, as in "1,10MPa" or "1:100:20MPa", instead of --loads.',
+    ),
+)
+
+
 def of_one_profile(default_loads: str) -> list[click.Parameter]:
     """The options of a profile, its loads and the methods."""
     pressures = loads_option(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
-    return [*OF_SERIES, *OF_TRACE, pressures, *OF_SOLUTION]
+    return [*OF_SERIES, *OF_TRACE, pressures, *OF_BODIES, *OF_SOLUTION]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 import numpy as np
+from click.core import ParameterSource
 
+from weier import units
+from weier.cli.bodies import read_bodies
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
+from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
 from weier.methods.registry import PLOTTED
@@ -19,33 +23,109 @@ from weier.scene import Figure
 if TYPE_CHECKING:
     import xarray as xr
 
+    from weier.pipeline.interface import Interface
+
+ERROR = "mean_pressure_error"
 MIN_LOADS = 2  # A line needs two points.
+
+
+class Request(NamedTuple):
+    """One profile and its loads in p_0*, in the order given, with the bodies for SI units.
+
+    pressures : the loads in Pa, as they were given; None if they were in p_0*
+    found : the loads for values of a quantity, by `weier.find_load`; None if loads were given
+    """
+
+    profile: Mapping[str, Any]
+    loads: Array
+    bodies: Interface | None
+    pressures: Array | None
+    found: xr.Dataset | None
+
+    def with_units(self, data: xr.Dataset) -> xr.Dataset:
+        """The curves of some or all of the loads, in SI units where there are bodies."""
+        if self.found is not None:
+            errors = dict(zip(self.loads.tolist(), self.found[ERROR].values.tolist(), strict=True))
+            own = [errors[load] for load in data["mean_pressure"].values.tolist()]
+            data = data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)})
+        if self.bodies is None:
+            return data
+        curves = self.bodies.in_si(data)
+        if self.pressures is None:
+            return curves
+        exact = dict(zip(self.loads.tolist(), self.pressures.tolist(), strict=True))
+        given = [exact[load] for load in data["mean_pressure"].values.tolist()]
+        return curves.assign_coords(mean_pressure=("mean_pressure", given, curves["mean_pressure"].attrs))
+
+
+def _request(
+    loads: Array, bodies: Path | None, pressures: Array | None, wanted: Mapping[str, Any], **series: Any
+) -> Request:
+    """The profile and its loads, by the options of a command."""
+    from weier.pipeline import inverse, single  # xarray, as in `solve`
+
+    profile, given = profile_or_trace(**series), click.get_current_context().get_parameter_source
+    wanted = {name: text for name, text in wanted.items() if text is not None}
+    options = ["pressures"] * (pressures is not None) + ["loads"] * (given("loads") is ParameterSource.COMMANDLINE)
+    options += list(wanted)
+    if len(options) > 1:
+        raise click.UsageError(f"loads are given once, got --{' and --'.join(options)}".replace("_", "-"))
+    if pressures is not None and bodies is None:
+        raise click.UsageError("--pressures are in Pa: name the two bodies by --si, or take --loads, in p_0*")
+    both = None if bodies is None else read_bodies(bodies)
+    if not wanted and both is None:
+        return Request(profile, loads, None, None, None)
+    surface = single.surface_of(profile)
+    own = both and both.at(surface)
+    if pressures is not None and own:
+        loads = own.normalised_pressure(pressures)
+    if not wanted:
+        return Request(profile, loads, both, pressures, None)
+    ((name, text),) = wanted.items()
+    unit = VARIABLES[name].unit
+    values: Any = units.listed(name, text, own.si_unit(unit) if own else unit)
+    found = inverse.find_load(surface, **{name: own.normalised(name, unit, values) if own else values})
+    return Request(profile, found["mean_pressure"].values, both, None, found)
 
 
 def _solve(
     default: Sequence[str],
-    loads: Array,
+    request: Request,
     methods: Sequence[str],
     tolerance: float | None,
     settings: Mapping[str, Any],
     workers: int,
-    **series: Any,
 ) -> xr.Dataset:
-    from weier.pipeline import single  # xarray, as in `solve`
+    from weier.pipeline import single
 
-    profile = profile_or_trace(**series)
     if not methods:
-        methods, refusals = single.applicable(profile, default, tolerance is not None)
+        methods, refusals = single.applicable(request.profile, default, tolerance is not None)
         for refusal in refusals:
             click.echo(refusal, err=True)
     settings = with_tolerance(methods, settings, tolerance)
-    return single.solve_one(profile, np.unique(loads), methods, settings, workers)
+    return single.solve_one(request.profile, np.unique(request.loads), methods, settings, workers)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
-def solve(output: Path | None, csv: bool, **options: Any) -> None:
+@click.option("--force", is_flag=True, help="Overwrite the file of --output even if it is of another profile.")
+@click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
+@click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
+@click.option("--contact-fraction", help="Find the loads for these fractions in contact.")
+def solve(
+    output: Path | None,
+    csv: bool,
+    force: bool,
+    methods: Sequence[str],
+    tolerance: float | None,
+    settings: Mapping[str, Any],
+    workers: int,
+    resistance: str | None,
+    compliance: str | None,
+    contact_fraction: str | None,
+    **options: Any,
+) -> None:
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
@@ -60,22 +140,37 @@ def solve(output: Path | None, csv: bool, **options: Any) -> None:
     weier solve --trace shaft.csv --shortest 0.01 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
     weier solve --trace map.x3p --line 120 --detrend form --missing interpolate
+    weier solve --trace shaft.csv --si bodies.yaml --pressures 1,10MPa -o ohms.csv
+    weier solve --trace shaft.csv --si bodies.yaml --resistance 1e-10
+    weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
 
-    data = _solve((), **options)
-    in_order = data.sel(mean_pressure=options["loads"])
+    wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
+    request = _request(wanted=wanted, **options)
+    if output is not None and not force:
+        result.check_same_profile(output, request.profile)
+    data = _solve((), request, methods, tolerance, settings, workers)
+    in_order = request.with_units(data.sel(mean_pressure=request.loads))
     if output is None:
         click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
     else:
-        result.write(in_order if output.suffix in result.TEXTS else data, output)
+        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), output)
     result.check_solved(data)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @output("path", "", ".pdf", ".svg", ".png", required=False)
-def plot(path: Path | None, quantity: str, **options: Any) -> None:
+def plot(
+    path: Path | None,
+    quantity: str,
+    methods: Sequence[str],
+    tolerance: float | None,
+    settings: Mapping[str, Any],
+    workers: int,
+    **options: Any,
+) -> None:
     """Draw the curves of one profile.
 
     PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats. Without PATH, a
@@ -85,19 +180,22 @@ def plot(path: Path | None, quantity: str, **options: Any) -> None:
     weier plot -D 1.25 --gamma 5 -m 3
     weier plot -D 1.25 --gamma 5 -m 3 --phases 1 curves.png
     weier plot -D 1.5 --gamma 3 -m 2 --quantity resistance --method layer --method patches resistance.pdf
+    weier plot --trace shaft.csv --si bodies.yaml --pressures 1:100:40MPa --quantity resistance ohms.png
     """  # noqa: D301 - click wants the character
     from weier.cli import result
     from weier.figures import METADATA, draw, show  # matplotlib takes half a second, and only some commands need it
 
-    if (count := np.unique(options["loads"]).size) < MIN_LOADS:
+    request = _request(wanted={}, **options)
+    if (count := np.unique(request.loads).size) < MIN_LOADS:
         raise click.BadParameter(
             f"a curve takes at least {MIN_LOADS} loads, got {count}: give a range, such as {LOADS}",
             param_hint="--loads",
         )
-    data = _solve(PLOTTED, **options)
-    if path is None and show(Figure(quantity), [data]):
+    data = _solve(PLOTTED, request, methods, tolerance, settings, workers)
+    figure = Figure(quantity, interface=request.bodies)
+    if path is None and show(figure, [data]):
         return result.check_solved(data)
     path = path or Path(f"{quantity}.png")
-    draw(Figure(quantity), [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
+    draw(figure, [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
     click.echo(f"the figure is in {path}" + ("" if path.suffix else f".{{{','.join(METADATA)}}}"), err=True)
     result.check_solved(data)

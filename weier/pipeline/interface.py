@@ -156,17 +156,9 @@ class Interface(Bodies):
         4.305e+07 Pa
         """
         own = self.at(surface)
-        scales = own._scales()
         wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
-        normalised: dict[str, Any] = {}
-        for name, value in wanted.items():
-            if value is not None:
-                scale, unit = scales.get(VARIABLES[name].unit, (1.0, units.NONE))
-                if scale == 0:
-                    raise ValueError(
-                        "resistance must be that of bodies with a resistivity, got two perfect conductors"
-                    )
-                normalised[name] = checked_numbers(name, value, unit=unit) / scale
+        given = {name: value for name, value in wanted.items() if value is not None}
+        normalised = {name: own.normalised(name, VARIABLES[name].unit, value) for name, value in given.items()}
         return own.in_si(find_load(surface, **normalised))
 
 

@@ -104,12 +104,13 @@ def find_load(
     loads, errors = np.array(found).T
     curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
     attributes = variables.attributes(ERROR)
-    for value, reached, load in zip(targets, curve[name].values, loads, strict=True):
-        if name == "resistance" and abs(reached - value) > JUMP * value:
-            warnings.warn(
-                f"the resistance drops past {value:g} g_0/p_0* where a contact is born, under {load:.9g} p_0*",
-                stacklevel=3,  # at the call of `find_load`, which `hinting` hands on
-            )
+    dropped = np.flatnonzero(np.abs(curve[name].values - targets) > JUMP * targets)
+    if name == "resistance" and dropped.size:
+        which = "the wanted value" if targets.size == 1 else f"{dropped.size} of {targets.size} wanted values"
+        warnings.warn(
+            f"the resistance drops past {which} where a contact is born: the load is that of the birth",
+            stacklevel=3,  # at the call of `find_load`, which `hinting` hands on
+        )
     return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
 
 

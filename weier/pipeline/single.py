@@ -21,6 +21,7 @@ from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
+from weier.surface.waves import Waves
 
 OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
 
@@ -71,7 +72,7 @@ def applicable(
 
     If none of the given methods applies, all are returned, so that their solution raises the reasons.
     """
-    surface = Case(_parameters(profile), (), {}).profile
+    surface = surface_of(profile)
     if not methods:
         return [default_method(surface, within_tolerance=within_tolerance)], []
     apply, refusals = list[str](), list[str]()
@@ -82,6 +83,11 @@ def applicable(
         except ValueError as error:
             refusals.append(f"{method} is left out: {error}")
     return (apply, refusals) if apply else (list(methods), [])
+
+
+def surface_of(profile: Mapping[str, Any]) -> Waves:
+    """The surface of a profile or a trace, given as in a scene."""
+    return Case(_parameters(profile), (), {}).profile
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -273,6 +273,23 @@ class Bodies:
         """Specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
+    def si_unit(self, unit: str) -> str:
+        """The SI unit for a normalised one; "1" for any other."""
+        return self._scales()[unit][1] if unit in units.NORMALISED else units.NONE
+
+    def normalised(self, name: str, unit: str, values: ArrayLike) -> Array:
+        """Values of a quantity in a normalised unit, from values in its SI unit; those of any other unit are plain.
+
+        Raises
+        ------
+        ValueError
+            If these are resistances between two perfect conductors, which have none.
+        """
+        factor, si = self._scales().get(unit, (np.array(1.0), units.NONE))
+        if factor == 0:
+            raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
+        return np.asarray(checked_numbers(name, values, unit=si) / factor)
+
     def in_si(self, data: Any, unit: str | None = None) -> Any:
         """All of a Dataset or DataArray in SI units, coordinates too.
 

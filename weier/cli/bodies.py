@@ -1,0 +1,69 @@
+"""Two bodies on the command line: the file that holds them, and results in SI units."""
+
+from __future__ import annotations
+
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from weier.checks import suggestion
+from weier.scene.yaml import parse_yaml
+from weier.theory.conduction import BODIES, RANGES, Bodies
+from weier.units import parsed
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
+    import xarray as xr
+
+    from weier.pipeline.interface import Interface
+
+SI_UNITS = ("Pa", "m", "ohm m^2")
+INTERFACE = "interface"  # The key of a scene with its bodies.
+
+
+def read_bodies(path: Path) -> Interface:
+    """The bodies of a YAML file, of the key `interface` of a scene, or of a data file, which has its scene.
+
+    Values may have units, as in "210 GPa".
+    """
+    from weier.pipeline.interface import Interface  # xarray takes half a second
+
+    given, known = _given(path), signature(Bodies).parameters
+    needed = [name for name, value in known.items() if value.default is value.empty]
+    if strange := [name for name in given if name not in known]:
+        raise ValueError(
+            f"{path} has a key {strange[0]!r}, which is none of {', '.join(known)}{suggestion(strange[0], known)}"
+        )
+    if missing := [name for name in needed if name not in given]:
+        raise ValueError(
+            f"{path} must have {', '.join(needed)} and a modulus of each body, and lacks {', '.join(missing)}"
+        )
+    return Interface(**{name: parsed(name, value, RANGES[name][2]) for name, value in given.items()})
+
+
+def _given(path: Path) -> dict[str, Any]:
+    """The values of a file of bodies, as they are written."""
+    if path.suffix == ".nc":
+        from weier.data import dataset
+
+        with dataset.reading(path) as data:
+            if "mu_1" in data.attrs:
+                return {name: data.attrs[name] for name in (*BODIES, "lambda_0", "g_0") if name in data.attrs}
+            given = parse_yaml(str(data.attrs.get("scene", "")))
+    else:
+        given = parse_yaml(path.read_text(encoding="utf-8"))
+    given = given if isinstance(given, dict) else {}
+    if INTERFACE in given or path.suffix == ".nc":
+        given = given.get(INTERFACE)
+        if not isinstance(given, dict):
+            raise ValueError(f"{path} knows no bodies: its scene has no key {INTERFACE}")
+    return given
+
+
+def table_of(data: xr.Dataset) -> pd.DataFrame:
+    """The table of curves; if they are in SI units, the headings name them."""
+    table = data.weier.table()
+    if "mu_1" not in data.attrs:
+        return table
+    units = {str(name): values.attrs.get("units", "1") for name, values in data.variables.items()}
+    return table.rename(columns={name: f"{name} ({units[name]})" for name in table if units.get(name) in SI_UNITS})
