@@ -1,10 +1,12 @@
 """The series fitted to a trace: found again where the trace is one, and unbiased on random surfaces."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
+from weier.surface import spectrum
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 from weier.surface.spectrum import fit
@@ -47,26 +49,106 @@ def test_the_ratio_that_is_asked_for_changes_no_dimension():
     assert [result.m for result in found] == [12, 6, 4]
     assert np.ptp([result.D for result in found]) < 1e-12
     variances = [(result.g_0 * result.profile().amplitude) ** 2 @ np.ones(result.m) for result in found]
-    np.testing.assert_allclose(variances, variances[0], rtol=1e-12)
+    np.testing.assert_allclose(variances, variances[0], rtol=1e-3)  # the bias that is removed depends on the ratio
+
+
+def random_line(D, samples, random, longest, period=8):
+    """Heights on one length, and the variance of a wave of one length with the spectrum (waves in a length)^-beta.
+
+    It is a part of a surface of so many lengths, with normal heights, whose spectrum is flat above the wavelength
+    `longest`, in lengths.
+    """
+    k = np.arange(1, period * samples // 2) / period
+    root = np.maximum(k, 1 / longest) ** (D - 2.5)
+    waves = root * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    return np.fft.irfft(np.append(0, waves), 2 * k.size + 2)[:samples] * (k.size + 1), float(period)
+
+
+@pytest.mark.parametrize("D", [1.25, 1.7])
+@pytest.mark.parametrize("ends", ["periodic", "mirrored", "tapered"])
+def test_random_surfaces_have_the_stated_errors(D, ends, monkeypatch):
+    """On the default band: the spread is the standard error, and one and two of them cover 0.68 and 0.95 of fits.
+
+    Of 1000 fits, the standard errors of these parts are 0.015 and 0.007. The second part was 0.93 to 0.97.
+    """
+    monkeypatch.setattr(spectrum, "_warn_of_artefacts", lambda *_: None)  # which takes most of the time
+    random, samples, lines, scale = np.random.default_rng(7), 600, 1000, 1e-8
+    off_D, stated_D, off_g_0, stated_g_0 = [], [], [], []
+    for _ in range(lines):
+        z, density = random_line(D, samples, random, 1 / 4, 1 if ends == "periodic" else 8)
+        found = fit(Trace(scale * z, 1e-3, ends=ends, unit="m"))
+        first, last = 4, 4 * 2**found.m  # waves in a length at the ends of the band
+        half = 0.25 if ends == "mirrored" else 0.5  # a wave stands for this part of a length on either side
+        a, b = first - half, math.floor(last * 2 * half) / (2 * half) + half
+        exponent = 4 - 2 * D  # beta - 1
+        variance = scale**2 * density * (a**-exponent - b**-exponent) / exponent
+        true = math.sqrt(2 * variance / np.sum(Profile(D, 2, found.m).amplitude ** 2))
+        off_D.append(found.D - D)
+        stated_D.append(found.D_error)
+        off_g_0.append(found.g_0 / true - 1)
+        stated_g_0.append(found.g_0_error / true)
+    for off, stated in ((np.array(off_D), np.array(stated_D)), (np.array(off_g_0), np.array(stated_g_0))):
+        assert abs(off.mean()) < 0.15 * stated.mean()
+        assert off.std() == pytest.approx(stated.mean(), rel=0.1)
+        assert np.mean(np.abs(off) < stated) == pytest.approx(0.68, abs=0.045)
+        assert np.mean(np.abs(off) < 2 * stated) == pytest.approx(0.95, abs=0.025)
 
 
 @pytest.mark.parametrize("D", [1.2, 1.8])
-def test_random_surfaces_show_no_bias_and_scatter_as_stated(D):
-    """Pieces of longer surfaces with normal heights, whose spectrum is flat above the longest wavelength."""
-    random, length, finest, pieces = np.random.default_rng(7), 20, 32, 60
-    period = 8 * length
-    k = np.arange(1, 2 * period * finest + 1)
-    root = np.where(k < period, 1.0, (k / period) ** (D - 2.5)) * (k <= period * finest)
-    found = []
-    for _ in range(pieces):
-        wave = root * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
-        z = np.fft.irfft(np.concatenate([[0], wave]), 2 * k.size)[: k.size // 4]
-        found.append(fit(Trace(z, length, 1 / finest, unit="m"), longest=1.0))
+def test_long_lines_show_no_bias(D):
+    """On 20 of the longest wavelengths that are compared, and five octaves below."""
+    random, lines = np.random.default_rng(7), 60
+    found = [
+        fit(Trace(1e-8 * random_line(D, 1280, random, 1 / 20)[0], 1e-3, 1e-3 / 640, unit="m"), longest=5e-5)
+        for _ in range(lines)
+    ]
     off = np.array([result.D for result in found]) - D
-    stated = np.array([result.D_error for result in found])
-    assert abs(off.mean()) < 0.006 + 2 * off.std() / math.sqrt(pieces)  # 0.006 was the largest bias of 200 pieces
-    assert off.std() == pytest.approx(stated.mean(), rel=3 / math.sqrt(2 * pieces))
-    assert np.mean(np.abs(off) < 2 * stated) > 0.95 - 3 * math.sqrt(0.05 / pieces)
+    assert abs(off.mean()) < 3 * off.std() / math.sqrt(lines)
+    assert off.std() == pytest.approx(found[0].D_error, rel=3 / math.sqrt(2 * lines))
+
+
+def test_the_variance_that_a_taper_takes_away_is_in_g_0():
+    """A line of many waves, so that the ends are of no account but for the window."""
+    line = random_line(1.5, 8000, np.random.default_rng(3), 1 / 400)[0]
+    mirrored, tapered = (
+        fit(Trace(1e-8 * line, 1e-3, ends=ends, unit="m"), longest=1e-3 / 400) for ends in ("mirrored", "tapered")
+    )
+    assert tapered.g_0 == pytest.approx(mirrored.g_0, rel=0.02)
+    assert pytest.approx(mirrored.D, abs=0.02) == tapered.D
+
+
+def test_a_scratch_that_decides_on_the_fit_is_reported():
+    random = np.random.default_rng(1)
+    x = np.arange(2000)
+    line = random_line(1.25, 2000, random, 1 / 4)[0]
+    line = line / line.std() + 0.3 * x / 2000
+    clean = fit(Trace(line, 2e-3, height_unit="um"))
+    scratch = -4 * np.exp(-(((x - 730.3) / 2.5) ** 2))
+    with pytest.warns(
+        UserWarning, match=r"heights from x = 0\.0007 to 0\.0008 m, .* decide on D: it is .* without"
+    ) as told:
+        spoilt = fit(Trace(line + scratch, 2e-3, height_unit="um"))
+    assert 2 * clean.D_error < spoilt.D - clean.D
+    without = float(re.search(r"and (\S+) without", str(told[0].message))[1])
+    assert without == pytest.approx(clean.D, abs=clean.D_error)
+    gone = np.where(np.abs(x - 730.3) < 8, np.nan, line + scratch)
+    mended = fit(Trace(gone, 2e-3, height_unit="um", missing="interpolate", max_gap=20))
+    assert pytest.approx(clean.D, abs=clean.D_error / 2) == mended.D
+
+
+def test_missing_heights_that_are_filled_move_a_fit_little():
+    """A tenth of the heights, in runs of five: the straight lines lack the finest waves."""
+    random = np.random.default_rng(1)
+    line = random_line(1.25, 2000, random, 1 / 4)[0]
+    gone = np.zeros(2000, bool)
+    for start in random.choice(np.arange(10, 1980, 10), 40, replace=False):
+        gone[start : start + 5] = True
+    whole, filled = (
+        fit(Trace(z / line.std(), 2e-3, height_unit="um", missing="interpolate"))
+        for z in (line, np.where(gone, np.nan, line))
+    )
+    assert abs(filled.D - whole.D) < 0.5 * whole.D_error
+    assert filled.g_0 == pytest.approx(whole.g_0, rel=0.02)
 
 
 def test_the_fit_gives_a_profile():
