@@ -1,6 +1,7 @@
 """The cache of compiled kernels: named by what it was made from."""
 
 import ctypes
+import errno
 import importlib.util
 import os
 import re
@@ -9,6 +10,7 @@ import subprocess
 import sys
 from threading import Thread
 from time import perf_counter
+from types import SimpleNamespace
 
 import numba
 import numpy as np
@@ -228,7 +230,7 @@ def test_a_method_is_announced_once(capsys):
 @compiled
 def test_a_disk_without_locks_has_a_cache_all_the_same(cache, load, monkeypatch, recwarn):
     def refuse(file, operation):
-        raise OSError("Function not implemented")
+        raise OSError(errno.ENOSYS, "Function not implemented")
 
     monkeypatch.setattr(jit.fcntl, "flock", refuse)
     for expected in (0, 1):
@@ -236,10 +238,6 @@ def test_a_disk_without_locks_has_a_cache_all_the_same(cache, load, monkeypatch,
         assert call(module) == 4.0
         assert hits(module.product) == expected
     assert not recwarn.list
-
-
-def closed(cache, load):
-    cache.touch()
 
 
 def cut_short(suffix, bytes_left):
@@ -252,18 +250,62 @@ def cut_short(suffix, bytes_left):
 
 
 @compiled
-@pytest.mark.parametrize(
-    "damage", [closed, cut_short("nbi", 0), cut_short("nbi", 60), cut_short("nbc", 0), cut_short("nbc", 1000)]
-)
-def test_a_closed_or_torn_cache_gives_a_warning_and_no_error(cache, load, damage):
-    damage(cache, load)
+def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_error(cache, load):
+    cache.touch()
     with pytest.warns(RuntimeWarning, match="compiled for this run alone"):
         assert call(load()) == 4.0
-    if damage is not closed:  # what is torn is made again
-        for expected in (0, 1):
-            module = load()
-            assert call(module) == 4.0
-            assert hits(module.product) == expected
+
+
+@compiled
+@pytest.mark.parametrize(
+    "damage", [cut_short("nbi", 0), cut_short("nbi", 60), cut_short("nbc", 0), cut_short("nbc", 1000)]
+)
+def test_what_is_torn_is_made_again(cache, load, damage):
+    damage(cache, load)
+    for expected in (0, 1):
+        module = load()
+        assert call(module) == 4.0
+        assert hits(module.product) == expected
+
+
+@compiled
+def test_a_kernel_is_kept_for_all_types_of_arguments(cache, load):
+    for expected in (0, 2):
+        module = load()
+        assert call(module, "offset") == 1.0
+        assert module.offset(module.Pair(np.ones(3, int), np.ones(3))) == 1
+        assert hits(module.offset) == expected
+
+
+@compiled
+def test_a_cache_on_a_disk_that_cannot_be_written_is_read(cache, load, monkeypatch, recwarn):
+    call(load())
+    files = {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()}
+    monkeypatch.setattr(jit.os, "access", lambda path, mode: False)  # root may write wherever the disk can
+    module = load()
+    assert call(module) == 4.0
+    assert hits(module.product) == 1
+    assert not recwarn.list
+    with pytest.warns(RuntimeWarning, match="compiled for this run alone .*Permission denied"):
+        assert call(module, "offset") == 1.0  # which is not in it
+    assert {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()} == files
+
+
+@compiled
+@pytest.mark.parametrize("error", [TimeoutError("out of time"), ValueError("a signal"), RuntimeError("another")])
+def test_an_exception_that_comes_while_a_kernel_is_compiled_is_raised(cache, load, monkeypatch, recwarn, error):
+    """As that of a signal's handler, at any place: while the cache is locked, read, or written."""
+
+    def interrupted(*arguments, **options):
+        raise error
+
+    for owner, name in ((jit.Path, "mkdir"), (jit, "_compile_for"), (jit.Kernel, "_contents")):
+        with monkeypatch.context() as patched:
+            patched.setattr(owner, name, interrupted)
+            with pytest.raises(type(error), match=str(error)):
+                call(load())
+    assert call(load()) == 4.0
+    assert not recwarn.list
 
 
 @compiled
@@ -296,9 +338,9 @@ def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
 
 @compiled
 @pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_that_a_callback_loses_is_raised(cache, load, monkeypatch):
+def test_what_a_signal_raises_in_a_callback_is_raised(cache, load, monkeypatch):
     """As where LLVM calls Python: an exception cannot pass through C, and Python reports it and goes on."""
-    reported, callback, happens = [], ctypes.CFUNCTYPE(None), [lambda: 1 / 0]
+    reported, callback, happens = [], ctypes.CFUNCTYPE(None), []
 
     def njit(**options):
         def decorate(function):
@@ -306,17 +348,30 @@ def test_ctrl_c_that_a_callback_loses_is_raised(cache, load, monkeypatch):
                 return function(*arguments)
 
             run.compile = lambda types: callback(happens[0])()
+            run.stats, run.overloads = SimpleNamespace(cache_hits={}), {}
             return run
 
         return decorate
 
+    class Dying:
+        def __del__(self):
+            raise ZeroDivisionError
+
+    def time_out():
+        raise TimeoutError("out of time")
+
     monkeypatch.setattr(numba, "njit", njit)
     monkeypatch.setattr(sys, "unraisablehook", lambda failure: reported.append(failure.exc_type))
+    for happening, error in (
+        (lambda: signal.raise_signal(signal.SIGINT), KeyboardInterrupt),
+        (time_out, TimeoutError),
+    ):
+        happens[:] = [happening]
+        with pytest.raises(error):
+            call(load())
+    happens[:] = [lambda: [Dying()].clear()]
     assert call(load()) == 4.0
     assert set(reported) == {ZeroDivisionError}
-    happens[:] = [lambda: signal.raise_signal(signal.SIGINT)]
-    with pytest.raises(KeyboardInterrupt):
-        call(load())
 
 
 @compiled

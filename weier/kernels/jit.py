@@ -6,11 +6,14 @@ documentation says what is here beside numba, and why.
 
 from __future__ import annotations
 
-import fcntl
+import errno
 import functools
+import hashlib
+import json
 import os
 import shutil
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -23,11 +26,17 @@ from typing import Any, TypeVar, cast
 
 from weier.digests import PACKAGE, cache_root, digest, digest_of_kernels
 
+try:
+    import fcntl
+except ImportError:  # of Windows, where each process compiles for itself
+    fcntl = None  # type: ignore[assignment]
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 # Kernels run as plain Python, which a debugger can follow.
 DISABLED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 NOT_CACHED = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a folder that keeps them"
+CONTENTS = "contents.json"  # Names and digests of the files that numba has written for a kernel.
 # One thread at a time compiles. The lock is reentrant, since a kernel may need another one.
 LOCK = RLock()
 # The seconds that a thread has spent on compiling and loading kernels. A process spends them once, so that they are
@@ -74,6 +83,7 @@ class Kernel:
     """A function that numba compiles when Python first calls it, with all kernels that it calls."""
 
     compiled: Any = None
+    types = 1  # The number of types of arguments that it is compiled for.
 
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
@@ -88,83 +98,172 @@ class Kernel:
                 self.compiled = self.compiled or self._compile(arguments)
             COMPILING_SECONDS.set(COMPILING_SECONDS.get() + perf_counter() - start)
         try:
-            return self.compiled(*arguments)
+            result = self.compiled(*arguments)
         except SystemError as error:  # numba runs Python for each array that it returns, where Ctrl-C may come
             cause: Any = error
             while cause.__cause__:
                 cause = cause.__cause__
             raise cause from None
+        if len(self.compiled.overloads) > self.types:
+            self._note_more_types()
+        return result
 
     def _compile(self, arguments: tuple[Any, ...]) -> Any:
-        """The kernel from the cache, or else compiled, and kept there.
+        """Return the kernel from the cache, or else compile it and keep it there.
 
-        If the cache is damaged or not writable, the kernel is compiled for this process alone. A damaged entry is
-        removed, so that the next process makes it again.
+        Without a cache that can be written, it is read from one that can be read, or compiled for this process alone.
         """
         import numba
 
         _register_kernels()
         types = tuple(map(numba.typeof, arguments))
         try:
-            return self._cached(types)
-        except Exception as error:  # there is no home, a folder or disk takes no files, or pickle reads torn ones
-            with suppress(OSError):
-                shutil.rmtree(cache_folder() / self.name)
-            compiled = self._compiled(self.function, types)  # which raises what is wrong with the kernel itself
-            warnings.warn(NOT_CACHED.format(f"{type(error).__name__}: {error}"), RuntimeWarning, stacklevel=1)
-            return compiled
+            cache_root()
+        except OSError as error:
+            return self._for_this_run(types, error)
+        folder = cache_folder() / self.name
+        try:
+            with _locked(folder):
+                return self._kept(folder, types)
+        except OSError as error:  # a disk is full or read-only, or others may not write to the folder
+            if error.errno is None:  # a TimeoutError of a signal's handler
+                raise
+            return self._only_read(folder, types) or self._for_this_run(types, error)
 
-    def _cached(self, types: tuple[Any, ...]) -> Any:
-        """The kernel from its own folder in the cache, or compiled into it, by one process at a time."""
+    def _kept(self, folder: Path, types: tuple[Any, ...]) -> Any:
+        """Return the kernel from its own folder in the cache, or compile it into this folder."""
+        if not self._is_whole(folder):
+            for path in folder.iterdir():
+                if path.is_dir():
+                    shutil.rmtree(path)
+            announce(self.function.__module__)
+        compiled = _compile_for(self._in_cache(folder, folder), types)
+        if not compiled.stats.cache_hits:
+            self._write_contents(folder)
+        return compiled
+
+    def _note_more_types(self) -> None:
+        """Note what numba has added to the cache for arguments of other types."""
+        self.types, folder = len(self.compiled.overloads), cache_folder() / self.name
+        with _ignoring_errors_of_disks(), _locked(folder):
+            self._write_contents(folder)
+
+    def _write_contents(self, folder: Path) -> None:
+        (folder / CONTENTS).write_text(json.dumps(self._contents(folder)), encoding="utf-8")
+
+    def _only_read(self, folder: Path, types: tuple[Any, ...]) -> Any:
+        """Return the kernel from a folder that cannot be written, or that was moved; None if the folder lacks it.
+
+        Numba reads no folder that it cannot write, and names folders by their place: it reads a copy.
+        """
+        if not self._is_whole(folder):
+            return None
+        with tempfile.TemporaryDirectory() as copy:
+            compiled = self._in_cache(Path(copy), folder)
+            for path in folder.rglob("*.nb?"):
+                shutil.copy(path, compiled.stats.cache_path)
+            _compile_for(compiled, types)
+        return compiled if compiled.stats.cache_hits else None
+
+    def _contents(self, folder: Path) -> dict[str, str]:
+        """Return digests of the files of numba in a folder, and of the source of a kernel outside of the package."""
+        files = {str(path.relative_to(folder)): path for path in sorted(folder.rglob("*.nb?"))}
+        if not self._is_of_package:
+            files["source"] = Path(self.function.__code__.co_filename)
+        return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in files.items()}
+
+    def _is_whole(self, folder: Path) -> bool:
+        """Whether a folder has the files that were written into it, so that numba reads no torn one."""
+        with _ignoring_errors_of_disks(), suppress(json.JSONDecodeError, UnicodeDecodeError):
+            known = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
+            return bool(known == self._contents(folder))
+        return False
+
+    def _in_cache(self, cache: Path, folder: Path) -> Any:
+        """Return the dispatcher that keeps its code in a folder, and has none yet."""
         import numba
 
-        folder = cache_folder() / self.name
-        folder.mkdir(parents=True, exist_ok=True)
-        with (folder / "lock").open("w") as file:
-            with suppress(OSError):  # of a disk without locks, where each process compiles for itself
-                fcntl.flock(file, fcntl.LOCK_EX)
-            if not any(folder.rglob("*.nbi")):
-                announce(self.function.__module__)
-            before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
-            try:
-                return self._compiled(self._without_place(folder), types, cache=True)
-            finally:
-                numba.config.CACHE_DIR = before
+        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache)
+        try:
+            return numba.njit(**OPTIONS, cache=True)(self._without_place(folder))
+        finally:
+            numba.config.CACHE_DIR = before
+
+    def _for_this_run(self, types: tuple[Any, ...], error: OSError) -> Any:
+        import numba
+
+        compiled = _compile_for(numba.njit(**OPTIONS)(self.function), types)
+        why = f"{error.strerror}: {cache_folder()}" if error.strerror else error
+        warnings.warn(NOT_CACHED.format(f"{type(error).__name__}: {why}"), RuntimeWarning, stacklevel=1)
+        return compiled
+
+    @property
+    def _is_of_package(self) -> bool:
+        return self.name.startswith(f"{PACKAGE.name}.")
 
     def _without_place(self, folder: Path) -> Callable[..., Any]:
         """Return the function without its file and line, which numba digests: the name of the folder is enough.
 
         The folder has a digest of kernels of the package only: others keep their files.
         """
-        if not self.name.startswith(f"{PACKAGE.name}."):
+        if not self._is_of_package:
             return self.function
         file = folder / "source.py"
-        file.touch()
+        if not file.exists():
+            file.touch()
         code = self.function.__code__.replace(co_filename=str(file), co_firstlineno=1)
         function = FunctionType(code, self.function.__globals__, None, self.function.__defaults__)
         return functools.update_wrapper(function, self.function)
 
-    def _compiled(self, function: Callable[..., Any], types: tuple[Any, ...], **options: Any) -> Any:
-        """The function, compiled for arguments of these types."""
-        import numba
 
-        compiled = numba.njit(**OPTIONS, **options)(function)
-        with _raising_lost_interrupts():
-            compiled.compile(types)
-        return compiled
+def _compile_for(compiled: Any, types: tuple[Any, ...]) -> Any:
+    """Compile for arguments of these types, or load what is kept, and return the dispatcher."""
+    with _raising_lost_exceptions():
+        compiled.compile(types)
+    return compiled
 
 
 @contextmanager
-def _raising_lost_interrupts() -> Iterator[None]:
-    """Raise Ctrl-C that comes while LLVM calls Python: no exception passes through C, and Python only reports it."""
-    hook, lost = sys.unraisablehook, list[Any]()
-    sys.unraisablehook = lambda it: lost.append(it) if it.exc_type is KeyboardInterrupt else hook(it)
+def _ignoring_errors_of_disks() -> Iterator[None]:
+    """Ignore errors of the operating system, but no TimeoutError of a signal's handler, which has no number."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None:
+            raise
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Make a folder that this process alone may change; an OSError says why it cannot."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+    with (folder / "lock").open("w") as file:
+        if fcntl:
+            with _ignoring_errors_of_disks():  # without locks each process compiles for itself
+                fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def _raising_lost_exceptions() -> Iterator[None]:
+    """Raise what a signal's handler raises while LLVM calls Python, which C cannot pass on."""
+    hook, lost = sys.unraisablehook, list[BaseException]()
+
+    def keep(unraisable: Any) -> None:
+        if unraisable.exc_value is not None and "ctypes callback" in (unraisable.err_msg or ""):
+            lost.append(unraisable.exc_value)
+        else:
+            hook(unraisable)
+
+    sys.unraisablehook = keep
     try:
         yield
     finally:
         sys.unraisablehook = hook
         if lost:
-            raise KeyboardInterrupt
+            raise lost[0]
 
 
 def _register_kernels() -> None:
