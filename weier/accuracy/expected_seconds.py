@@ -76,7 +76,11 @@ def main(most: int, methods: str) -> None:
         for name in methods.split(","):
             method = find_method(name)
             seconds_of_loads(method, Profile(1.25, 5, 3))  # compiles
-            click.echo(markdown.table(HEADER, [row(what, profile, method) for what, profile in surfaces(most)]))
+            click.echo(
+                markdown.table(
+                    HEADER, [row(what, profile, method) for what, profile in surfaces(most) if method.takes(profile)]
+                )
+            )
 
 
 if __name__ == "__main__":

@@ -1,21 +1,15 @@
 """The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
 
-All of them are looked for among samples, and found by Newton's method on Taylor's polynomials (docs/numerics.md,
-"Heights of any number of waves"). Of more than a computer holds, the highest is found by branch and bound over cells
-of the period, in bounded memory ("The highest crest of very many"): the waves are taken from the largest to the
-smallest, and a cell is kept while the waves so far, with all others at their crests, could lift it as high as the
-highest point that is known. This holds for heights, whose waves shrink as they become finer, and for pressures of
-full contact, whose waves grow.
+They are looked for among samples, and found by Newton's method on Taylor's polynomials (docs/numerics.md, "Heights of
+any number of waves").
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.surface.expansions import (
@@ -42,15 +36,6 @@ SUBDIVISIONS = 31
 MIN_SEPARATION = 1e-5  # Crests closer together than this part of the finest wave are one to rounding.
 MAX_SAMPLED_WAVES = 10**6  # The samples of so many of the finest waves take 128 MB.
 MAX_DIRECT_TERMS = 32  # A Fourier transform takes less time than a direct sum of more terms.
-MAX_TERMS = 64  # The search takes 0.3 s among 40 terms and minutes among 200, whose integers have 100 digits.
-CELLS_PER_WAVE = 32  # The search for the highest of very many crests divides a wave into so many cells.
-# A first search keeps the best BEAM_WIDTH places and gives a lower bound on the height. The second one keeps at most
-# MAX_CELLS, which take 50 MB for 12 terms.
-BEAM_WIDTH, MAX_CELLS = 256, 2**17
-HEIGHT_ROUNDING = 1e-13  # Rounding of a height, over the sum of the amplitudes.
-# Newton's method starts at most 1/64 of the finest wave away. It reaches rounding in 6 steps unless a crest is nearly
-# flat.
-MAX_POLISH_STEPS = 16
 
 
 def countable(waves: int) -> bool:
@@ -156,36 +141,16 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
 def highest_crest(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """Position and height of the highest point of a series; ValueError if too many cells may hold it.
-
-    If crests are too many for samples, it is found wave by wave. A first search that keeps few cells finds a height
-    that the highest point reaches at least; the second keeps all cells that may reach it.
-    """
-    terms = len(waves_per_period)
-    if terms > MAX_TERMS or countable(waves_per_period[-1]):
-        if waves_per_period[-1] > MAX_SAMPLED_WAVES:
-            raise ValueError(f"the highest of so many crests is looked for in at most {MAX_TERMS} terms, got {terms}")
-        return _highest_sampled(amplitude, waves_per_period, phase, period)
-    search = _Search(amplitude, waves_per_period, phase)
-    few, _ = search.cells(-np.inf, BEAM_WIDTH)
-    cells, complete = search.cells(search.polish(few)[1], MAX_CELLS)
-    if not complete:
-        raise ValueError(
-            f"the highest crest of these {terms} waves is not found, since more than {MAX_CELLS} places may hold "
-            "it: take fewer terms, or a gamma of smaller numbers"
-        )
-    position, top = search.polish(cells)
-    return position * period % period, top
-
-
-def _highest_sampled(
-    amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
-) -> tuple[float, float]:
-    """The highest crest, from those sampled maxima that may be it.
+    """Position and height of the highest point of a series: the highest of the sampled maxima that may be it.
 
     A crest is half a step from the nearest sample at most, and so higher by an eighth of the largest curvature, in
-    steps, at most.
+    steps, at most. ValueError is raised if the samples would be more than a computer holds.
     """
+    if waves_per_period[-1] > MAX_SAMPLED_WAVES:
+        raise ValueError(
+            f"the highest crest is looked for among at most {MAX_SAMPLED_WAVES} waves in a period, got "
+            f"{waves_per_period[-1]:.2g}: take fewer terms, or a gamma of smaller numbers"
+        )
     points = SAMPLES_PER_WAVE * waves_per_period[-1]
     z = sample(amplitude, waves_per_period, phase, points)
     angle, top = 2 * np.pi / points * np.array(waves_per_period, float), _sampled_tops(z)
@@ -217,102 +182,3 @@ def crest_heights(
             curvature = -mp.fsum(a_n * k_n**2 * mp.cos(t) for a_n, k_n, t in zip(a, k, theta, strict=True))
             heights.append(mp.fdot(a, map(mp.cos, theta)) - slope**2 / (2 * curvature))
         return heights
-
-
-class _Cells(NamedTuple):
-    """Cells of equal width on the period, one of each set that the waves so far do not distinguish.
-
-    position : of their middles, in periods, shape (cells,)
-    cycles : of each wave there, from its crest, shape (cells, terms)
-    """
-
-    position: Array
-    cycles: NDArray[np.float64]
-
-
-class _Search:
-    """The highest crest of a series by branch and bound, wave by wave from the largest.
-
-    If the largest wave has K waves in a period, the waves up to i repeat after q_i wavelengths of it: q_i is the
-    least common multiple of all K/gcd(K, k). As integers these are exact, however many waves there are, and so is the
-    phase of each wave at each cell, to the rounding of a float.
-    """
-
-    def __init__(self, amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> None:
-        """The waves in order of their amplitude."""
-        order = np.argsort(-np.abs(amplitude), kind="stable")
-        self.amplitude = np.abs(amplitude)[order]
-        self.waves = [int(waves_per_period[n]) for n in order]
-        self.start = phase[order] / (2 * np.pi) + np.where(amplitude[order] < 0, 0.5, 0.0)
-        self.repeat = [1]
-        for k in self.waves[1:]:
-            self.repeat.append(math.lcm(self.repeat[-1], self.waves[0] // math.gcd(self.waves[0], k)))
-        self.tail = np.append(np.cumsum(self.amplitude[::-1])[::-1], 0.0)
-
-    def cells(self, least: float, most: int) -> tuple[_Cells, bool]:
-        """At most so many cells that may be as high as `least` or any cell's middle; and whether none is missing.
-
-        With each wave, cells are copied to all of its wavelengths that the waves so far do not distinguish (branch),
-        those that cannot be high enough are dropped (bound), and the others are halved until they are fine enough.
-        """
-        parts, complete = CELLS_PER_WAVE, True  # cells in a wavelength of the largest wave
-        found = self._moved(_Cells(np.zeros(1), self.start[None]), range(1, 2 * parts, 2), 2 * parts)
-        for i in range(len(self.waves)):
-            if i > 0 and self.repeat[i] > self.repeat[i - 1]:
-                number = self.repeat[i] // self.repeat[i - 1]
-                if number * found.position.size > MAX_CELLS * CELLS_PER_WAVE:
-                    return found, False
-                found = self._moved(found, range(0, self.repeat[i], self.repeat[i - 1]), 1)
-            while True:
-                kept, least = self._kept(found, least, i + 1, parts)
-                complete = complete and kept.size <= most
-                found = _Cells(found.position[kept[:most]], found.cycles[kept[:most]])
-                if self._is_fine_enough(i, parts):
-                    break
-                parts *= 2
-                found = self._moved(found, (-1, 1), 2 * parts)
-        return found, complete
-
-    def _is_fine_enough(self, last: int, parts: int) -> bool:
-        """Whether the waves up to `last` vary less within a cell than that one and the smaller ones may add.
-
-        Besides, the finest of them must have `CELLS_PER_WAVE` cells. Over half a cell a wave varies by at most pi
-        times its cycles in a whole one, times its amplitude.
-        """
-        cycles = [k / (parts * self.waves[0]) for k in self.waves[: last + 1]]
-        variation = np.pi * float(self.amplitude[: last + 1] @ cycles)
-        return max(cycles) * CELLS_PER_WAVE <= 1 and variation <= self.tail[last]
-
-    def _moved(self, cells: _Cells, shifts: Sequence[int], parts: int) -> _Cells:
-        """Each cell moved by each of the shifts, in so many parts of a wavelength of the largest wave."""
-        divisions = parts * self.waves[0]
-        cycles = np.array([[k * shift % divisions / divisions for k in self.waves] for shift in shifts])
-        moved = (cells.cycles[:, None] + cycles).reshape(-1, len(self.waves))
-        position = cells.position[:, None] + np.array([shift / divisions for shift in shifts])
-        return _Cells(position.ravel(), moved - np.rint(moved))
-
-    def _kept(self, cells: _Cells, least: float, known: int, parts: int) -> tuple[Indices, float]:
-        """Which cells may reach the least height, the most promising first; and that height, raised by their middles.
-
-        Within a cell each known wave is no higher than at the end that is nearer to its crest, or than its crest; all
-        other waves are no higher than their amplitudes.
-        """
-        least = max(least, float((np.cos(2 * np.pi * cells.cycles) @ self.amplitude).max()))
-        half = np.array([k / (2 * parts * self.waves[0]) for k in self.waves[:known]])
-        nearest = np.maximum(np.abs(cells.cycles[:, :known]) - half, 0.0)
-        most = np.cos(2 * np.pi * nearest) @ self.amplitude[:known] + self.tail[known]
-        order = np.argsort(-most, kind="stable")
-        return order[most[order] >= least - HEIGHT_ROUNDING * self.tail[0]], least
-
-    def polish(self, cells: _Cells) -> tuple[float, float]:
-        """Position, in periods, and height of the highest of all crests near these cells, by Newton's method."""
-        k = np.array([waves / max(self.waves) for waves in self.waves])
-        theta, moved = 2 * np.pi * cells.cycles, np.zeros(cells.position.size)
-        for _ in range(MAX_POLISH_STEPS):
-            slope, curvature = -np.sin(theta) @ (self.amplitude * k), -np.cos(theta) @ (self.amplitude * k**2)
-            step = np.clip(-slope / np.minimum(curvature, -1e-300), -0.5, 0.5)
-            theta, moved = theta + step[:, None] * k, moved + step
-        height = np.cos(theta) @ self.amplitude
-        position = cells.position + moved / (2 * np.pi * max(self.waves))
-        highest = int(np.argmax(height))
-        return float(position[highest]), float(height[highest])

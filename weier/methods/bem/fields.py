@@ -9,7 +9,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.grids import full_contact_pressure
-from weier.methods.bem.solver import check_max_residual, check_residual, checked_points, full_contact_load
+from weier.methods.bem.solver import RESIDUAL, check_max_residual, check_residual, checked_points, full_contact_load
 from weier.surface.loads import checked_load
 from weier.surface.waves import Waves
 
@@ -26,7 +26,7 @@ class Field(NamedTuple):
     displacement: Array
 
 
-def field(profile: Waves, mean_pressure: float, points: int | None = None, max_residual: float = 1e-10) -> Field:
+def field(profile: Waves, mean_pressure: float, points: int | None = None, max_residual: float = RESIDUAL) -> Field:
     """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
     The staircase is kept: the values are those of the nodes. Parameters are those of `curve`.

@@ -6,13 +6,12 @@ from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, check_words, checked_points, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, BemCurve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
-MAX_RESIDUAL = 1e-10  # Residual, in g_0, at which the solver stops by default: below the error of any grid.
 # Residual over the tolerance, where one is given, so that the tolerance is left to the error of the grid. Three more
 # digits of the residual cost a step or two.
 RESIDUAL_FRACTION = 1e-3
@@ -30,7 +29,7 @@ def _solve(
     solver: str = "fft",
     with_resistance: bool = True,
 ) -> BemCurve:
-    residual = MAX_RESIDUAL
+    residual = RESIDUAL
     if tolerance is not None:
         points, residual = _grid_within(profile, tolerance, points, points_per_wave)
     return curve(profile, loads, solver, points, residual, with_resistance, staircase, points_per_wave)
@@ -107,7 +106,7 @@ METHOD = Method(
     solve=_solve,
     settings={
         "tolerance": "largest error of the compliance that is accepted, in g_0: it chooses the points",
-        "points_per_wave": "nodes for each of the finest waves, 64 by default",
+        "points_per_wave": f"nodes for each of the finest waves, {POINTS_PER_WAVE} by default",
         "points": "nodes in one period, in place of points_per_wave",
         "staircase": '"removed", or "kept": the steps in which edges of contact move from node to node',
         "solver": '"fft", or "direct" for the dense matrix of Section 5.1',

@@ -26,7 +26,8 @@ from weier.surface.waves import Waves
 POINTS_PER_WAVE = 64
 SOLVERS = "fft", "direct"
 MIN_POINTS_PER_WAVE = 3  # Two points do not resolve a wave.
-MAX_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
+RESIDUAL = 1e-10  # g_0: the residual at which the solver stops by default, below the error of any grid.
+LARGEST_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
 
 
 class BemCurve(NamedTuple):
@@ -63,7 +64,7 @@ def curve(
     mean_pressure: ArrayLike,
     solver: str = "fft",
     points: int | None = None,
-    max_residual: float = 1e-10,
+    max_residual: float = RESIDUAL,
     with_resistance: bool = True,
     staircase: str = "removed",
     points_per_wave: int | None = None,
@@ -211,8 +212,8 @@ def check_max_residual(max_residual: float) -> None:
         If it is not.
 
     """
-    condition = f"be a positive length in g_0, such as 1e-10, and at most {MAX_RESIDUAL:g}"
-    checked_number("max_residual", max_residual, condition, lambda t: 0 < t <= MAX_RESIDUAL)
+    condition = f"be a positive length in g_0, such as 1e-10, and at most {LARGEST_RESIDUAL:g}"
+    checked_number("max_residual", max_residual, condition, lambda t: 0 < t <= LARGEST_RESIDUAL)
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
