@@ -4,7 +4,7 @@ docs/persson.md derives the formulas. With s_n^2 = sum of p_k*^2 over k <= n,
 
     R = 1/(2 sqrt(pi) p) sum_n w_n exp(-p^2/s_n^2),    h = sum_n g_n - 1/(4 sqrt(pi)) sum_n w_n E_1(p^2/s_n^2),
 
-where w_n = g_n p_n*/s_n, and the contact fraction is erf(p/s_{m-1}). Terms with p^2/s_n^2 > MAX_EXPONENT underflow.
+where w_n = g_n p_n*/s_n, and the contact fraction is scipy.special.erf(p/s_{m-1}). Terms with p^2/s_n^2 > MAX_EXPONENT underflow.
 From some term N on, gamma^(-2(D-1)N) and p^2/s_N^2 are below rounding and s_n is proportional to p_n*, so that the
 rest are geometric sums. Heights are in g_0, pressures in p_0*.
 """
@@ -15,8 +15,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # Its submodules are loaded on first use.
 from numpy.typing import ArrayLike
-from scipy.special import erf, exp1
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
@@ -81,7 +81,7 @@ def contact_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float)
     if math.isinf(m):
         return np.zeros(p.shape)
     log_x, _ = _exponents_and_weights(p, np.asarray(m - 1.0), Rates.of(D, gamma))
-    return np.asarray(erf(np.exp(log_x / 2)))
+    return np.asarray(scipy.special.erf(np.exp(log_x / 2)))
 
 
 def _solve_series(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> tuple[Array, Array]:
@@ -122,7 +122,7 @@ def _exponents_and_weights(p: Array, n: Array, rates: Rates) -> tuple[Array, Arr
 def _integral(log_x: Array) -> Array:
     """Return E_1(x), also where x underflows."""
     small = log_x < SMALL
-    return np.where(small, -log_x - np.euler_gamma, exp1(np.exp(np.where(small, 0.0, log_x))))
+    return np.where(small, -log_x - np.euler_gamma, scipy.special.exp1(np.exp(np.where(small, 0.0, log_x))))
 
 
 def _geometric_sums(p: Array, n: Array, m: float, rates: Rates) -> tuple[Array, Array]:
