@@ -1,17 +1,30 @@
 """config -> solve -> claims and figures. The rules call commands of weier and define their dependencies."""
 
 import os
+import sys
 from pathlib import Path
 
 from snakemake.utils import validate
 
-from weier.digests import PACKAGE
+VERSION = "0.1.0"  # of this workflow, and of the package that its jobs run
+CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
+# The package beside this file goes first, here and in the jobs, from whatever folder they run. A workflow without one,
+# as one that snakedeploy has fetched, runs the package that is installed.
+if (CHECKOUT / "weier").is_dir():
+    sys.path.insert(0, str(CHECKOUT))
+    elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
+    os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *elsewhere]))
 
-# Snakemake imports weier from the folder of this file, and so do the jobs, from whatever folder they run.
-ELSEWHERE = filter(None, [os.environ.get("PYTHONPATH")])
-os.environ.update(PYTHONPATH=os.pathsep.join([str(PACKAGE.parent), *ELSEWHERE]))
-CHECKOUT = Path(os.path.relpath(PACKAGE.parent))
+from weier.data.provenance import VERSION as INSTALLED
+
+if INSTALLED != VERSION:
+    raise SystemExit(
+        f"weier: this workflow needs weier {VERSION}, got {INSTALLED} of {sys.modules['weier'].__path__[0]}: "
+        f"pip install 'weier[pipeline]=={VERSION}'"
+    )
+
 # The scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
+CHECKOUT = Path(os.path.relpath(CHECKOUT))
 CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
 
 

@@ -6,6 +6,7 @@ rule compile:
         "results/logs/compile/{method}.log",
     conda:
         "environment.yaml"
+    priority: 1  # first, since it takes longest: what needs no kernels is solved beside it
     message:
         "compile {wildcards.method}"
     shell:

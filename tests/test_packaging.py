@@ -15,6 +15,8 @@ import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from weier.data.provenance import VERSION
+
 
 def run(*command, cwd=None):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
@@ -57,7 +59,7 @@ def test_the_wheel_holds_the_whole_package_and_nothing_else(built, tracked):
 
 
 def test_conda_gets_the_versions_that_are_locked():
-    """And just what the package needs: rules/environment.yaml is written by hand."""
+    """And the package in the version of the workflow: rules/environment.yaml is written by hand."""
     python, *_, pip = yaml.safe_load(Path("rules/environment.yaml").read_text())["dependencies"]
     version = python.removeprefix("python=")
     markers = {"python_version": version, "python_full_version": f"{version}.0"}
@@ -75,7 +77,8 @@ def test_conda_gets_the_versions_that_are_locked():
     assert {
         canonicalize_name(requirement.name): str(requirement.specifier)
         for requirement in map(Requirement, pip["pip"])
-    } == needed
+    } == needed | {"weier": f"=={VERSION}"}
+    assert f'VERSION = "{VERSION}"' in Path("Snakefile").read_text()
 
 
 @pytest.mark.slow

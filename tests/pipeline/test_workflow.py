@@ -178,6 +178,25 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
     assert outdated() == [False, False, True, True]
 
 
+@pytest.mark.parametrize("damage", ["edited", "swapped"])
+def test_a_changed_batch_is_refused_though_nobody_is_to_read_it(folder, damage):
+    solve_scene(scenes().scene("test"), folder / "results/curves")
+    one, other = map(Path, scenes().batches(of()))
+    data = folder / "results/test/contact.nc"
+    dataset.write(xr.Dataset(), data, "data")
+    assert scenes().batches(of()) == [str(one), str(other)]
+    if damage == "swapped":
+        one.write_bytes(other.read_bytes())
+        os.utime(one, (1e9, 1e9))
+    else:
+        content = bytearray(one.read_bytes())
+        content[len(content) // 2] ^= 1
+        one.write_bytes(content)
+        os.utime(one, (data.stat().st_mtime + 1,) * 2)
+    with pytest.raises(SystemExit, match=rf"^weier: {one} is (another file|not as weier wrote it).*delete it"):
+        scenes().batches(of())
+
+
 def test_a_locked_folder_is_refused_at_once(folder):
     locks = folder / ".snakemake/locks"
     locks.mkdir(parents=True)

@@ -6,6 +6,7 @@ written unless jobs are going to run.
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
-from weier.data.netcdf import check_sealed
+from weier.data.netcdf import check_sealed, sealed_name
 from weier.kernels.jit import DISABLED, cache_folder
 from weier.methods import auto
 from weier.methods.method import Method
@@ -138,6 +139,7 @@ class Scenes:
         solutions = self.solutions(name)
         with ending_in_one_sentence():
             paths = [str(path) for path in solutions.files(studies, self.cores)]
+            self._check_batches(name, paths)
             lines, refusal = forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
             for line in filter(None, [*lines, refusal]):
                 self._report(line)
@@ -146,6 +148,17 @@ class Scenes:
                     raise ValueError(refusal)
                 self.store.write()
         return paths
+
+    def _check_batches(self, name: str, paths: Iterable[str]) -> None:
+        """Refuse batches that are not those of their names, or have changed since the data were gathered from them.
+
+        A job reads a batch only if a product is to be made, and verifies it then.
+        """
+        data = self.results / name / "contact.nc"
+        gathered = data.stat().st_mtime if data.exists() else math.inf
+        for path in filter(Path.exists, map(Path, paths)):
+            if sealed_name(path) != path.stem or path.stat().st_mtime > gathered:
+                check_sealed(path, path.stem)
 
     def description(self, wildcards: Any) -> str:
         """The description of a batch."""
