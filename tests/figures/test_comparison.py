@@ -7,9 +7,10 @@ from matplotlib.figure import Figure
 
 from weier import figures
 from weier.data import dataset
-from weier.figures import compliance
+from weier.figures import compliance, lines
 from weier.scene import Axis, Grouping
 from weier.scene import Figure as Wanted
+from weier.scene.figure import ALL, MEAN, PERCENTILES
 from weier.theory.conduction import Bodies
 
 LOADS = np.geomspace(0.01, 4, 12)
@@ -57,7 +58,7 @@ def test_a_scene_answers_its_question(sweep: xr.Dataset) -> None:
         r"$\gamma=5/2$",
         r"$\gamma=5$",
         "line: median over phases",
-        "band: all of them",
+        "band: 10 to 90 % of 4",
     ]
 
 
@@ -82,7 +83,7 @@ def test_a_figure_that_names_no_parameter_takes_medians_over_the_phases_alone(sw
     (axes,) = sketch(longer.isel(solution_method=[0])).axes
     assert len(axes.get_lines()) == len(axes.collections) == 1
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert labels == ["Demelio", "line: median over phases", "band: all of them"]
+    assert labels == ["Demelio", "line: median over phases", "band: 10 to 90 % of 8"]
 
 
 @pytest.mark.parametrize("name", ["method", "D", "gamma", "m", "phases", "seed"])
@@ -143,7 +144,7 @@ def test_a_scene_may_set_scales_and_ends_of_axes_and_the_size(kind, sweep, tmp_p
 
 @pytest.mark.parametrize("kind", ["compliance", "resistance"])
 def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, monkeypatch) -> None:
-    """Lines, bands, ends and words change together: each point is that of `Interface` for the normalised one."""
+    """Lines, bands, ends and words change together: each point is that of `Bodies` for the normalised one."""
     kept = []
     monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
     bodies = Bodies(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
@@ -180,3 +181,72 @@ def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: 
     assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.1 * values.max())
     said = [text.get_text() for text in axes.get_legend().get_texts()]
     assert said[2:] == ["error stated by Demelio", "error stated by boundary elements"]
+
+
+@pytest.mark.parametrize(
+    ("band", "line", "ends"),
+    [
+        (PERCENTILES, "median", lambda values: np.percentile(values, [50, 10, 90])),
+        (ALL, "median", lambda values: [np.median(values), values.min(), values.max()]),
+        (MEAN, "mean", lambda values: values.mean() + np.array([0, -1, 1]) * values.std(ddof=1) / SEEDS**0.5),
+    ],
+)
+def test_a_band_is_what_the_scene_asks_for(band, line, ends, sweep: xr.Dataset) -> None:
+    figure = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",), band=band)
+    (axes,) = figure.axes
+    last = sweep["compliance"].values[:SEEDS, 1, -1]
+    middle, low, high = ends(last)
+    assert axes.get_lines()[0].get_ydata()[-1] == pytest.approx(middle)
+    vertices = axes.collections[0].get_paths()[0].vertices
+    at_end = vertices[vertices[:, 0] == LOADS[-1], 1]
+    assert (at_end.min(), at_end.max()) == pytest.approx((low, high))
+    assert words(figure)[-2].startswith(f"line: {line} over")
+
+
+def test_an_ensemble_is_a_band_behind_the_curves_of_its_series(sweep: xr.Dataset) -> None:
+    single = sweep.isel(case=[0])
+    axes = compliance.draw([single], "", behind=[sweep]).axes[0]
+    band = axes.collections[0]
+    assert band.get_label() == f"10 to 90 % of {SEEDS} phases"  # those of the same gamma, by boundary elements alone
+    expected = np.percentile(sweep["compliance"].values[:SEEDS, 1, -1], [10, 90])
+    vertices = band.get_paths()[0].vertices
+    at_end = vertices[vertices[:, 0] == LOADS[-1], 1]
+    assert (at_end.min(), at_end.max()) == pytest.approx(tuple(expected))
+
+
+def test_a_legend_says_how_many_values_it_hides() -> None:
+    data = dataset.blank(20, ["demelio"], LOADS, 1)
+    for row in range(20):
+        data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, 2 + row, 1
+        data["total_amplitude"].values[row] = 1
+        data["compliance"].values[row] = -np.expm1(-LOADS) * (1 + 0.01 * row)
+        data["resistance"].values[row] = np.exp(-LOADS)
+    assert words(sketch(data, colour="gamma"))[-1] == "and 12 more between them"
+
+
+def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None:
+    """The lines of all cases, one by one, and their percentiles at common loads."""
+    (axes,) = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",)).axes
+    drawn = [lines.line(sweep.isel(case=row), "compliance", "bem") for row in range(SEEDS)]
+    loads, values = lines.on_common_loads(drawn)
+    np.testing.assert_allclose(axes.get_lines()[0].get_xydata(), np.transpose([loads, np.median(values, axis=0)]))
+
+
+def test_many_cases_take_a_time_that_is_linear_in_them() -> None:
+    """Cases become arrays: no dataset of each case is made, whose selection would be called once a case."""
+    count = 3000
+    data = dataset.blank(count, ["demelio"], LOADS, 2)
+    seeds = np.arange(count)
+    for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("total_amplitude", 1.3)):
+        data[name].values[:] = value
+    data["phases"].values[:] = np.stack([0 * seeds, seeds / count], axis=1)
+    data["compliance"].values[:] = np.outer(1 + seeds / count, -np.expm1(-LOADS))[:, None]
+    data["resistance"].values[:] = np.outer(1 + seeds / count, np.exp(-LOADS))[:, None]
+    calls = []
+    select = xr.Dataset.isel
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            xr.Dataset, "isel", lambda self, *given, **named: calls.append(1) or select(self, *given, **named)
+        )
+        sketch(data, median_over=("seed",))
+    assert len(calls) < 10

@@ -116,6 +116,17 @@ def terms(*changes):
     return [concat(made)]
 
 
+def areas(*, fall=0.6, change=0.01):
+    """Series of m = 1, 2, 3 whose area falls by a factor a term, and whose last term changes the resistance."""
+    made = []
+    for phase in 0.1 * np.arange(6):
+        for m in (1, 2, 3):
+            curve = {"compliance": NUMERICAL, "resistance": RESISTANCE * (1 + change * (m == 3))}
+            curve["contact_fraction"] = np.minimum(LOADS / 4, 0.99) * fall ** (m - 1)
+            made.append(case(m=m, phase=phase, patches=curve))
+    return [concat(made)]
+
+
 TAIL = 5**-0.75 / (1 - 5**-0.75)  # G_1 for D = 1.25, gamma = 5
 
 
@@ -185,6 +196,11 @@ SAID = [
     ("fourth_term", lambda: terms(0.01, 0.005, 0.02), NO),
     ("fourth_term", lambda: terms(0.3, 0.2, 0.08), OPEN),
     ("fourth_term", lambda: terms(0.3, 0.02, 0.022), OPEN),
+    ("area_vanishes", areas, YES),
+    ("area_vanishes", lambda: areas(fall=1.2), NO),
+    ("area_vanishes", lambda: areas(fall=0.95), NO),  # it falls, but more slowly than gamma^(1-D) = 0.67
+    ("area_vanishes", lambda: areas(fall=0.78), OPEN),
+    ("area_vanishes", lambda: areas(change=0.1), NO),
     ("one_wave_bounds", lambda: near_wave(0.9), YES),
     ("one_wave_bounds", lambda: near_wave(-0.9), YES),
     ("one_wave_bounds", lambda: near_wave(1.1), NO),

@@ -97,7 +97,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         for name in names or solutions.scene.figures:
             wanted = solutions.scene.figure(name)
             made_of = mark(inputs_of_figure(solutions, name))
-            draw(wanted, [study(name) for name in wanted.studies], folder / f"{name}.png", mark=made_of)
+            draw(wanted, [study(name) for name in wanted.all_studies], folder / f"{name}.png", mark=made_of)
 
 
 @click.command(hidden=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS, Profile
 
@@ -41,6 +41,16 @@ def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
     return values if np.isfinite(values).any() else None
 
 
+def most_accurate(study: xr.Dataset) -> tuple[Flags, Indices]:
+    """Whether a numerical method solved each case of a study, and the column of the most accurate one."""
+    methods = study["solution_method"].values.tolist()
+    columns = [methods.index(name) for name in numerical_names() if name in methods]
+    if not columns:
+        return np.zeros(study.sizes["case"], bool), np.zeros(study.sizes["case"], int)
+    solved = np.isfinite(study["compliance"].values[:, columns]).any(axis=-1)
+    return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
+
+
 def numerical_methods(case: xr.Dataset) -> list[str]:
     """The numerical methods that solved the case, the most accurate first."""
     return [method for method in numerical_names() if curve(case, "compliance", method) is not None]
@@ -56,14 +66,25 @@ def numerical(case: xr.Dataset, name: str) -> Array | None:
     return curve(case, name, numerical_method(case))
 
 
+def as_study(case: xr.Dataset) -> xr.Dataset:
+    """A study of one case."""
+    return case.reset_coords().expand_dims("case")
+
+
 def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
     """The first load at which all cases are close to full contact, or the last load."""
-    return max((_full_contact_load(case) for case in cases), default=np.nan)
+    return max((float(full_contact_loads(as_study(case))[0]) for case in cases), default=np.nan)
 
 
-def first_load(cases: Sequence[xr.Dataset]) -> float:
-    """The lightest load of all cases."""
-    return float(min(case["mean_pressure"].values[0] for case in cases))
+def full_contact_loads(study: xr.Dataset) -> Array:
+    """The first load at which each case is close to full contact, or the last load, shape (cases,)."""
+    loads, h = study["mean_pressure"].values, study["compliance"].values
+    solved, best = most_accurate(study)
+    known = np.isfinite(h).any(axis=-1)
+    known[solved] = np.arange(h.shape[1]) == best[solved, None]
+    close = h >= FULL_CONTACT_COMPLIANCE * study["total_amplitude"].values[:, None, None]
+    full = (close | ~known[..., None]).all(axis=1) & known.any(axis=1)[:, None]
+    return np.where(full.any(axis=1), loads[np.argmax(full, axis=1)], loads[-1])
 
 
 def profile(case: xr.Dataset) -> Profile:
@@ -78,12 +99,3 @@ def phase_angle(case: xr.Dataset) -> float:
     """The phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
     phase = case["phases"].values
     return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0
-
-
-def _full_contact_load(case: xr.Dataset) -> float:
-    loads = case["mean_pressure"].values
-    h = numerical(case, "compliance")
-    known = case["compliance"].values if h is None else h[None]
-    solved = known[np.isfinite(known).any(axis=1)]
-    full = (solved >= FULL_CONTACT_COMPLIANCE * float(case["total_amplitude"])).all(axis=0)
-    return float(loads[np.argmax(full)] if solved.size and full.any() else loads[-1])

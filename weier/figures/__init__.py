@@ -97,7 +97,7 @@ def draw(
         Description of the figure, one of `kinds()`. In SI units, curves of a trace have the scale of the trace in
         place of lambda_0 and g_0 of the interface.
     studies : sequence of Dataset
-        Data over case, solution_method, mean_pressure and term.
+        Data over case, solution_method, mean_pressure and term, in the order of `wanted.all_studies`.
     path : path
         Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str
@@ -150,7 +150,11 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
 
     options: dict[str, Any] = {} if wanted.grouping == BY_DEFAULT else {"grouping": wanted.grouping}
     options |= {"interface": wanted.interface} if wanted.interface else {}
-    drawn: figure.Figure = import_module(f"weier.figures.{wanted.draw}").draw(studies, wanted.title, **options)
+    shown = len(studies) - len(wanted.behind)
+    options |= {"behind": studies[shown:]} if wanted.behind else {}
+    drawn: figure.Figure = import_module(f"weier.figures.{wanted.draw}").draw(
+        studies[:shown], wanted.title, **options
+    )
     set_axes(drawn, wanted.x, wanted.y)
     if wanted.size:
         drawn.set_size_inches(*wanted.size)

@@ -97,8 +97,9 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         yield "units", f"{figure.draw} has no SI units: leave them out, or draw {those('units')}"
     if (bodies := figure.interface) and figure.draw == "resistance" and not bodies.rho_1 + bodies.rho_2:
         yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
-    if not kind.grouped and figure.grouping != BY_DEFAULT:
-        yield "", f"{figure.draw} takes no colour, facet or median over: leave them out, or draw {those('grouped')}"
+    if not kind.grouped and (figure.grouping != BY_DEFAULT or figure.behind):
+        keys = "colour, facet, median over, band or behind"
+        yield "", f"{figure.draw} takes no {keys}: leave them out, or draw {those('grouped')}"
 
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:

@@ -7,6 +7,7 @@ cases are medians over the phases.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -20,8 +21,8 @@ from matplotlib.patches import Patch
 from weier.data import curves
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
-from weier.figures.traces import names_of_traces
-from weier.kernels.arrays import Array
+from weier.figures.tables import QUANTITIES, Extent, Table, extent, tables_of
+from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
@@ -33,39 +34,81 @@ MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit belo
 # The looks of bands around medians, of a solid line that dashed ones of its colour cover, and of bands of stated
 # errors.
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
+BEHIND: dict[str, Any] = {"facecolor": "0.86", "edgecolor": "0.7", "linewidth": 0.4, "zorder": 1.0}
 BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
 STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 # A narrower band of stated errors is hidden by its line: widths over the largest compliance, and over the resistance.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 SURFACES = (*PARAMETERS, "trace")  # These distinguish the surfaces of curves beside phases.
+MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 
 
 class PlottedCurve(NamedTuple):
-    """A curve in a figure: its case and method, its loads and values, and its parameters by name.
+    """The curves of one method that look alike, reduced to a line and a band.
 
-    points : whether it is drawn as points beside a more accurate curve
+    case : the first of their cases, in the units of the axes
+    method : of all
+    loads, values : the line
+    band : the low and the high end of the band, shape (2, loads); None for a single curve
+    members : how many curves they are
+    points : whether the line is drawn as points beside a more accurate curve
+    parameters : those of the first case by name
+    differing : the parameters in which the curves differ
     """
 
     case: xr.Dataset
     method: str
     loads: Array
     values: Array
+    band: Array | None
+    members: int
     points: bool
     parameters: Mapping[str, Hashable]
+    differing: Sequence[str]
+
+
+class Members(NamedTuple):
+    """Curves that look alike: their method, and for each study the rows of cases and the column of the method."""
+
+    method: str
+    rows: list[tuple[Table, Indices, int]]
+
+    @property
+    def size(self) -> int:
+        """How many curves they are."""
+        return sum(rows.size for _, rows, _ in self.rows)
+
+    def column(self, name: str) -> Array:
+        """The codes of a parameter, or another column of the tables, of all curves."""
+        return np.concatenate([table.columns[name][rows] for table, rows, _ in self.rows])
 
 
 def compare(
-    studies: Sequence[xr.Dataset], title: str, quantity: str, grouping: Grouping, interface: Bodies | None = None
-) -> tuple[Figure, Sequence[Axes], Sequence[xr.Dataset]]:
+    studies: Sequence[xr.Dataset],
+    title: str,
+    quantity: str,
+    grouping: Grouping,
+    interface: Bodies | None = None,
+    behind: Sequence[xr.Dataset] = (),
+) -> tuple[Figure, Sequence[Axes], Extent]:
     """A figure of a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
+
+    Parameters
+    ----------
+    studies : sequence of Dataset
+    title, quantity : str
+    grouping : Grouping
+    interface : Bodies, optional
+    behind : sequence of Dataset
+        Studies whose most accurate curves are a grey band behind those of the same D, gamma and m.
 
     Returns
     -------
     figure : Figure
     panels : sequence of Axes
         They have common axes, whose limits and scales the caller sets.
-    cases : sequence of Dataset
-        The cases that are drawn.
+    extent : Extent
+        The loads and values that are drawn.
 
     Raises
     ------
@@ -73,71 +116,110 @@ def compare(
         If there are no such curves, or some could not be distinguished.
 
     """
-    cases = [case for case in curves.cases(studies) if np.isfinite(case[quantity]).any()]
+    tables = tables_of(studies, quantity, interface)
+    cases = sum(int(table.known.any(axis=1).sum()) for table in tables)
     if not cases:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    grouping = grouping.of(len(cases))
-    drawn = _curves(cases, quantity, grouping, interface)
+    grouping = grouping.of(cases)
+    drawn = _curves(tables, quantity, grouping)
     of_each = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
     title, shown = style.limit_panels(title, list(itertools.product(*of_each)), noun, style.MAX_GRID)
     labels = style.SI_LABELS if interface else style.LABELS
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, of_each[1:]))
-    of_all = {name: _values(drawn, name) for name in ("method", *SURFACES, "seed") if name not in grouping.facet}
+    differing = {{"phases": "seed"}.get(name, name) for curve in drawn for name in curve.differing}
+    names = [name for name in ("method", *SURFACES, "seed") if name not in (*grouping.facet, *differing)]
+    of_all = {name: _values(drawn, name) for name in names}
     alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
-    shared = "" if grouping == EACH_CASE else _join(_label(drawn, *parameter) for parameter in alike.items())
-    stated: dict[str, Patch] = {}
+    shared = (
+        "" if grouping.facet == EACH_CASE.facet else _join(_label(drawn, *parameter) for parameter in alike.items())
+    )
+    bands: dict[str, Patch] = {}
+    ensembles = tables_of(behind, quantity, interface)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [curve for curve in drawn if tuple(curve.parameters[name] for name in grouping.facet) == value]
+        if band := _draw_behind(axes, ensembles, members, quantity, grouping):
+            bands["behind"] = band
         _draw(axes, members, drawn, grouping)
         if grouping.colour in ("", "method") and not grouping.median_over:
-            stated |= {curve.method: band for curve in members if (band := _draw_errors(axes, curve, quantity))}
+            bands |= {curve.method: band for curve in members if (band := _draw_errors(axes, curve, quantity))}
         own = _join(_label(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
-    _add_legend(figure, panels, _legend(drawn, grouping) + list(stated.values()))
+    _add_legend(figure, panels, _legend(drawn, grouping) + list(bands.values()))
     if interface:  # a power of ten stands beside the title
         for axes in panels:
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
     style.set_title(figure, "\n".join(above))
-    return figure, panels, list({id(curve.case): curve.case for curve in drawn}.values())
+    return figure, panels, extent(tables, quantity)
 
 
-def _curves(
-    cases: Sequence[xr.Dataset], quantity: str, grouping: Grouping, interface: Bodies | None
-) -> list[PlottedCurve]:
-    """All curves, in normalised or SI units, in the order in which they are drawn."""
-    numerical, found = numerical_names(), []
-    traces = names_of_traces(cases)
-    for position, (case, trace) in enumerate(zip(cases, traces, strict=True)):
-        of = interface and interface.at(case)
-        units = (of.pressure(1.0), getattr(of, quantity)(1.0)) if of else (1.0, 1.0)
-        shown = of.in_si(case) if of else case
-        parameters = _parameters(case, position, trace)
-        for method in case["solution_method"].values.tolist():
-            beside = method in numerical and method != curves.numerical_method(case)
-            points = beside and "method" not in grouping.facet
-            # The line between the loads uses both quantities before their conversion to SI units.
-            drawn = (lines.points if points else lines.line)(case, quantity, method)
-            if drawn:
-                loads, values = (own * unit for own, unit in zip(drawn, units, strict=True))
-                found.append(PlottedCurve(shown, method, loads, values, points, parameters | {"method": method}))
+def _curves(tables: Sequence[Table], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
+    """All lines, in the order in which they are drawn."""
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
+    numerical = numerical_names()
     estimates = [name for name in names() if name not in numerical]
     order = {name: rank for rank, name in enumerate([*estimates, "", *numerical])}
-    return sorted(found, key=lambda curve: order.get(curve.method, order[""]))
+    ranked = sorted(
+        _groups(tables, grouping), key=lambda same: (order.get(same.method, order[""]), same.column("case")[0])
+    )
+    return [_reduced(same, quantity, grouping) for same in ranked]
 
 
-def _parameters(case: xr.Dataset, position: int, trace: str) -> dict[str, Hashable]:
-    """The values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
-    phase = case["phases"].values[1:]
-    phase = phase[np.isfinite(phase)].round(9)
-    phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
-    seed = float(case.get("seed", np.nan))
-    numbers = {name: float(case[name]) for name in PARAMETERS}
-    known = {name: None if trace else value for name, value in numbers.items()} | {"trace": trace}
-    return {"": None, "case": position, **known, "phases": phases, "seed": seed if np.isfinite(seed) else phases}
+def _groups(tables: Sequence[Table], grouping: Grouping) -> list[Members]:
+    """The curves that have the same colour, panel and method."""
+    shown = [name for name in (grouping.colour, *grouping.facet) if name not in ("", "method")]
+    found: dict[tuple[Any, ...], Members] = {}
+    for table in tables:
+        keys = np.stack([table.columns[name] for name in shown], axis=1) if shown else np.zeros((table.size, 1))
+        for column, method in enumerate(table.methods):
+            rows = np.flatnonzero(table.known[:, column])
+            if not rows.size:
+                continue
+            values, inverse = np.unique(keys[rows], axis=0, return_inverse=True)
+            parts = np.split(rows[np.argsort(inverse, kind="stable")], np.cumsum(np.bincount(inverse))[:-1])
+            for value, part in zip(values.tolist(), parts, strict=True):
+                found.setdefault((method, *value), Members(method, [])).rows.append((table, part, column))
+    return list(found.values())
+
+
+def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
+    """The median or mean of curves that look alike, and their band, or the single curve."""
+    table, rows, column = same.rows[0]
+    row = int(rows[0])
+    differing = _differing(same)
+    if same.size > 1 and (hidden := grouping.hidden(differing)):
+        raise ValueError(grouping.proposal(hidden))
+    points = bool(table.beside[row, column]) and "method" not in grouping.facet
+    case = table.case(row)
+    parameters = table.parameters(row) | {"method": same.method}
+    if same.size == 1:
+        loads, values = table.line(row, same.method, quantity, points)
+        return PlottedCurve(case, same.method, loads, values, None, 1, points, parameters, ())
+    loads, reduced = _reduce(same, quantity, grouping)
+    return PlottedCurve(case, same.method, loads, reduced[0], reduced[1:], same.size, points, parameters, differing)
+
+
+def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
+    """Loads, and the line and both ends of the band there, shape (3, loads)."""
+    units = np.unique(np.stack([same.column("pressure_unit"), same.column("unit")]), axis=1)
+    first = same.rows[0][0].loads
+    if units.shape[1] > 1 or any(not np.array_equal(table.loads, first) for table, _, _ in same.rows):
+        each = [table.line(int(row), same.method, quantity) for table, rows, _ in same.rows for row in rows]
+        loads, values = lines.on_common_loads(each)
+        return loads, grouping.reduce(values)
+    h, slope = (
+        np.concatenate([table.values[name][rows, column] for table, rows, column in same.rows]) for name in QUANTITIES
+    )
+    pressure, unit = units[:, 0]
+    if quantity == "resistance" or first.size < 2 or not np.isfinite(slope).all():
+        given = h if quantity == "compliance" else slope
+        return first * pressure, grouping.reduce(given) * unit
+    fine = lines.between(first)
+    pieces = np.array_split(fine, math.ceil(fine.size * same.size / MAX_VALUES))
+    reduced = [grouping.reduce(lines.compliance_at(piece, first, h, slope)) for piece in pieces]
+    return fine * pressure, np.concatenate(reduced, axis=1) * unit
 
 
 def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:
@@ -182,28 +264,47 @@ def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping
 
 
 def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCurve], grouping: Grouping) -> None:
-    """Draw the median of all curves of the same look in a band that contains them, or the single curve."""
-    alike: dict[tuple[Hashable, Hashable], list[PlottedCurve]] = {}
+    """Draw the lines of a panel, each with its band."""
     for curve in members:
-        alike.setdefault((curve.parameters[grouping.colour], curve.method), []).append(curve)
-    for same in alike.values():
-        if hidden := grouping.hidden(_differing(same)):
-            raise ValueError(grouping.proposal(hidden))
-        loads, values = lines.on_common_loads([(curve.loads, curve.values) for curve in same])
-        look = _look(same[0], drawn, grouping)
-        if same[0].method in numerical_names():
+        look = _look(curve, drawn, grouping)
+        if curve.method in numerical_names():
             look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
-        axes.plot(loads, np.median(values, axis=0), **look)
-        if len(same) > 1:
-            axes.fill_between(loads, values.min(axis=0), values.max(axis=0), color=look["color"], **BAND)
+        name = _join(_label(drawn, part, curve.parameters[part]) for part in (grouping.colour, "method") if part)
+        axes.plot(curve.loads, curve.values, **look | {"label": name})
+        if curve.band is not None:
+            label = f"{name}, {grouping.band_name}"
+            axes.fill_between(curve.loads, *curve.band, color=look["color"], label=label, **BAND)
 
 
-def _differing(same: Sequence[PlottedCurve]) -> list[str]:
+def _draw_behind(
+    axes: Axes, ensembles: Sequence[Table], members: Sequence[PlottedCurve], quantity: str, grouping: Grouping
+) -> Patch | None:
+    """Draw the band of the most accurate curves of an ensemble behind a panel; returns its legend entry."""
+    drawn = {tuple(curve.parameters[name] for name in PARAMETERS) for curve in members}
+    found: dict[str, Members] = {}
+    for table in ensembles:
+        series = zip(*(table.study[name].values.tolist() for name in PARAMETERS), strict=True)
+        here = np.array([own in drawn for own in series], bool)
+        for column, method in enumerate(table.methods):
+            rows = np.flatnonzero(here & table.known[:, column] & (table.best == column))
+            if rows.size:
+                found.setdefault(method, Members(method, [])).rows.append((table, rows, column))
+    entry = None
+    for same in found.values():
+        loads, reduced = _reduce(same, quantity, grouping)
+        label = f"{grouping.band_name} of {same.size} phases"
+        axes.fill_between(loads, *reduced[1:], label=label, **BEHIND)
+        entry = Patch(label=label, **BEHIND)
+    return entry
+
+
+def _differing(same: Members) -> list[str]:
     """The parameters in which some curves differ; phases where they have several waves, as many each."""
-    differing = [name for name in SURFACES if len(_values(same, name)) > 1]
-    several = [curve for curve in same if curve.parameters["m"] != 1]
-    by_phases = "m" not in differing and len(_values(several, "phases")) > 1
-    return differing + ["seed" if isinstance(same[0].parameters["seed"], float) else "phases"] * by_phases
+    differing = [name for name in SURFACES if np.ptp(same.column(name)) > 0]
+    several = same.column("waves") != 1
+    phases = same.column("phases")[several]
+    by_phases = "m" not in differing and phases.size > 0 and np.ptp(phases) > 0
+    return differing + ["seed" if same.column("seeded").all() else "phases"] * bool(by_phases)
 
 
 def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
@@ -228,20 +329,25 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     values = _values(drawn, colour)
     shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, MAX_NAMED).round().astype(int))]
+    hidden = len(values) - len(shown)
     handles: list[Any] = []
     for value in shown:
         first = next(curve for curve in drawn if curve.parameters[colour] == value)
         look = _look(first, drawn, grouping)
         own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))
+    if hidden:
+        handles.append(Line2D([], [], linestyle="none", label=f"and {hidden} more between them"))
     if by_dash:
         looks = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
         handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in looks.values()]
     if grouping.median_over:
         over = dict.fromkeys(PLURALS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
+        counts = sorted({curve.members for curve in drawn})
+        number = " to ".join(map(str, dict.fromkeys([counts[0], counts[-1]])))
         handles += [
-            Line2D([], [], color=style.GREY, label=f"line: median over {' and '.join(over)}"),
-            Patch(color=style.GREY, label="band: all of them", **BAND),
+            Line2D([], [], color=style.GREY, label=f"line: {grouping.line_name} over {' and '.join(over)}"),
+            Patch(color=style.GREY, label=f"band: {grouping.band_name} of {number}", **BAND),
         ]
     return handles
 

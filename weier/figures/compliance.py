@@ -19,10 +19,14 @@ CAPTION = (
 
 
 def draw(
-    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Bodies | None = None
+    studies: Sequence[xr.Dataset],
+    title: str,
+    grouping: Grouping = BY_DEFAULT,
+    interface: Bodies | None = None,
+    behind: Sequence[xr.Dataset] = (),
 ) -> Figure:
     """Compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
-    figure, panels, cases = compare(studies, title, "compliance", grouping, interface)
-    style.set_load_axis(panels[0], cases)
+    figure, panels, extent = compare(studies, title, "compliance", grouping, interface, behind)
+    style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
     panels[0].set_ylim(bottom=0)
     return figure

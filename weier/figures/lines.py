@@ -50,15 +50,21 @@ def between(loads: Array) -> Array:
 def compliance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
     """The compliance between the loads, as cubics with its slopes (Hermite), shape (PIECES (loads - 1) + 1,)."""
     fine = between(loads)
+    return fine, compliance_at(fine, loads, h, slope)
+
+
+def compliance_at(fine: Array, loads: Array, h: Array, slope: Array) -> Array:
+    """The compliances of one or several curves, shape (..., loads), at loads between theirs."""
     piece = np.minimum(np.searchsorted(loads, fine, side="right") - 1, loads.size - 2)
     width = (loads[1:] - loads[:-1])[piece]
     t = (fine - loads[piece]) / width
-    values = (
-        h[piece] * (1 + 2 * t) * (1 - t) ** 2
-        + h[piece + 1] * t**2 * (3 - 2 * t)
-        + width * (slope[piece] * t * (1 - t) ** 2 - slope[piece + 1] * t**2 * (1 - t))
+    left, right = h[..., piece], h[..., piece + 1]
+    values: Array = (
+        left * (1 + 2 * t) * (1 - t) ** 2
+        + right * t**2 * (3 - 2 * t)
+        + width * (slope[..., piece] * t * (1 - t) ** 2 - slope[..., piece + 1] * t**2 * (1 - t))
     )
-    return fine, np.clip(values, h[piece], h[piece + 1])
+    return np.clip(values, left, right)
 
 
 def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:

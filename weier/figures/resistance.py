@@ -19,9 +19,13 @@ CAPTION = (
 
 
 def draw(
-    studies: Sequence[xr.Dataset], title: str, grouping: Grouping = BY_DEFAULT, interface: Bodies | None = None
+    studies: Sequence[xr.Dataset],
+    title: str,
+    grouping: Grouping = BY_DEFAULT,
+    interface: Bodies | None = None,
+    behind: Sequence[xr.Dataset] = (),
 ) -> Figure:
     """Resistance over mean pressure by every method, on logarithmic axes."""
-    figure, panels, cases = compare(studies, title, "resistance", grouping, interface)
-    style.set_logarithmic_axes(panels[0], cases, "resistance")
+    figure, panels, extent = compare(studies, title, "resistance", grouping, interface, behind)
+    style.set_logarithmic_axes(panels[0], *extent)
     return figure

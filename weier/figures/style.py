@@ -184,9 +184,8 @@ def limit_panels(
     return ": ".join(filter(None, [title, note])), groups[:most]
 
 
-def set_load_axis(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+def set_load_axis(axes: Axes, low: float, high: float) -> None:
     """Set the axis of loads up to full contact: linear from 0, or logarithmic over more than `LINEAR_DECADES`."""
-    low, high = curves.first_load(cases), curves.full_contact_load(cases)
     if high > 10**LINEAR_DECADES * low:
         axes.set_xscale("log")
         axes.set_xlim(low, high)
@@ -215,19 +214,13 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
     getattr(axes, f"set_{name}lim")(*ends)
 
 
-def set_logarithmic_axes(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """Set logarithmic axes from the first load to full contact; curves that fall to 0 cross the lower edge."""
-    low, high = curves.first_load(cases), curves.full_contact_load(cases)
-    shown = [case.sel(mean_pressure=slice(low, high)) for case in cases]
-    upper = np.concatenate([case[quantity].values.ravel() for case in shown])
-    # An estimate may vanish long before the contact is full: the numerical curves set the lower end.
-    rows = [row for case in shown if (row := curves.numerical(case, quantity)) is not None]
-    lower = np.concatenate(rows) if rows else upper
+def set_logarithmic_axes(axes: Axes, low: float, high: float, least: float, largest: float) -> None:
+    """Set logarithmic axes over these loads and values; curves that fall to 0 cross the lower edge."""
     axes.set(xscale="log", yscale="log")
     if low < high:
         axes.set_xlim(low, high)
-    if (lower > 0).any():
-        axes.set_ylim(lower[lower > 0].min() / LOGARITHMIC_MARGIN, upper[upper > 0].max() * LOGARITHMIC_MARGIN)
+    if np.isfinite(least) and largest > 0:
+        axes.set_ylim(least / LOGARITHMIC_MARGIN, largest * LOGARITHMIC_MARGIN)
 
 
 def set_title(figure: Figure, title: str) -> None:

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
+from weier.data import curves
 from weier.figures import style, truncation
+from weier.figures.tables import extent, tables_of
 
 CAPTION = (
     "The effect of additional terms on the contact resistance. The band contains the infinite series for all phases "
@@ -19,6 +21,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Resistance over mean pressure for each number of terms, with the bounds as a band."""
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
-        style.set_logarithmic_axes(axes, cases[-1:], "resistance")
+        longest = tables_of([curves.as_study(cases[-1])], "resistance")
+        style.set_logarithmic_axes(axes, *extent(longest, "resistance"))
         axes.legend(loc="lower left")
     return figure

@@ -37,7 +37,7 @@ def inputs_of_figure(solutions: Solutions, name: str) -> str:
         ("weier.figures", "draw"),
         ("weier.pipeline.gather", "read_study"),
     ]
-    return _inputs(solutions, figure.studies, [name, repr(figure)], code, "figures")
+    return _inputs(solutions, figure.all_studies, [name, repr(figure)], code, "figures")
 
 
 def inputs_of_page(solutions: Solutions) -> str:

@@ -129,7 +129,7 @@ class Scenes:
         """The files that hold the curves of a figure."""
         with ending_in_one_sentence():
             figure = self.scene(wildcards.scene).figure(wildcards.figure)
-        return self._batches(wildcards.scene, figure.studies)
+        return self._batches(wildcards.scene, figure.all_studies)
 
     def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
         """The batches of these studies of a scene, or of all.

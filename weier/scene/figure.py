@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from weier.kernels.arrays import Array
 from weier.theory.conduction import Bodies
 
 PHASES = ("phases", "seed")  # Profiles of the same D, gamma and m differ in one of these.
 MAX_PANELS = 4  # A column of more panels does not fit on a page.
+
+
+# The bands around medians: by default most curves, which does not widen with every case more.
+PERCENTILES, ALL, MEAN = (10.0, 90.0), (0.0, 100.0), (-1.0, -1.0)
 
 
 class Grouping(NamedTuple):
@@ -16,23 +23,47 @@ class Grouping(NamedTuple):
 
     colour : the parameter shown by colour
     facet : the parameter shown by panels, or two for the rows and the columns of panels
-    median_over : the parameters over which a median is drawn, in a band that contains all curves
+    median_over : the parameters over which a median is drawn, in a band
+    band : the percentiles between which the band lies, or MEAN for the mean and its standard error
     """
 
     colour: str = ""
     facet: tuple[str, ...] = ()
     median_over: tuple[str, ...] = ()
+    band: tuple[float, float] = PERCENTILES
 
     def of(self, cases: int) -> Grouping:
         """The grouping for so many cases: by default a panel for each of few cases, or a median over phases."""
-        return self if self != BY_DEFAULT else EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
+        if self != BY_DEFAULT._replace(band=self.band):
+            return self
+        return (EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES)._replace(band=self.band)
+
+    def reduce(self, values: Array) -> Array:
+        """The line and both ends of the band of curves of shape (curves, loads): shape (3, loads)."""
+        if self.band == MEAN:
+            mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
+            return np.stack([mean, mean - error, mean + error])
+        return np.percentile(values, [50, *self.band], axis=0)
+
+    @property
+    def line_name(self) -> str:
+        """What the line is, in a word."""
+        return "mean" if self.band == MEAN else "median"
+
+    @property
+    def band_name(self) -> str:
+        """What the band holds, in words."""
+        if self.band == MEAN:
+            return "standard error of the mean"
+        low, high = self.band
+        return "all" if self.band == ALL else f"{low:g} to {high:g} %"
 
     def hidden(self, varying: Iterable[str]) -> list[str]:
         """The parameters that vary among the curves without being shown; each method always has its own line."""
         shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
-        return [name for name in varying if name not in shown and self != EACH_CASE]
+        return [name for name in varying if name not in shown and self.facet != EACH_CASE.facet]
 
     def proposal(self, hidden: Sequence[str]) -> str:
         """A sentence that proposes how to show the parameters that are hidden."""
@@ -62,6 +93,7 @@ FREE = Axis()
 class Figure(NamedTuple):
     """The kind of a figure (a module of weier.figures), its studies, and its parameters.
 
+    behind : studies whose curves are a band behind the others
     x, y : its axes
     size : width and height in inches; None for the default of the figure
     interface : the bodies that convert its axes into SI units; None for normalised axes
@@ -71,7 +103,13 @@ class Figure(NamedTuple):
     studies: tuple[str, ...] = ()
     title: str = ""
     grouping: Grouping = BY_DEFAULT
+    behind: tuple[str, ...] = ()
     x: Axis = FREE
     y: Axis = FREE
     size: tuple[float, float] | None = None
     interface: Bodies | None = None
+
+    @property
+    def all_studies(self) -> tuple[str, ...]:
+        """The studies that it shows, and those behind them."""
+        return (*self.studies, *self.behind)

@@ -30,7 +30,7 @@ from weier.methods import auto
 from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
 from weier.scene.cases import NAME
-from weier.scene.figure import FREE, Axis, Figure, Grouping
+from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes
 from weier.scene.part import LIST, NUMBER, RANGE, OneOf, Part, Pattern, all_of, check_once
 from weier.scene.study import MAX_CASES, check_number, check_value
@@ -451,6 +451,15 @@ Scale = Annotated[
 Inches = Annotated[float, Field(gt=0, le=100)]
 
 
+Percentile = Annotated[float, Field(ge=0, le=100)]
+
+
+def _check_band(band: list[float] | str) -> list[float] | str:
+    if not isinstance(band, str) and (len(band) != 2 or band[0] >= band[1]):
+        raise ValueError(f"a band is two percentiles, the lower one first, got {band}")
+    return band
+
+
 class FigureKeys(Part):
     """What a figure draws, from which studies, and how."""
 
@@ -477,7 +486,21 @@ class FigureKeys(Part):
     median_over: Parameters = Field(
         [],
         alias="median over",
-        description="Parameters over which a median is drawn, with a band that holds all curves.",
+        description="Parameters over which a median is drawn, in a band.",
+    )
+    band: Annotated[
+        list[Percentile] | Annotated[str, OneOf("all", "mean")],
+        Field(title="two percentiles, all or mean"),
+        AfterValidator(_check_band),
+    ] = Field(
+        [*PERCENTILES],
+        description="Percentiles between which the band lies; or all: from the least curve to the largest; or mean: "
+        "the mean in place of the median, in a band of its standard error.",
+    )
+    behind: Names = Field(
+        [],
+        description="Studies whose curves, by the most accurate method, are a grey band behind those of the same "
+        "D, gamma and m.",
     )
 
     @classmethod
@@ -488,13 +511,20 @@ class FigureKeys(Part):
             if sum(name in part for part in parts) > 1:
                 yield Mistake((), f"{name} can be the colour, the facet or one to take the median over, not two")
 
+    @property
+    def _band(self) -> tuple[float, float]:
+        if isinstance(self.band, str):
+            return ALL if self.band == "all" else MEAN
+        return self.band[0], self.band[1]
+
     def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units of the bodies if it has these units."""
         return Figure(
             draw=self.draw,
             studies=tuple(self.studies),
             title=self.title,
-            grouping=Grouping(self.colour, tuple(self.facet), tuple(self.median_over)),
+            grouping=Grouping(self.colour, tuple(self.facet), tuple(self.median_over), self._band),
+            behind=tuple(self.behind),
             x=self.x.axis if self.x else FREE,
             y=self.y.axis if self.y else FREE,
             size=(self.size[0], self.size[1]) if self.size else None,
@@ -548,7 +578,7 @@ class SceneKeys(Part):
     figures: dict[Name, FigureKeys] = Field(
         {},
         description="Named figures: what each draws, from which studies, its title and size, the scales, ends and "
-        "units of its axes, and the parameters that it shows by colour, facet and median over.",
+        "units of its axes, the parameters that it shows by colour, facet and median over, and bands of ensembles.",
     )
     claims: dict[Name, Names] = Field(
         {},
@@ -571,7 +601,7 @@ class SceneKeys(Part):
         lists: list[tuple[Keys, Any]] = [(("claims", name), listed) for name, listed in claims.items()]
         for name, figure in figures.items():
             if isinstance(figure, dict):
-                lists.append((("figures", name, "studies"), figure.get("studies")))
+                lists += [(("figures", name, key), figure.get(key)) for key in ("studies", "behind")]
                 if "units" in figure and "interface" not in values:
                     what = "SI units need the key interface of the scene, with the two bodies and their roughness"
                     yield Mistake(("figures", name, "units"), what)

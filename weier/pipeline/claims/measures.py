@@ -7,13 +7,15 @@ loads end at interpolated compliances, so that no number depends on how the load
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
 from weier.methods.registry import find_method
 from weier.pipeline.claims.claim import Case, MissingError
-from weier.surface.series import tail_amplitude
+from weier.surface.series import full_contact_pressure, tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
 ESTIMATES = ("archard", "demelio", "layer")  # These are the three approximations of Section 4.
@@ -194,6 +196,33 @@ def last_change(*lengths: Case) -> float:
 def last_change_over_others(*lengths: Case) -> float:
     """The largest change with the last term over the least with the terms before."""
     return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
+
+
+def growth_of_area(*lengths: Case) -> float:
+    """The largest ratio of the contact fractions of two successive numbers of terms, in partial contact of both."""
+    ratios = [_area_ratio(shorter, longer) for shorter, longer in itertools.pairwise(lengths)]
+    return float(max(ratio.max() for ratio in ratios))
+
+
+def decay_of_area(*lengths: Case) -> float:
+    """The geometric mean over the loads of the factor by which the last term changes the area, times gamma^(D-1)."""
+    mean = np.exp(np.log(_area_ratio(*lengths[-2:])).mean())
+    return float(mean * full_contact_pressure(1, float(lengths[-1]["D"]), float(lengths[-1]["gamma"])))
+
+
+def _area_ratio(shorter: Case, longer: Case) -> Array:
+    """The ratios of the contact fractions of two series at the loads of partial contact of the shorter one."""
+    partial = _partial_contact(shorter)
+    ratio: Array = numerical(longer, "contact_fraction")[partial] / numerical(shorter, "contact_fraction")[partial]
+    return ratio
+
+
+def last_change_of_resistance(*lengths: Case) -> float:
+    """The mean relative change of the resistance with the last term, at intermediate compliances."""
+    change = numerical(lengths[-1], "resistance") - numerical(lengths[-2], "resistance")
+    loads, values = _between(lengths[-1], change, *INTERMEDIATE)
+    _, resistance = _between(lengths[-1], numerical(lengths[-1], "resistance"), *INTERMEDIATE)
+    return abs(_mean(loads, values)) / _mean(loads, resistance)
 
 
 def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:

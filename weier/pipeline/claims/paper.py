@@ -36,6 +36,8 @@ QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this fac
 NUMERICAL_ERROR = 1e-3  # g_0: the error of boundary elements, below which a difference has no certain sign.
 RESISTANCE_ERROR = 0.01  # The relative error of the numerical resistance, for the same purpose.
 
+SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
+
 RULE = (
     "Each number is measured on profiles that differ in their phases alone, and a profile is too close to call where "
     f"its number lies between the limit and {OPEN_FACTOR:g} times the limit, within {NUMERICAL_ERROR:g} g_0 (or "
@@ -295,6 +297,33 @@ CLAIMS = {
             "",
             measures.last_change_over_others,
             at_most(1),
+        ),
+    ),
+    "area_vanishes": Claim(
+        "The contact area reduces without limit as finer and finer scales are added (1), while stiffness and "
+        "resistance are largely determined by the coarse scales (5.5, 6).",
+        partial(series, varied="m"),
+        Condition(
+            "the area falls with each further term",
+            "largest ratio of the contact areas with one more term and without it",
+            "",
+            measures.growth_of_area,
+            at_most(1, factor=1),
+        ),
+        Condition(
+            "the last term still reduces the area, by gamma^(1-D) or more",
+            "factor of the area with the last term over gamma^(1-D), mean over the loads",
+            "",
+            measures.decay_of_area,
+            at_most(SAME_RATE),
+            most=True,
+        ),
+        Condition(
+            "the last term hardly changes the resistance",
+            "mean relative change of the resistance with the last term",
+            "%",
+            measures.last_change_of_resistance,
+            at_most(CLOSE),
         ),
     ),
     "one_wave_bounds": Claim(

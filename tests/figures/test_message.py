@@ -1,0 +1,44 @@
+"""The figure of the message: medians, bands and bounds are those of the data."""
+
+import numpy as np
+import pytest
+
+from weier.data import dataset
+from weier.figures import message
+from weier.methods import persson
+
+LOADS = np.array([0.01, 0.02, 0.1, 1.0])
+SEEDS, TERMS = 5, (1, 2, 3)
+
+
+@pytest.fixture
+def study():
+    """Areas that halve with each term and resistances that differ between seeds."""
+    cases = [(m, seed) for m in TERMS for seed in range(SEEDS)]
+    data = dataset.blank(len(cases), ["persson", "patches"], LOADS, 3)
+    for row, (m, seed) in enumerate(cases):
+        data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, 5, m
+        data["compliance"].values[row] = 1.0
+        data["contact_fraction"].values[row, 1] = 0.1 * (1 + seed) * 0.5**m * LOADS
+        data["resistance"].values[row, 1] = 3 + seed
+        data["resistance_lower"].values[row, 1], data["resistance_upper"].values[row, 1] = 2, 9
+    return data
+
+
+def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
+    area, resistance = message.draw([study], "").axes
+    lines = {line.get_label(): line.get_ydata() for line in area.get_lines()}
+    for load in message.SHOWN_LOADS:
+        np.testing.assert_allclose(lines[f"p = {load:g}, median"], [0.3 * 0.5**m * load for m in TERMS])
+        theory = [float(persson.contact_fraction(load, 1.25, 5, m)) for m in TERMS]
+        np.testing.assert_allclose(lines[f"p = {load:g}, Persson"], theory)
+    band = resistance.collections[0].get_paths()[0].vertices
+    assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((3.4, 6.6))
+    bars = resistance.containers[0].lines[2][0].get_segments()[0]
+    assert bars[:, 1].tolist() == [2, 9]
+    assert [text.get_text() for text in area.figure.legends[0].get_texts()][3] == "10 to 90 % of 5 phases"
+
+
+def test_without_numerical_curves_there_is_nothing_to_draw(study):
+    with pytest.raises(ValueError, match="no numerical curves"):
+        message.draw([study.sel(solution_method=["persson"])], "")

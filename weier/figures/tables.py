@@ -1,0 +1,179 @@
+"""Studies as arrays over their cases, so that a figure of many cases reduces arrays, not a dataset of each case."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from weier.data import curves
+from weier.figures import lines
+from weier.figures.traces import names_of_traces
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.registry import numerical_names
+from weier.surface.profile import PARAMETERS
+from weier.theory.conduction import Bodies
+
+QUANTITIES = ("compliance", "resistance")  # A line between the loads takes both.
+MISSING = 1e300  # In place of NaN, which numpy does not compare with itself.
+
+
+class Extent(NamedTuple):
+    """The loads and values of a figure: the first load and full contact, the least positive value and the largest.
+
+    The least is that of the numerical curves, if there are any, since an estimate may vanish long before the contact
+    is full.
+    """
+
+    first_load: float
+    full_contact: float
+    least: float
+    largest: float
+
+
+class Table:
+    """The curves of a quantity of one study.
+
+    known : whether there is a curve, shape (cases, methods)
+    best : the column of the most accurate numerical method of each case, or -1
+    beside : whether a curve is by another numerical method than that, shape (cases, methods)
+    columns : arrays over the cases: codes of parameters, equal for equal values, and units of loads and values
+    """
+
+    def __init__(self, study: xr.Dataset, quantity: str, names: Sequence[str], interface: Bodies | None) -> None:
+        self.study, self._interface = study, interface
+        self.size = study.sizes["case"]
+        self.methods: list[str] = study["solution_method"].values.tolist()
+        self.loads: Array = study["mean_pressure"].values
+        self.values = {name: study[name].values for name in QUANTITIES}
+        self.known: Flags = np.isfinite(self.values[quantity]).any(axis=-1)
+        solved, best = curves.most_accurate(study)
+        self.best: Indices = np.where(solved, best, -1)
+        numerical = np.array([method in numerical_names() for method in self.methods], bool)
+        self.beside: Flags = numerical & (self.best[:, None] != np.arange(len(self.methods)))
+        self.names = np.array(names, object)
+        self.columns: dict[str, NDArray[Any]] = {}
+
+    def case(self, row: int) -> xr.Dataset:
+        """One case, in the units of the figure."""
+        case = self.study.isel(case=row)
+        return self._interface.at(case).in_si(case) if self._interface else case
+
+    def line(self, row: int, method: str, quantity: str, points: bool = False) -> tuple[Array, Array]:
+        """One curve, in the units of the figure: at its loads and between them, or as points."""
+        # The line between the loads uses both quantities before their conversion to SI units.
+        found = (lines.points if points else lines.line)(self.study.isel(case=row), quantity, method)
+        assert found is not None  # `known` has said so
+        loads, values = found
+        return loads * self.columns["pressure_unit"][row], values * self.columns["unit"][row]
+
+    def parameters(self, row: int) -> dict[str, Hashable]:
+        """The values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
+        phase = self.phases[row]
+        phase = phase[phase != MISSING]
+        phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
+        trace, seed = self.names[row], float(self.seeds[row])
+        numbers = {name: None if trace else float(self.study[name].values[row]) for name in PARAMETERS}
+        own = {"": None, "case": int(self.columns["case"][row]), **numbers, "trace": trace}
+        return own | {"phases": phases, "seed": seed if np.isfinite(seed) else phases}
+
+    @cached_property
+    def phases(self) -> Array:
+        """Phases of all terms but the first, rounded, and MISSING where there is no term."""
+        phases = self.study["phases"].values[:, 1:]
+        return np.where(np.isfinite(phases), phases.round(9), MISSING)
+
+    @cached_property
+    def seeds(self) -> Array:
+        """The seed of each case, or NaN."""
+        seeds = self.study["seed"].values if "seed" in self.study.variables else np.full(self.size, np.nan)
+        return np.asarray(seeds, float)
+
+
+def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | None = None) -> list[Table]:
+    """The tables of some studies, with codes of parameters that they have in common."""
+    named = _names_of_traces(studies)
+    tables = [Table(study, quantity, names, interface) for study, names in zip(studies, named, strict=True)]
+    if not tables:
+        return []
+    terms = max(table.phases.shape[1] for table in tables)
+    padded = [
+        np.pad(table.phases, ((0, 0), (0, terms - table.phases.shape[1])), constant_values=MISSING)
+        for table in tables
+    ]
+    phases = np.unique(np.concatenate(padded), axis=0, return_inverse=True)[1].ravel()
+    seeds = np.concatenate([table.seeds for table in tables])
+    trace = np.unique(np.concatenate([table.names.astype(str) for table in tables]), return_inverse=True)[1]
+    columns: dict[str, NDArray[Any]] = {
+        "case": np.arange(phases.size),
+        "trace": trace,
+        "phases": phases,
+        "seed": np.where(np.isfinite(seeds), seeds, -1.0 - phases),
+        "seeded": np.isfinite(seeds),
+        "waves": np.concatenate([table.study["m"].values for table in tables]),
+    }
+    for name in PARAMETERS:
+        values = np.concatenate([np.asarray(table.study[name].values, float) for table in tables])
+        columns[name] = np.unique(np.where(np.isnan(values), MISSING, values), return_inverse=True)[1]
+    units = [_units(table.study, quantity, interface) for table in tables]
+    columns |= {name: np.concatenate([own[name] for own in units]) for name in units[0]}
+    ends = np.cumsum([table.size for table in tables])
+    for table, end in zip(tables, ends, strict=True):
+        table.columns = {name: values[end - table.size : end] for name, values in columns.items()}
+    return tables
+
+
+def extent(tables: Sequence[Table], quantity: str) -> Extent:
+    """The loads and values of all cases that have a curve, in the units of the figure."""
+    first, full = np.inf, -np.inf
+    drawn = [(table, table.known.any(axis=1)) for table in tables]
+    for table, rows in drawn:
+        if rows.any():
+            first = min(first, float(table.loads[0] * table.columns["pressure_unit"][rows].min()))
+            loads = curves.full_contact_loads(table.study)[rows] * table.columns["pressure_unit"][rows]
+            full = max(full, float(loads.max()))
+    least, largest, numerical = np.inf, 0.0, np.inf
+    for table, rows in drawn:
+        values = table.values[quantity][rows] * table.columns["unit"][rows, None, None]
+        loads = table.loads * table.columns["pressure_unit"][rows, None]
+        shown = (loads >= first) & (loads <= full)
+        positive = shown[:, None] & (values > 0)
+        least = min(least, values.min(initial=np.inf, where=positive))
+        largest = max(largest, values.max(initial=0.0, where=positive))
+        best = table.best[rows]
+        own, there = values[np.arange(best.size), best], (best >= 0)[:, None]
+        numerical = min(numerical, own.min(initial=np.inf, where=there & shown & (own > 0)))
+    return Extent(first, full, float(numerical if np.isfinite(numerical) else least), float(largest))
+
+
+def _units(study: xr.Dataset, quantity: str, interface: Bodies | None) -> dict[str, Array]:
+    """The units of the loads and values of each case, in SI units, or 1 without an interface."""
+    if interface is None:
+        return dict.fromkeys(("pressure_unit", "unit"), np.ones(study.sizes["case"]))
+    digests = _digests(study)
+    known = {}
+    for digest, row in zip(*np.unique(digests, return_index=True), strict=True):
+        of = interface.at(study.isel(case=int(row)))
+        known[str(digest)] = float(of.pressure(1.0)), float(getattr(of, quantity)(1.0))
+    pressures, units = np.transpose([known[str(digest)] for digest in digests])
+    return {"pressure_unit": pressures, "unit": units}
+
+
+def _names_of_traces(studies: Sequence[xr.Dataset]) -> list[list[str]]:
+    """A name for the trace of each case of each study, empty for a series."""
+    first: dict[str, xr.Dataset] = {}
+    for study in studies:
+        for digest, row in zip(*np.unique(_digests(study), return_index=True), strict=True):
+            first.setdefault(str(digest), study.isel(case=int(row)))
+    known = dict(zip(first, names_of_traces(first.values()), strict=True))
+    return [[known[str(digest)] for digest in _digests(study)] for study in studies]
+
+
+def _digests(study: xr.Dataset) -> NDArray[Any]:
+    """The digest of the trace of each case, empty for a series."""
+    given = study["trace_digest"].values if "trace_digest" in study.variables else np.full(study.sizes["case"], "")
+    return np.asarray(given, str)
