@@ -212,3 +212,18 @@ def test_no_damaged_attribute_ends_in_a_traceback(run, name, damaged):
         code, out, err = run("table", "curve.nc", *options)
         assert (code, len(err.splitlines())) in ((0, 0), (1, 1)), err
         assert re.search("not of weier|not a whole|lost its unit|must be normalised", err) or rows(out)
+
+
+def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):
+    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(3)]
+    data = weier.solve(series, [0.1, 1.0], "bem")
+    data.to_netcdf(folder / "many.nc")
+    code, out, _ = run("table", "many.nc", "--ensemble", "--si", "bodies.yaml")
+    assert code == 0
+    in_si = weier.Interface(**BODIES).in_si(data).resistance.values[:, 0]
+    first, second = rows(out)
+    assert float(first["resistance_mean (ohm m^2)"]) == pytest.approx(in_si[:, 0].mean())
+    assert float(second["resistance_deviation (ohm m^2)"]) == pytest.approx(in_si[:, 1].std(ddof=1))
+    assert float(second["resistance_numerical_error (ohm m^2)"]) > 0
+    assert float(second["mean_pressure (Pa)"]) > 1e6
+    assert run("table", "many.nc", "--study", "none")[0] == 1

@@ -318,3 +318,44 @@ def test_phases_are_numbers_over_the_terms_in_memory_too():
     curve = weier.solve(PROFILES[0], [0.1], "demelio")
     assert (curve.phases.dims, curve.phases.values.tolist(), curve.phases.units) == (("term",), [0, 1, 2], "rad")
     assert curve.term.values.tolist() == [0, 1, 2]
+
+
+def lines(count):
+    """Traces of one spectrum and several heights."""
+    k, random = np.arange(1, 40), np.random.default_rng(2)
+    waves = [k**-1.2 * np.exp(2j * np.pi * random.random(k.size)) for _ in range(count)]
+    heights = [2e-5 * (1 + n / 4) * np.fft.irfft(np.append(0, wave), 200) for n, wave in enumerate(waves)]
+    return [weier.Trace(z, 1e-3, unit="m", source=f"{n}.csv") for n, z in enumerate(heights)]
+
+
+def test_an_ensemble_has_means_with_their_scatter_and_the_numerical_error():
+    series = [weier.Profile(1.5, 3, 2, seed=seed) for seed in range(5)]
+    data = weier.solve(series, [0.1, 1.0], ["bem", "demelio"])
+    table = data.weier.ensemble()
+    assert table["solution_method"].tolist() == ["bem", "bem", "demelio", "demelio"]
+    assert table["cases"].tolist() == [5] * 4
+    by_bem = data.sel(solution_method="bem")
+    for name in ("compliance", "resistance"):
+        np.testing.assert_allclose(table[f"{name}_mean"][:2], by_bem[name].values.mean(axis=0), rtol=1e-12)
+        np.testing.assert_allclose(table[f"{name}_deviation"][:2], np.std(by_bem[name].values, axis=0, ddof=1))
+        largest = by_bem[f"{name}_error"].values.max(axis=0)
+        np.testing.assert_array_equal(table[f"{name}_numerical_error"][:2], largest)
+    assert table["compliance_numerical_error"][2:].isna().all()
+
+
+def test_an_ensemble_of_traces_has_common_pressures():
+    steel = weier.Interface(mu_1=8e10, mu_2=8e10, nu_1=0.3, nu_2=0.3, rho_1=2e-7, rho_2=2e-7)
+    traces = lines(3)
+    data = steel.solve(traces, [1e6, 1e7])
+    table = data.weier.ensemble()
+    assert table["mean_pressure"].tolist() == [1e6, 1e7]
+    each = [steel.solve(trace, [1e6, 1e7]).resistance.values for trace in traces]
+    np.testing.assert_allclose(table["resistance_mean"], np.mean(each, axis=0), rtol=1e-6)
+    np.testing.assert_allclose(table["resistance_deviation"], np.std(each, axis=0, ddof=1), rtol=1e-6)
+    own = weier.solve(traces, [0.1, 1.0])
+    for curves in (own, steel.in_si(own)):
+        with pytest.raises(
+            ValueError, match=r"an ensemble must have common pressures, .*: solve the traces by weier"
+        ):
+            curves.weier.ensemble()
+    assert own.isel(case=[0]).weier.ensemble()["cases"].tolist() == [1, 1]

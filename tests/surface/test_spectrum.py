@@ -218,3 +218,24 @@ def test_what_is_no_power_law_is_refused():
     noise = 1e-3 * np.random.default_rng(0).normal(size=2000)
     with pytest.raises(ValueError, match="the spectrum must fall as k\\^-beta with beta between 1 and 3, got"):
         fit(Trace(noise, 1.0, unit="m"))
+
+
+def test_the_fits_of_an_ensemble_are_a_table_with_their_scatter():
+    random = np.random.default_rng(5)
+    traces = [
+        Trace(1e-8 * random_line(1.4, 600, random, 1 / 4)[0], 1e-3, unit="m", source=f"line {n}.csv")
+        for n in range(4)
+    ]
+    found = fit(traces)
+    assert list(found) == [fit(trace) for trace in traces]
+    table = found._repr_html_()
+    for one in found:
+        assert f">{one.source}<" in table
+        assert f">{one.D:.6g}<" in table
+        assert f">{one.g_0_error:.1g}<" in table
+    assert f">{found.D.mean():.6g}<" in table
+    assert f">{found.g_0.std(ddof=1):.2g}<" in table
+    with pytest.raises(ValueError, match=r"^trace line 2\.csv: shortest must be at least"):
+        fit(traces[2:], shortest=1e-9)
+    with pytest.raises(ValueError, match=r"trace must be a weier\.Trace, or a list of some, got \[\]"):
+        fit([])

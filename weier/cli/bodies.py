@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from weier.pipeline.interface import Interface
 
 SI_UNITS = ("Pa", "m", "ohm m^2")
+OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error)$")  # the ends of columns for a quantity
 INTERFACE = "interface"  # The key of a scene with its bodies.
 
 
@@ -60,10 +62,11 @@ def _given(path: Path) -> dict[str, Any]:
     return given
 
 
-def table_of(data: xr.Dataset) -> pd.DataFrame:
-    """The table of curves; if they are in SI units, the headings name them."""
-    table = data.weier.table()
+def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
+    """The table of curves, or of their mean; if they are in SI units, the headings name them."""
+    table = data.weier.ensemble() if ensemble else data.weier.table()
     if "mu_1" not in data.attrs:
         return table
     units = {str(name): values.attrs.get("units", "1") for name, values in data.variables.items()}
-    return table.rename(columns={name: f"{name} ({units[name]})" for name in table if units.get(name) in SI_UNITS})
+    named = {name: units.get(name, units.get(OF_AN_ENSEMBLE.sub("", name))) for name in table}
+    return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit in SI_UNITS})

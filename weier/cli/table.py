@@ -23,7 +23,11 @@ SELF = Path("-")  # stands for the data file itself
     flag_value=SELF,
     help=f"Give SI units. {SI} By default, CONTACT itself, whose scene may have them.",
 )
-def table(contact: Path, path: Path, bodies: Path | None) -> None:
+@click.option(
+    "--ensemble", is_flag=True, help="Give the mean over the cases, their standard deviation and the numerical error."
+)
+@click.option("--study", multiple=True, help="Take the cases of this study; repeatable.")
+def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:
     """Write the curves of a file as comma-separated values, or in SI units as netCDF.
 
     CONTACT is a netCDF file, of a scene or of `weier solve`. The table has one row a load. It goes to PATH or,
@@ -32,6 +36,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
     \b
     weier table results/paper/contact.nc curves.csv
     weier table curve.nc --si bodies.yaml
+    weier table results/paper/contact.nc --ensemble --si bodies.yaml
     weier table results/paper/contact.nc ohms.csv --si bodies.yaml
     weier table curve.nc ohms.nc --si bodies.yaml
     """  # noqa: D301 - click wants the character
@@ -40,7 +45,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
     from weier.data.selection import as_cases
 
     with dataset.open_dataset(contact) as data:
-        curves = as_cases(data)
+        curves = data.weier.cases(study=list(study)) if study else as_cases(data)
         if bodies is not None:
             curves = read_bodies(contact if bodies == SELF else bodies).in_si(curves)
         if path.suffix == ".nc":
@@ -48,7 +53,7 @@ def table(contact: Path, path: Path, bodies: Path | None) -> None:
             return dataset.write(
                 curves, path, data.attrs.get("title", contact.stem), "converted", data.attrs.get("scene", "")
             )
-        text = str(table_of(curves).to_csv(index=False))
+        text = str(table_of(curves, ensemble).to_csv(index=False))
     if str(path) == STDOUT:
         click.echo(text, nl=False)
     else:

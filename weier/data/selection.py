@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 
 CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
+AVERAGED = ("compliance", "resistance", "contact_fraction")  # the quantities of a table of an ensemble
+COMMON_PRESSURES = (
+    "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
+    "weier.Interface(...).solve([trace, ...], pressures in Pa)"
+)
 MAX_VALUES_IN_MESSAGE = 10  # A message lists at most so many values, to stay short.
 # A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
@@ -118,6 +123,57 @@ class CurvesAccessor:
         frame = rows.to_dataframe(dim_order=curve).reset_index()
         frame = frame.dropna(how="all", subset=quantities)[[*labels, *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
+
+    def ensemble(self) -> pd.DataFrame:
+        """The mean of each curve over the cases, with its scatter and its numerical error, as a pandas.DataFrame.
+
+        Returns
+        -------
+        DataFrame
+            One row for each method and load: the number of `cases` that were solved there, and for the compliance,
+            the resistance and the contact fraction, where there is one, the mean over these cases, `..._mean`; the
+            standard deviation between them, `..._deviation`; and the largest error that a method states,
+            `..._numerical_error`.
+
+        Raises
+        ------
+        ValueError
+            If the cases are traces in units of their own height and length, or do not have common pressures:
+            `weier.Interface.solve` takes a list of traces and pressures in Pa.
+
+        Examples
+        --------
+        >>> import weier
+        >>> series = [weier.Profile(D=1.5, gamma=3, m=2, seed=seed) for seed in range(8)]
+        >>> weier.solve(series, [0.1, 1.0]).weier.ensemble()[["mean_pressure", "compliance_mean"]].round(2)
+           mean_pressure  compliance_mean
+        0            0.1             0.63
+        1            1.0             1.45
+        """
+        data = as_cases(self._data)
+        curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
+        if LOAD in data.dims:
+            pressure = data["mean_pressure"]
+            if not np.allclose(pressure, pressure.isel(case=0), rtol=CLOSE, atol=0):
+                raise ValueError(COMMON_PRESSURES)
+            data = data.drop_vars("mean_pressure").assign_coords(mean_pressure=pressure.isel(case=0, drop=True))
+        elif _traces_in_own_units(data) and data.sizes["case"] > 1:
+            raise ValueError(COMMON_PRESSURES)
+        columns = {"cases": data["compliance"].notnull().sum("case")}
+        for name in AVERAGED:
+            if name in data and data[name].dims == curve:
+                columns[f"{name}_mean"] = data[name].mean("case")
+                columns[f"{name}_deviation"] = data[name].std("case", ddof=1)
+                if (error := f"{name}_error") in data:
+                    columns[f"{name}_numerical_error"] = data[error].max("case")
+        frame = xr.Dataset(columns).to_dataframe(dim_order=curve[1:]).reset_index()
+        frame = frame[frame["cases"] > 0][[*CURVE[1:], *columns]]
+        return frame.dropna(axis="columns", how="all").reset_index(drop=True)
+
+
+def _traces_in_own_units(data: xr.Dataset) -> bool:
+    normalised = data["mean_pressure"].attrs.get("units") != units.PASCAL
+    return normalised and "trace_height" in data.coords and bool(np.isfinite(data["trace_height"]).any())
 
 
 def as_cases(data: xr.Dataset) -> xr.Dataset:

@@ -184,21 +184,21 @@ VARIABLES = {
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
     "compliance_error": Variable(
         CURVE,
-        "stated error of the compliance",
+        "stated numerical error of the compliance",
         "g_0",
         least=0,
         files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
-        largest="stated error of h, g_0",
+        largest="stated numerical error of h, g_0",
     ),
     "resistance_error": Variable(
         CURVE,
-        "stated error of the resistance",
+        "stated numerical error of the resistance",
         "g_0/p_0*",
         least=0,
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
-        largest="stated error of R, g_0/p_0*",
+        largest="stated numerical error of R, g_0/p_0*",
     ),
     "compliance_deviation": _measured(
         CURVE, "distance of the compliance from that of the reference", "g_0", files=MEASURED

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -36,8 +37,8 @@ AROUND = math.sqrt(2)  # This factor on either side of a wavelength gives an oct
 # Variance of the heights that the ends of a trace leave: tapers sin^2 of length a at both ends keep 1 - 5 a/4.
 KEPT_VARIANCE = {MIRRORED: 1.0, PERIODIC: 1.0, TAPERED: 1 - 5 * TAPER / 4}
 # Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a
-# periodic trace, and one square in a mirrored one. A taper correlates neighbours, which raises the variance of sums by
-# the mean of the fourth power of the window over the square of that of the second; the former is 1 - 93 a/64.
+# periodic trace, and one square in a mirrored one. A taper correlates neighbours, which raises the variance of sums
+# by the mean of the fourth power of the window, 1 - 93 a/64, over the square of the mean of its second power.
 SCATTER = {MIRRORED: 2.0, PERIODIC: 1.0, TAPERED: (1 - 93 * TAPER / 64) / KEPT_VARIANCE[TAPERED] ** 2}
 STEEPEST = 40.0  # The exponent is sought between -40 and 40; a series has 1 to 3.
 
@@ -58,6 +59,8 @@ class Fit:
         Wavelength of the coarsest wave, in m.
     g_0, g_0_error : float
         Its amplitude, and the standard error of it, in m.
+    source : str
+        Name of the trace.
     """
 
     D: float
@@ -67,6 +70,7 @@ class Fit:
     lambda_0: float
     g_0: float
     g_0_error: float
+    source: str = ""
 
     def _repr_html_(self) -> str:
         """A table with the standard errors, for notebooks."""
@@ -84,15 +88,46 @@ class Fit:
         return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
 
 
+class Fits(tuple[Fit, ...]):
+    """The series of an ensemble of traces, in their order; a notebook shows a table with the mean and the scatter."""
+
+    @property
+    def D(self) -> Array:
+        """Fractal dimensions, shape (traces,)."""
+        return np.array([found.D for found in self])
+
+    @property
+    def g_0(self) -> Array:
+        """Amplitudes of the coarsest waves in m, shape (traces,)."""
+        return np.array([found.g_0 for found in self])
+
+    def _repr_html_(self) -> str:
+        """A table of the fits, with the mean and the standard deviation between traces, for notebooks."""
+        rows = [
+            [found.source, f"{found.D:.6g}", f"{found.D_error:.1g}", f"{found.g_0:.6g}", f"{found.g_0_error:.1g}"]
+            for found in self
+        ]
+        if len(self) > 1:
+            D, g_0 = self.D, self.g_0
+            scatter = [f"{values.std(ddof=1):.2g}" for values in (D, g_0)]
+            rows.append(["mean, and standard deviation between traces", f"{D.mean():.6g}", scatter[0]])
+            rows[-1] += [f"{g_0.mean():.6g}", scatter[1]]
+        header = ["trace", "D", "standard error", "g_0, m", "standard error"]
+        return html_table("Weierstrass series with the spectra of traces", header, rows)
+
+
 def fit(
-    trace: Trace, longest: float | None = None, shortest: float | None = None, gamma: int | float | str | Fraction = 2
-) -> Fit:
+    trace: Trace | Sequence[Trace],
+    longest: float | None = None,
+    shortest: float | None = None,
+    gamma: int | float | str | Fraction = 2,
+) -> Any:
     """The Weierstrass series with the spectrum of a trace between two wavelengths.
 
     Parameters
     ----------
-    trace : Trace
-        The measured surface.
+    trace : Trace or sequence of Trace
+        The measured surface, or several lines of it.
     longest, shortest : float, optional
         The wavelengths between which the spectra are compared, in m; by default a fourth of the length of the trace,
         and the shortest that the trace has. Each wave of the series stands for those within the root of gamma around
@@ -102,8 +137,8 @@ def fit(
 
     Returns
     -------
-    Fit
-        D and g_0 with their standard errors, lambda_0 and m.
+    Fit or Fits
+        D and g_0 with their standard errors, lambda_0 and m; of a list of traces, a tuple of these with a table.
 
     Raises
     ------
@@ -139,8 +174,10 @@ def fit(
     >>> print(f"D = {found.D:.2f}, m = {found.m}, g_0 = {found.g_0:.2e} m")
     D = 1.40, m = 11, g_0 = 1.00e-06 m
     """
+    if isinstance(trace, list | tuple) and trace:
+        return Fits(_fit_of_many(one, longest, shortest, gamma) for one in trace)
     if not isinstance(trace, Trace):
-        raise ValueError(f"trace must be a weier.Trace, got {shown(trace)}")
+        raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)
     first, m = _band(trace, longest, shortest, ratio)
     last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
@@ -170,7 +207,15 @@ def fit(
     bias = -scatter * of_P @ of_P / 4 - curvature * D_error**2
     g_0 = math.sqrt(2 * power.sum() / (KEPT_VARIANCE[trace.ends] * variances.sum())) * math.exp(-bias)
     _warn_of_artefacts(trace, k, D, D_error)
-    return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * error)
+    return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * error, trace.source)
+
+
+def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
+    """The fit of one of several traces, which is named if it is refused."""
+    try:
+        return fit(trace, *arguments)
+    except ValueError as error:
+        raise ValueError(f"trace {trace.source}: {error}" if getattr(trace, "source", "") else str(error)) from None
 
 
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
