@@ -11,6 +11,7 @@ import xarray as xr
 
 import weier
 from weier import figures, scene
+from weier.pipeline import single
 from weier.scene import Figure
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
@@ -380,3 +381,43 @@ def test_a_file_of_another_profile_is_not_overwritten(run, tmp_path, suffix, sha
     path.write_bytes(b"notes")
     assert run(*own, "--loads", "0.1")[0] == 1
     assert path.read_bytes() == b"notes"
+
+
+@pytest.mark.parametrize("cause", [KeyboardInterrupt, TimeoutError])
+def test_what_is_solved_is_written_where_a_solution_is_stopped(run, tmp_path, monkeypatch, cause):
+    monkeypatch.setattr(single, "LONG", 0.0)
+    monkeypatch.setattr(single, "PART_SECONDS", 1e-3)
+    own, count = single.solve_batch, iter(range(100))
+
+    def solve_batch(*arguments, **others):
+        if next(count) == 3:
+            raise cause("enough")
+        return own(*arguments, **others)
+
+    monkeypatch.setattr(single, "solve_batch", solve_batch)
+    path = tmp_path / "curve.csv"
+    options = ["solve", *SERIES, "--loads", "0.01:1:40", "-o", str(path)]
+    if cause is KeyboardInterrupt:
+        with pytest.raises(KeyboardInterrupt):
+            run(*options)
+    else:
+        code, _, err = run(*options)
+        assert code == 1
+        assert "enough" in err
+    found = pd.read_csv(path)
+    assert 2 < len(found) < 40
+    monkeypatch.setattr(single, "solve_batch", own)
+    assert run(*options)[0] == 0
+    whole = pd.read_csv(path)
+    assert len(whole) == 40
+    own = [name for name in found if not name.endswith(("_lower", "_upper"))]  # which follow from all loads
+    pd.testing.assert_frame_equal(whole[own].iloc[: len(found)], found[own])
+    monkeypatch.setattr(single, "LONG", 100.0)
+    assert run(*options)[0] == 0
+    pd.testing.assert_frame_equal(pd.read_csv(path).drop(columns="work"), whole.drop(columns="work"))
+
+
+def test_a_limit_of_the_time_ends_a_solution(run):
+    code, out, err = run("solve", *SERIES, "--max-seconds", "1e-6")
+    assert (code, out) == (1, "")
+    assert "max_seconds = 1e-06 ended the solution after 1 of 40 loads" in err

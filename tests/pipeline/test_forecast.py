@@ -43,7 +43,7 @@ def test_long_ones_are_with_seconds_and_what_is_cheaper(seconds):
     seconds(2 * LONG)
     (line,) = forecast(case("patches", 3), LOADS)
     assert line == (
-        "patches takes about 60 s: choose archard, demelio, persson, layer, bem, auto, fewer loads, or fewer terms "
+        "patches takes about 20 s: choose archard, demelio, persson, layer, bem, auto, fewer loads, or fewer terms "
         "or waves (within 0.001 g_0)"
     )
 
@@ -69,7 +69,7 @@ def test_a_short_scene_says_nothing_unless_it_has_a_limit(tmp_path, seconds):
     (lines, refusal), expected = forecast_of(tmp_path)
     assert (lines, refusal) == ([], "")
     assert sum(expected) == pytest.approx(LONG / 2 + 3 * CASE_SECONDS)
-    assert forecast_of(tmp_path, max_seconds=100)[0] == (["scene: 3 curves to solve, in about 15 s on 1 core"], "")
+    assert forecast_of(tmp_path, max_seconds=100)[0] == (["scene: 3 curves to solve, in about 5 s on 1 core"], "")
 
 
 def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, seconds):

@@ -95,6 +95,7 @@ def _solve(
     tolerance: float | None,
     settings: Mapping[str, Any],
     workers: int,
+    max_seconds: float | None = None,
 ) -> xr.Dataset:
     from weier.pipeline import single
 
@@ -103,13 +104,14 @@ def _solve(
         for refusal in refusals:
             click.echo(refusal, err=True)
     settings = with_tolerance(methods, settings, tolerance)
-    return single.solve_one(request.profile, np.unique(request.loads), methods, settings, workers)
+    return single.solve_one(request.profile, np.unique(request.loads), methods, settings, workers, max_seconds)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
 @click.option("--force", is_flag=True, help="Overwrite the file of --output even if it is of another profile.")
+@click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Limit of the time.")
 @click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
 @click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
 @click.option("--contact-fraction", help="Find the loads for these fractions in contact.")
@@ -121,6 +123,7 @@ def solve(
     tolerance: float | None,
     settings: Mapping[str, Any],
     workers: int,
+    max_seconds: float | None,
     resistance: str | None,
     compliance: str | None,
     contact_fraction: str | None,
@@ -128,8 +131,9 @@ def solve(
 ) -> None:
     """Compute the compliance and resistance of one profile.
 
-    Prints JSON to standard output and progress to standard error. Lengths along x are in lambda_0, heights in g_0,
-    pressures in p_0*. Loads may come in any order, which the output keeps; netCDF has each once, increasing.
+    Prints JSON to standard output and progress to standard error; Ctrl-C keeps the loads that patches have solved.
+    Lengths along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output
+    keeps; netCDF has each once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -145,17 +149,26 @@ def solve(
     weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
+    from weier.pipeline import single
 
     wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
     request = _request(wanted=wanted, **options)
     if output is not None and not force:
         result.check_same_profile(output, request.profile)
-    data = _solve((), request, methods, tolerance, settings, workers)
-    in_order = request.with_units(data.sel(mean_pressure=request.loads))
+    stop = None
+    try:
+        data = _solve((), request, methods, tolerance, settings, workers, max_seconds)
+    except single.Stopped as stopped:
+        data, stop = stopped.data, stopped.cause
+    done = np.isin(request.loads, data["mean_pressure"].values)
+    in_order = request.with_units(data.sel(mean_pressure=request.loads[done]))
     if output is None:
         click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
     else:
         result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), output)
+    if stop is not None:
+        click.echo(f"stopped: {done.sum()} of {done.size} loads were written", err=True)
+        raise stop
     result.check_solved(data)
 
 

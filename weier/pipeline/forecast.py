@@ -8,11 +8,11 @@ from weier.kernels.arrays import Array
 from weier.methods import auto, registry
 from weier.methods.registry import find_method
 from weier.pipeline.curves import Batch
+from weier.pipeline.progress import LONG
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 from weier.tables import significant
 
-LONG = 30.0  # seconds: shorter solutions need no announcement.
 MAX_SECONDS = 1e5  # A solution of more than a day is refused.
 
 

@@ -8,8 +8,11 @@ from contextlib import contextmanager
 from time import perf_counter
 
 from weier.kernels.jit import COMPILING_SECONDS
+from weier.methods.progress import reporting_to
+from weier.tables import significant
 
 ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
+LONG = 10.0  # A solution that takes longer, in seconds, is announced.
 TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # Intervals between two messages: a log keeps all of them.
 
 
@@ -52,6 +55,67 @@ class Progress:
             self.said = now
             left = (now - self.start) * (self.total - self.done) / self.done
             self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")
+
+
+class Watch:
+    """Says once that a solution takes long, then how far it is, and ends it after a limit.
+
+    It is called after each load, by a solver that reports to it.
+    """
+
+    def __init__(self, total: int, expected: float, max_seconds: float | None, silent: bool = False) -> None:
+        """For `total` loads that are expected to take so many seconds; a silent one only ends them."""
+        self.total, self.max_seconds, self.silent = total, max_seconds, silent
+        self.done, self.announced = 0, False
+        self.start = self.said = perf_counter()
+        if expected > LONG:
+            self._announce(f"{total} loads take about {significant(expected, 2)} s")
+
+    def __call__(self) -> None:
+        """Count one load, unless all are counted."""
+        self.done, now = min(self.done + 1, self.total), perf_counter()  # a method may solve some twice
+        if self.max_seconds is not None and now - self.start > self.max_seconds:
+            raise TimeoutError(
+                f"max_seconds = {self.max_seconds:g} ended the solution after {self.done} of {self.total} loads: "
+                "raise it, or take fewer loads or a larger tolerance"
+            )
+        if self.silent:
+            return
+        left = (now - self.start) * (self.total - self.done) / self.done
+        far = f"{self.done} of {self.total} loads, about {left:.0f} s left"
+        if not self.announced and now - self.start > LONG and self.done < self.total:
+            self._announce(far)
+        elif self.announced and sys.stderr.isatty() and now - self.said > TERMINAL_SECONDS:
+            self.said = now
+            print(f"{ERASE}weier.solve: {far}", end="", file=sys.stderr, flush=True)
+
+    def _announce(self, what: str) -> None:
+        """Say once, in a sentence, what takes long."""
+        self.announced = True
+        limit = "" if self.max_seconds else "; max_seconds would limit them"
+        print(f"weier.solve: {what}{limit}", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Clear the line of a terminal."""
+        if self.announced and sys.stderr.isatty():
+            print(ERASE, end="", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def watching(total: int, expected: float, max_seconds: float | None) -> Iterator[None]:
+    """In a `with` statement, watch the loads that are solved: see `Watch`.
+
+    Raises
+    ------
+    TimeoutError
+        If they take longer than `max_seconds`.
+    """
+    watch = Watch(total, expected, max_seconds)
+    try:
+        with reporting_to(watch):
+            yield
+    finally:
+        watch.close()
 
 
 @contextmanager

@@ -10,14 +10,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_flag, checked_workers, hinting, shown
+from weier.checks import checked_flag, checked_number, checked_workers, hinting, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
-from weier.pipeline.progress import clock
+from weier.pipeline.progress import clock, watching
 from weier.surface.loads import listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
 
@@ -30,6 +30,7 @@ def solve(
     *,
     contact_edges: bool = False,
     workers: int = 1,
+    max_seconds: float | None = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Compliance and contact resistance of profiles pressed against a plane.
@@ -50,6 +51,9 @@ def solve(
         How many processes solve the curves of lists side by side, this one among them; -1 for one on each core. The
         numbers are the same. Another process starts in about a second, so that a list should take some seconds. A
         script must call `solve` below `if __name__ == "__main__":`, since each process imports it anew.
+    max_seconds : float, optional
+        Limit of the time. What is expected to take more than ten seconds, or does so, says so once on standard error;
+        a terminal shows how far it is.
     **settings
         Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`, but
         for a tolerance, which is of all that take one: the largest error of the compliance, in g_0. With their
@@ -75,6 +79,8 @@ def solve(
         does not apply to the profile, OutOfReachError where a tolerance cannot be met.
     ConvergenceError
         If a solver misses its tolerance.
+    TimeoutError
+        If the loads take longer than `max_seconds`.
     ChildProcessError
         If one of several processes ends too early, as where a script lacks the guard named above.
 
@@ -105,10 +111,17 @@ def solve(
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(name) for name in methods]
-    if isinstance(profile, list | tuple) or isinstance(method, list | tuple):
-        curves = _solve_all(profiles, loads, methods, settings, edges, workers)
-    else:
-        curves = _solve_one(profiles[0], loads, solvers[0], settings, edges)
+    if max_seconds is not None:
+        max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
+    several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
+    own = settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
+    pairs = [(surface, solver) for surface in profiles for solver in solvers if solver.takes(surface)]
+    expected = sum(solver.seconds(surface, loads, **own.get(solver.name, {})) for surface, solver in pairs)
+    with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
+        if several:
+            curves = _solve_all(profiles, loads, methods, settings, edges, workers)
+        else:
+            curves = _solve_one(profiles[0], loads, solvers[0], settings, edges)
     return curves if np.array_equal(position, range(loads.size)) else curves.isel(mean_pressure=position)
 
 

@@ -1,0 +1,50 @@
+"""What takes long says so once, and ends at its limit."""
+
+import numpy as np
+import pytest
+
+import weier
+from weier.pipeline import progress
+
+PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+LOADS = np.geomspace(1e-2, 1, 20)
+
+
+def test_a_short_solution_says_nothing(capsys):
+    weier.solve(PROFILE, LOADS, "patches", max_seconds=1000)
+    weier.solve([PROFILE], LOADS, ["demelio", "bem"])
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("profile", [PROFILE, [PROFILE, PROFILE]], ids=["one", "several"])
+def test_a_long_solution_says_so_once(profile, capsys, monkeypatch):
+    """Before it begins, where that is known, and otherwise once it has lasted as long."""
+    monkeypatch.setattr(progress, "LONG", 1e-3)
+    weier.solve(profile, LOADS, "patches")
+    count = 20 * (1 if profile is PROFILE else 2)
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"weier.solve: {count} loads take about ")
+    assert err.endswith(" s; max_seconds would limit them\n")
+    watch = progress.Watch(4, 0.0, None)
+    for _ in range(6):
+        watch()
+    watch.start -= 1
+    watch.done = 2
+    watch()
+    watch()
+    assert capsys.readouterr().err == "weier.solve: 3 of 4 loads, about 0 s left; max_seconds would limit them\n"
+
+
+@pytest.mark.parametrize("profile", [PROFILE, [PROFILE, PROFILE]], ids=["one", "several"])
+def test_a_limit_ends_a_solution_with_a_sentence(profile):
+    with pytest.raises(TimeoutError, match=r"max_seconds = 1e-06 ended the solution after 1 of \d+ loads: raise it"):
+        weier.solve(profile, LOADS, "patches", max_seconds=1e-6)
+    curve = weier.solve(PROFILE, LOADS, "patches")  # which is not disturbed by the one before
+    assert np.isfinite(curve.resistance.values).all()
+
+
+@pytest.mark.parametrize("limit", [0, -1.0, "10", float("nan")])
+def test_a_limit_is_a_positive_number(limit):
+    with pytest.raises(ValueError, match="max_seconds must be positive"):
+        weier.solve(PROFILE, LOADS, "demelio", max_seconds=limit)
