@@ -1,5 +1,4 @@
-"""The methods of solution: closed forms, the non-linear layer, boundary elements, contact patches, plans of them.
+"""The methods of solution: closed forms, the non-linear layer, boundary elements, contact patches, and the choice.
 
-Imports theory, kernels and data only. Methods take and return arrays; `fields` makes datasets, and `curves` selects
-curves from datasets.
+Imports kernels, surface and theory only. Methods take and return arrays; the pipeline makes datasets of them.
 """

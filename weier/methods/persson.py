@@ -4,7 +4,7 @@ docs/persson.md derives the formulas. With s_n^2 = sum of p_k*^2 over k <= n,
 
     R = 1/(2 sqrt(pi) p) sum_n w_n exp(-p^2/s_n^2),    h = sum_n g_n - 1/(4 sqrt(pi)) sum_n w_n E_1(p^2/s_n^2),
 
-where w_n = g_n p_n*/s_n, and the contact fraction is scipy.special.erf(p/s_{m-1}). Terms with p^2/s_n^2 > MAX_EXPONENT underflow.
+where w_n = g_n p_n*/s_n, and the contact fraction is erf(p/s_{m-1}). Terms with p^2/s_n^2 > MAX_EXPONENT underflow.
 From some term N on, gamma^(-2(D-1)N) and p^2/s_N^2 are below rounding and s_n is proportional to p_n*, so that the
 rest are geometric sums. Heights are in g_0, pressures in p_0*.
 """
