@@ -19,6 +19,8 @@ from weier.methods.registry import find_method
 from weier.methods.settings import check_names
 from weier.scene import Figure
 
+ROUNDING = 1e-15  # g_0: of heights of the order of 1
+
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
@@ -38,7 +40,8 @@ def test_errors_and_what_is_stated_of_them_are_within_the_tolerance(measured, na
         assert error(measured, variant, kind=STATED) <= float(variant.split()[1])
         for quantity in QUANTITIES:
             assert error(measured, variant, quantity=quantity) <= error(measured, variant, 1, quantity, STATED)
-    assert error(measured, run[-1]) < 1e-2 * error(measured, run[0])
+    # Contact patches are at rounding at any tolerance, since their moves square the error.
+    assert error(measured, run[-1]) < max(1e-2 * error(measured, run[0]), ROUNDING)
 
 
 def test_methods_that_state_no_error_have_none(measured):
