@@ -4,9 +4,9 @@ rule compile:
         touch(kernels_file("{method}")),
     log:
         "results/logs/compile/{method}.log",
+    priority: 1  # first, since it takes longest: what needs no kernels is solved beside it
     conda:
         "environment.yaml"
-    priority: 1  # first, since it takes longest: what needs no kernels is solved beside it
     message:
         "compile {wildcards.method}"
     shell:

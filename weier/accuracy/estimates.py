@@ -1,0 +1,99 @@
+"""Errors of the estimates on ensembles, and the exponent of the stiffness: `python -m weier.accuracy.estimates`.
+
+The reference are contact patches on profiles of random phases. Errors of h are in g_0, those of R and of the contact
+area are relative. Loads of full contact are left out, where ratios mean nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from weier.kernels.arrays import Array
+from weier.methods.registry import find_method
+from weier.surface.profile import Profile
+from weier.tables import text_table
+
+ESTIMATES = ("archard", "demelio", "layer", "persson")
+# D, gamma and m: as many terms as have 25 to 64 of the finest waves in a period.
+SERIES = tuple((D, gamma, m) for D in (1.25, 1.5, 1.75) for gamma, m in ((2, 7), (5, 3)))
+LOADS = np.geomspace(0.01, 4, 14)
+RANGES = ((0.002, 0.01), (0.01, 0.05), (0.05, 0.3))  # p_0*, of the exponents of the stiffness
+LEAST_RESISTANCE = 1e-3  # g_0/p_0*: below it the contact is full but for a few gaps.
+
+
+class Errors(NamedTuple):
+    """Median and 90th percentile of |error| over profiles and loads, of h, R and area; NaN without an area."""
+
+    series: tuple[float, int, int]
+    method: str
+    median: Array
+    high: Array
+
+
+def measure(seeds: int, series: Sequence[tuple[float, int, int]] = SERIES, loads: Array = LOADS) -> Iterator[Errors]:
+    """Yield the errors of each estimate on each series."""
+    for own in series:
+        exact = [_solved("patches", Profile(*own, seed=seed), loads) for seed in range(seeds)]
+        for method in ESTIMATES:
+            guess = _solved(method, Profile(*own), loads)
+            yield _errors(own, method, guess, np.stack(exact))
+
+
+def exponents(seeds: int, series: tuple[float, int, int] = (1.25, 5, 3)) -> dict[tuple[float, float], float]:
+    """Return the mean slope of ln(1/R) over ln(p) between the ends of each range, over profiles of random phases."""
+    found = {}
+    for ends in RANGES:
+        R = np.array([_solved("patches", Profile(*series, seed=seed), np.array(ends))[1] for seed in range(seeds)])
+        found[ends] = float(np.mean(np.log(R[:, 0] / R[:, 1])) / np.log(ends[1] / ends[0]))
+    return found
+
+
+def _solved(method: str, profile: Profile, loads: Array) -> Array:
+    """Compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
+    solved = find_method(method).solve(profile, loads)
+    area = getattr(solved, "contact_fraction", np.full(loads.size, np.nan))
+    return np.stack([solved.compliance, solved.resistance, area])
+
+
+def _errors(series: tuple[float, int, int], method: str, guess: Array, exact: Array) -> Errors:
+    """Reduce the errors of one estimate; the exact values have the shape (profiles, 3, loads)."""
+    scale = exact.copy()
+    scale[:, 0] = 1.0
+    partial = exact[:, 1] > LEAST_RESISTANCE
+    error = np.abs(guess - exact) / np.where(partial[:, None], scale, 1.0)
+    columns = [error[:, row][partial] for row in range(3)]
+    median, high = (np.array([np.percentile(column, part) for column in columns]) for part in (50, 90))
+    return Errors(series, method, median, high)
+
+
+def main() -> None:
+    """Print the errors and the exponents."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=12, help="profiles of each series (12)")
+    parser.add_argument("--lightest", type=float, default=LOADS[0], help="the lightest load, in p_0* (0.01)")
+    given = parser.parse_args()
+    seeds, loads = given.seeds, LOADS[given.lightest <= LOADS]
+    rows = [
+        [f"{found.series[0]:g}", str(found.series[1]), str(found.series[2]), find_method(found.method).label]
+        + [_cell(median, high, row) for row, (median, high) in enumerate(zip(found.median, found.high, strict=True))]
+        for found in measure(seeds, loads=loads)
+    ]
+    print("median and 90th percentile of |error|")
+    print(text_table(["D", "gamma", "m", "estimate", "h, g_0", "R, %", "area, %"], rows))
+    print("\nexponent a of 1/R ~ p^a, D = 1.25, gamma = 5, m = 3")
+    for (low, high), exponent in exponents(seeds).items():
+        print(f"  {low:g} to {high:g} p_0*: {exponent:.2f}")
+
+
+def _cell(median: float, high: float, row: int) -> str:
+    if np.isnan(median):
+        return ""
+    return f"{median:.3f}, {high:.3f}" if row == 0 else f"{100 * median:.0f}, {100 * high:.0f}"
+
+
+if __name__ == "__main__":
+    main()
