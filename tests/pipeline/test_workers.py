@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -71,6 +72,18 @@ def test_all_cores_are_those_that_the_process_may_use(monkeypatch):
     monkeypatch.setattr(checks.os, "sched_getaffinity", lambda process: {0, 2, 5}, raising=False)
     assert checks.checked_workers(-1) == 3
     assert checks.checked_workers(np.int64(4)) == 4
+
+
+def solve_in_pool(workers):
+    return weier.solve(SERIES, LOADS, "demelio", workers=workers).compliance.values
+
+
+def test_a_process_of_a_pool_solves_its_list_alone():
+    """It is daemonic, and Python lets it start no processes."""
+    with get_context("spawn").Pool(1) as pool:
+        found = pool.map(solve_in_pool, [1, 2])
+    assert np.array_equal(*found)
+    assert np.array_equal(found[0], solve_in_pool(2))
 
 
 SCRIPT = """

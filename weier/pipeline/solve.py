@@ -48,9 +48,10 @@ def solve(
     contact_edges : bool
         Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
     workers : int
-        How many processes solve the curves of lists side by side, this one among them; -1 for one on each core. The
-        numbers are the same. Another process starts in about a second, so that a list should take some seconds. A
-        script must call `solve` below `if __name__ == "__main__":`, since each process imports it anew.
+        Number of processes that solve the curves of lists side by side; -1 for one on each core. The numbers are the
+        same. Each process starts in about three seconds, so that a list should take longer. A script must call
+        `solve` below `if __name__ == "__main__":`, since each process imports it anew. Processes of a
+        `multiprocessing.Pool` may start no others, and solve their lists alone.
     max_seconds : float, optional
         Limit of the time. What is expected to take more than ten seconds, or does so, says so once on standard error;
         a terminal shows how far it is.

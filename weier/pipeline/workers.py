@@ -9,10 +9,10 @@ from __future__ import annotations
 import json
 import os
 import signal
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
 from threading import Thread
 from typing import Any, NamedTuple
 
@@ -89,7 +89,8 @@ def solve_curves(
     loads : ndarray, shape (loads,)
         Increasing, in p_0*.
     workers : int
-        Number of processes, including this one. The results do not depend on it, to the last bit.
+        Number of processes: this one alone for 1, and in a daemonic process, as of `multiprocessing.Pool`, which may
+        start no others. The results do not depend on it, to the last bit.
     pause : float
         Seconds between two messages of progress.
     say : callable
@@ -101,42 +102,23 @@ def solve_curves(
         If a process ends unexpectedly.
     """
     progress = Progress(len(curves) * loads.size, pause, say)
-    if (workers := min(workers, len(curves))) > 1:
+    if (workers := min(workers, len(curves))) > 1 and not current_process().daemon:
         return _side_by_side(curves, loads, workers, progress)
     return map(Solver(loads, progress.add), curves)
 
 
-def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> list[Outcome]:
-    """The outcomes by this process, which starts from the last curve, and by others, which start from the first one.
+def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> Iterator[Outcome]:
+    """The outcomes by other processes.
 
-    Other processes take about a second to start, and this one solves curves meanwhile. They are spawned, since a
-    forked process could wait for ever for locks that threads of this one hold.
+    They are spawned, since a forked process could wait for ever for locks that threads of this one hold.
     """
-    pool = ProcessPoolExecutor(workers - 1, get_context("spawn"), _begin, (loads,))
-    ended, seen, solve, own = list[bool](), 0, Solver(loads, progress.add), dict[int, Outcome]()
-
-    def count_others() -> None:
-        nonlocal seen
-        before, seen = seen, ended.count(True)
-        progress.add((seen - before) * loads.size)
-
     try:
-        futures = [pool.submit(_solve, curve) for curve in curves]
-        for future in futures:
-            future.add_done_callback(lambda future: ended.append(not future.cancelled()))
-        for number in reversed(range(len(curves))):
-            if futures[number].cancel():  # which the others have not begun
-                own[number] = solve(curves[number])
-                count_others()
-        outcomes = []
-        for number, future in enumerate(futures):
-            outcomes.append(own[number] if number in own else future.result())
-            count_others()
-        return outcomes
+        with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (loads,)) as pool:
+            for outcome in pool.map(_solve, curves):
+                progress.add(loads.size)
+                yield outcome
     except BrokenProcessPool:
         raise ChildProcessError(LOST) from None
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def _begin(loads: Array) -> None:
