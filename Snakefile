@@ -4,8 +4,6 @@ import os
 import sys
 from pathlib import Path
 
-from snakemake.utils import validate
-
 VERSION = "0.1.0"  # of this workflow, and of the package that its jobs run
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 # The package beside this file goes first, here and in the jobs, from whatever folder they run. A workflow without one,
@@ -33,9 +31,6 @@ configfile:
         (CONFIG if (CONFIG / "config.yaml").exists() else CHECKOUT / "config")
         / "config.yaml"
     )
-
-
-validate(config, "config/config.schema.json")
 
 
 include: "rules/common.smk"

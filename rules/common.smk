@@ -14,9 +14,8 @@ from weier.pipeline.workflow import (
     check_packages,
     kernels_file,
     kernels_of,
+    names_of_scenes,
 )
-
-SCENES = [name.strip() for name in config["scenes"].split(",")]
 
 
 def cores():
@@ -39,7 +38,7 @@ def runs():
 
 settings = workflow.execution_settings
 scenes = Scenes(
-    SCENES,
+    names_of_scenes(config, CONFIG / "scenes"),
     partial(load_by_name, folder=CONFIG / "scenes"),
     CONFIG,
     cores(),

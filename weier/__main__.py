@@ -17,6 +17,7 @@ def run() -> None:
     # patches.
     gc.set_threshold(10_000)
     atexit.register(gc.freeze)
+    os.environ["MPLBACKEND"] = "agg"  # Figures go to files. Jupyter names a backend that this environment may lack.
     try:
         from weier.cli import main  # The import takes some tenths of a second, in which Ctrl-C may come.
 

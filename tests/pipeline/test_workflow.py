@@ -238,6 +238,23 @@ def test_a_wrong_scene_ends_in_one_sentence(folder):
         scenes().batches(of(scene="tset"))
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [("test, 2024", ["test", "2024"]), (2024, ["2024"]), (815, ["0815"]), (100000.0, ["1e5"]), (True, ["True"])],
+)
+def test_scenes_are_named_by_what_snakemake_makes_of_words(tmp_path, given, expected):
+    for name in ("test", "2024", "0815", "1e5", "True", "07", "7"):
+        (tmp_path / f"{name}.yaml").touch()
+    assert workflow.names_of_scenes({"scenes": given}, tmp_path) == expected
+    with pytest.raises(SystemExit, match=r"got 7: quote one of 07, 7, as in --config \"scenes='07'\"$"):
+        workflow.names_of_scenes({"scenes": 7}, tmp_path)
+    for wrong in (5, None, "", [1]):
+        with pytest.raises(SystemExit, match=r"^weier: scenes must name some of 07, .* in .*, got (5|None|''|\[1\])$"):
+            workflow.names_of_scenes({"scenes": wrong}, tmp_path)
+    with pytest.raises(SystemExit, match=r"^weier: there is no key 'scens' .*: did you mean 'scenes'\?$"):
+        workflow.names_of_scenes({"scens": given}, tmp_path)
+
+
 def test_an_unknown_figure_ends_in_one_sentence(folder):
     with pytest.raises(SystemExit, match=r"^weier: scene test has no figure 'three', only one, two$"):
         scenes().batches_of_figure(of(figure="three"))

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from weier.checks import shown, suggestion
 from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
 from weier.data.netcdf import check_sealed, sealed_name
 from weier.kernels.jit import DISABLED, cache_folder
@@ -28,6 +29,7 @@ from weier.pipeline.forecast import forecast_scene
 from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_page, made_of
 from weier.scene import Scene
 
+CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats.
 LOCKS = Path(".snakemake/locks")
 LOCKED = (
@@ -294,6 +296,36 @@ def check_packages(*names: str) -> None:
     if missing := [name for name in names if not find_spec(name)]:
         command = "pip install --require-hashes -r requirements/dev.txt"
         raise SystemExit(f"weier: the documentation needs {', '.join(missing)}: {command}")
+
+
+def names_of_scenes(config: Mapping[str, Any], folder: Path) -> list[str]:
+    """Return the names of the scenes of the configuration, of which a folder has the files.
+
+    Snakemake makes numbers of 2024, 0815 and 1e5 on its command line, and flags of true and false: the scene of the
+    folder that it would read as this value is meant.
+    """
+    with ending_in_one_sentence():
+        for key in config:
+            if key not in CONFIG_KEYS:
+                what = f"there is no key {key!r} of --config, only {', '.join(CONFIG_KEYS)}"
+                raise ValueError(f"{what}{suggestion(key, CONFIG_KEYS)}")
+        given = config.get("scenes")
+        if isinstance(given, str) and given.strip():
+            return [name.strip() for name in given.split(",")]
+        known = sorted(path.stem for path in folder.glob("*.yaml"))
+        meant = [name for name in known if repr(_as_snakemake(name)) == repr(given)]
+        if len(meant) == 1:
+            return meant
+        hint = f": quote one of {', '.join(meant)}, as in --config \"scenes='{meant[0]}'\"" if meant else ""
+        raise ValueError(f"scenes must name some of {', '.join(known)} in {folder}, got {shown(given)}{hint}")
+
+
+def _as_snakemake(word: str) -> Any:
+    """Return the value that Snakemake makes of a word on its command line."""
+    for read in (int, float):
+        with suppress(ValueError):
+            return read(word)
+    return {"True": True, "False": False}.get(word, word)
 
 
 @contextmanager
