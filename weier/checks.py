@@ -182,6 +182,11 @@ def checked_file(path: Any) -> Path:
     return file
 
 
+def readable(name: str) -> str:
+    """Return the name of a file as text; bytes that are no UTF-8, or that the locale cannot write, are not in it."""
+    return os.fsencode(name).decode("utf-8", "replace")
+
+
 def _described(value: Any) -> str:
     """A value in a message about a number: a text that looks like a number is named as a text."""
     return f"the text {shown(value)}" if isinstance(value, str) else shown(value)

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from weier.checks import readable
+
 # The names of temporary files of `replacing`.
 LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
 PROBE = 2**20  # Writing so many bytes again yields the error that netCDF hides, such as a full disk.
@@ -58,6 +60,8 @@ def check_target(path: str | Path) -> None:
             wrong = "it is a device"  # which a file would replace
         elif not folder.is_dir():
             wrong = f"{folder} is not a folder"
+        elif path.suffix == ".nc" and readable(str(path)) != str(path):
+            wrong = "netCDF needs a path in UTF-8"
         elif not os.access(folder, os.W_OK):
             wrong = f"{folder} is closed to writing"
         else:

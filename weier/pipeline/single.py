@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from weier.checks import readable
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
 from weier.methods import patches
@@ -161,7 +162,7 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
     """The parameters of a case: of a trace with its name and a digest of its heights."""
     if "trace" not in profile:
         return profile
-    trace = {"source": Path(profile["trace"]["file"]).name} | profile["trace"]
+    trace = {"source": readable(Path(profile["trace"]["file"]).name)} | profile["trace"]
     traces = trace_parameters(trace, Path())
     if len(traces) > 1:
         raise ValueError(f"one line is solved at a time, got a map with {len(traces)}: name one by --line")
@@ -175,5 +176,6 @@ def _text(title: str, case: Case, loads: Array) -> str:
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
+    trace |= {"file": readable(trace["file"])} if trace else {}
     studies = {"one": {"trace": trace} if trace else {"product": product}}
     return write_yaml(scene | {"studies": studies})

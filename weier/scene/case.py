@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from weier.checks import checked_file
+from weier.checks import checked_file, readable
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.identity import Keys, as_text, key_of, keys_of
@@ -173,8 +174,8 @@ def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, A
     if "missing_value" in values:
         given = values["missing_value"]
         numbers["missing_value"] = list(map(_number_or_word, given if isinstance(given, list) else [given]))
-    source = values["file"] if len(values["file"].encode()) <= MAX_SOURCE else Path(values["file"]).name
-    parameters = {"source": source} | dict(values) | numbers | {"file": str(folder / values["file"])}
+    source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
+    parameters = {"source": readable(source)} | dict(values) | numbers | {"file": str(folder / values["file"])}
     found = Trace.read(**_arguments(parameters))
     traces = [found] if isinstance(found, Trace) else found
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_file, checked_number, checked_word, shown
+from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
 from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
@@ -334,7 +334,8 @@ class Trace(Waves):
             "x_unit": x_unit,
             "height_unit": height_unit,
         }
-        return cls._of_lines(lines, across is not None and line is None, {"source": Path(path).name} | options)
+        options = {"source": readable(Path(path).name)} | options
+        return cls._of_lines(lines, across is not None and line is None, options)
 
     @classmethod
     def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
