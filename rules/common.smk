@@ -17,6 +17,8 @@ from weier.pipeline.workflow import (
     names_of_scenes,
 )
 
+SCENES = names_of_scenes(config, CONFIG / "scenes")
+
 
 def cores():
     """The number of cores that Snakemake may use; 1 for its commands that run nothing."""
@@ -38,7 +40,7 @@ def runs():
 
 settings = workflow.execution_settings
 scenes = Scenes(
-    names_of_scenes(config, CONFIG / "scenes"),
+    SCENES,
     partial(load_by_name, folder=CONFIG / "scenes"),
     CONFIG,
     cores(),

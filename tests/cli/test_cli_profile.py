@@ -2,6 +2,8 @@
 
 import io
 import json
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -421,3 +423,12 @@ def test_a_limit_of_the_time_ends_a_solution(run):
     code, out, err = run("solve", *SERIES, "--max-seconds", "1e-6")
     assert (code, out) == (1, "")
     assert "max_seconds = 1e-06 ended the solution after 1 of 40 loads" in err
+
+
+def test_a_backend_of_jupyter_that_is_not_installed_draws_all_the_same(tmp_path):
+    """Jupyter hands MPLBACKEND to the programs that its cells call."""
+    command = [sys.executable, "-m", "weier", "plot", *PROFILE, "--method", "demelio", tmp_path / "curves.png"]
+    environment = os.environ | {"MPLBACKEND": "module://not_installed.backend_inline"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "curves.png").stat().st_size > 1000

@@ -16,6 +16,7 @@ import numba
 import numpy as np
 import pytest
 
+import weier
 from tests.marks import compiled
 from weier.digests import KERNELS, PACKAGE
 from weier.kernels import jit
@@ -410,3 +411,21 @@ def test_a_program_imports_what_it_uses():
         code = f"{program}; import sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.splitlines()[-1].split() == expected, program
+
+
+ON_WINDOWS = """
+import sys
+sys.modules["fcntl"] = None  # what Windows does not have
+import weier
+for method in ("demelio", "layer", "bem", "patches"):
+    print(float(weier.solve(weier.Profile(1.25, 5, 2), 0.1, method).compliance.item()))
+"""
+
+
+@compiled
+def test_curves_are_solved_without_locks_of_files():
+    """As on Windows, of which no more can be tested elsewhere."""
+    done = subprocess.run([sys.executable, "-c", ON_WINDOWS], capture_output=True, text=True, check=True)
+    profile = weier.Profile(1.25, 5, 2)
+    expected = [weier.solve(profile, 0.1, name).compliance.item() for name in ("demelio", "layer", "bem", "patches")]
+    assert list(map(float, done.stdout.split())) == expected

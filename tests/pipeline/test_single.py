@@ -1,9 +1,12 @@
 """One profile without a scene file, from Python: what the command line is thin over."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.scenes import scene_in
+from weier.data.files import check_target
 from weier.methods.errors import ConvergenceError
 from weier.pipeline import single
 from weier.scene.yaml import parse_yaml
@@ -24,3 +27,18 @@ def test_what_no_method_finds_raises():
         single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
     with pytest.raises(ConvergenceError, match=r"patches: the compliance .* is known to .*: take a larger one"):
         single.solve_one(SERIES | {"m": 5}, np.array([1.0]), ["patches"], {"patches": {"tolerance": 1e-13}})
+
+
+def test_a_trace_whose_name_no_text_can_hold_is_solved(tmp_path, monkeypatch):
+    """Python reads bytes that are no UTF-8 as halves of characters, which neither netCDF nor JSON can write."""
+    monkeypatch.chdir(tmp_path)
+    heights = "\n".join(f"{np.cos(2 * np.pi * x / 32):.9f}" for x in range(64))
+    Path("a\udcff.csv").write_text(heights)
+    trace = {"file": "a\udcff.csv", "length": 1e-3, "height_unit": "um"}
+    found = single.solve_one({"trace": trace}, LOADS, ["bem"], {})
+    assert found["trace"].values.tolist() == ["a\ufffd.csv"]
+    for text in (found.attrs["scene"], found.attrs["title"]):
+        assert "a\ufffd.csv" in text
+        assert text.encode()
+    with pytest.raises(OSError, match="netCDF needs a path in UTF-8"):
+        check_target("b\udcff.nc")
