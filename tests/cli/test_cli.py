@@ -14,6 +14,8 @@ from weier.cli import cli
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
 FEW = ["--loads", "0.1,1"]  # the last word counts
+LOADED = {"--pressures", "--resistance", "--compliance", "--contact-fraction"}  # these stand in the place of loads
+BODIES = "mu_1: 80e9\nnu_1: 0.3\nrho_1: 1.4e-7\nmu_2: 80e9\nnu_2: 0.3\nrho_2: 1.4e-7\n"
 COMMANDS = [None, *cli.commands]
 
 
@@ -39,6 +41,7 @@ EXAMPLES = list(dict.fromkeys(shlex.join(found) for name in COMMANDS for found i
 EXAMPLES = [found for found in EXAMPLES if not found.startswith("weier table") and "map.x3p" not in found]
 
 
+@pytest.mark.filterwarnings("default:the resistance drops past the wanted value")  # as a command shows it
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
     shutil.copytree("config/scenes", tmp_path / "config/scenes")
@@ -46,10 +49,14 @@ def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
         "x (mm)\tz (um)\n" + "\n".join(f"{x / 1000} {math.cos(x / 30)}" for x in range(1000))
     )
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab.txt").write_text(
+        "Laboratory\n" * 12 + "\n".join(f"{x}\t0\t{math.cos(x / 30):.6f}".replace(".", ",") for x in range(1000))
+    )
+    (tmp_path / "bodies.yaml").write_text(BODIES)
     _, *arguments = shlex.split(example)
-    code, out, err = run(*arguments, *FEW)
+    code, out, err = run(*arguments, *([] if LOADED & {*arguments} else FEW))
     assert code == 0, err
-    files = [word for word in arguments if re.search(r"\.(nc|json|png|pdf)$", word)]
+    files = [word for word in arguments if re.search(r"\.(nc|csv|json|png|pdf)$", word) and word != "shaft.csv"]
     assert all((tmp_path / name).stat().st_size > 0 for name in files)
     named = re.findall(r"the figure is in (\S+)", err)  # where the example names none
     assert files or out or [name for name in named if (tmp_path / name).stat().st_size > 0]
