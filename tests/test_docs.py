@@ -158,8 +158,8 @@ def test_rows_of_tables_in_contributing_are_those_of_the_project():
 
 def test_the_names_in_the_glossary_exist():
     text = Path("docs/glossary.md").read_text(encoding="utf-8")
-    copper = {"mu_1": 1.0, "mu_2": 1.0, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.0, "rho_2": 1.0}
-    objects = {"Profile": weier.Profile(1.25, 5, 2), "Interface": weier.Interface(**copper, lambda_0=1.0, g_0=1.0)}
+    copper = {"mu_1": 4e10, "mu_2": 4e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-8, "rho_2": 2e-8}
+    objects = {"Profile": weier.Profile(1.25, 5, 2), "Interface": weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)}
     attributes = re.findall(r"`(Profile|Interface)\.(\w+)`", text)
     assert len(attributes) > 10
     assert [name for kind, name in attributes if not hasattr(objects[kind], name)] == []

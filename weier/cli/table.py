@@ -28,7 +28,7 @@ SELF = Path("-")  # stands for the data file itself
 )
 @click.option("--study", multiple=True, help="Take the cases of this study; repeatable.")
 def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:
-    """Write the curves of a file as comma-separated values, or in SI units as netCDF.
+    """Write the curves of a file as a table, also in SI units.
 
     CONTACT is a netCDF file, of a scene or of `weier solve`. The table has one row a load. It goes to PATH or,
     without one or for "-", to standard output.
