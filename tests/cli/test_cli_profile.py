@@ -13,6 +13,7 @@ import xarray as xr
 
 import weier
 from weier import figures, scene
+from weier.cli import profile
 from weier.pipeline import single
 from weier.scene import Figure
 
@@ -432,3 +433,18 @@ def test_a_backend_of_jupyter_that_is_not_installed_draws_all_the_same(tmp_path)
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "curves.png").stat().st_size > 1000
+
+
+def test_a_plot_of_a_trace_takes_the_methods_that_take_traces(run, shaft, tmp_path):
+    options = ["--trace", str(shaft), "--x-unit", "mm", "--height-unit", "um", "--loads", "0.1:1:3"]
+    assert run("plot", *options, str(tmp_path / "curves.png")) == (
+        0,
+        "",
+        f"the figure is in {tmp_path / 'curves.png'}\n",
+    )
+
+
+def test_settings_are_completed():
+    (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
+    found = [item.value for item in option.shell_complete(None, "bem.po")]
+    assert found == ["bem.points_per_wave=", "bem.points="]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 import yaml
@@ -359,3 +360,12 @@ def test_an_ensemble_of_traces_has_common_pressures():
         ):
             curves.weier.ensemble()
     assert own.isel(case=[0]).weier.ensemble()["cases"].tolist() == [1, 1]
+
+
+def test_a_file_is_written_again_by_xarray_without_a_warning(tmp_path):
+    dataset.write(solved(), tmp_path / "own.nc", "t")
+    with weier.open_dataset(tmp_path / "own.nc") as data:
+        expected = data.weier.table()
+        data.to_netcdf(tmp_path / "again.nc")
+    with weier.open_dataset(tmp_path / "again.nc") as again:
+        pd.testing.assert_frame_equal(again.weier.table(), expected)

@@ -14,7 +14,7 @@ from weier.checks import checked_numbers, checked_workers, nearest
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
-from weier.methods.settings import all_names, described, methods_with
+from weier.methods.settings import all_names, defaults, described, methods_with
 from weier.scene.yaml import parse_yaml
 from weier.surface.loads import MAX_LOADS, positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
@@ -162,6 +162,7 @@ OF_SOLUTION = (
         ["--set", "settings"],
         multiple=True,
         metavar="METHOD.NAME=VALUE",
+        shell_complete=lambda context, option, text: [name for name in setting_names() if name.startswith(text)],
         callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; give this option once for each.",
     ),
@@ -174,6 +175,11 @@ OF_SOLUTION = (
         help="How many processes solve the curves of several methods side by side; -1 for one on each core.",
     ),
 )
+
+
+def setting_names() -> list[str]:
+    """The settings of all methods, as they are given before a value."""
+    return [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
 
 
 class SolvingCommand(click.Command):

@@ -19,6 +19,7 @@ from weier.methods.method import QUANTITIES
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
+from weier.theory.conduction import to_normalised
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,8 +84,8 @@ def _request(
         return Request(profile, loads, both, pressures, None)
     ((name, text),) = wanted.items()
     unit = VARIABLES[name].unit
-    values: Any = units.listed(name, text, own.si_unit(unit) if own else unit)
-    found = inverse.find_load(surface, **{name: own.normalised(name, unit, values) if own else values})
+    values: Any = units.listed(name, text, own.scales[unit][1] if own and unit in own.scales else unit)
+    found = inverse.find_load(surface, **{name: to_normalised(own, name, unit, values) if own else values})
     return Request(profile, found["mean_pressure"].values, both, None, found)
 
 

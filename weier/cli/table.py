@@ -35,6 +35,7 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
 
     \b
     weier table results/paper/contact.nc curves.csv
+    weier table results/paper/contact.nc rough.csv --study rough
     weier table curve.nc --si bodies.yaml
     weier table results/paper/contact.nc --ensemble --si bodies.yaml
     weier table results/paper/contact.nc ohms.csv --si bodies.yaml

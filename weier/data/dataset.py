@@ -134,6 +134,9 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     except ValueError:
         data.close()
         raise
+    for variable in data.variables.values():  # so that shorter texts than a file has room for are written again
+        for width in ("char_dim_name", "original_shape"):
+            variable.encoding.pop(width, None)
     return data
 
 

@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.pipeline.inverse import find_load
 from weier.pipeline.solve import solve
 from weier.surface.waves import Waves
-from weier.theory.conduction import LOADS, Bodies
+from weier.theory.conduction import LOADS, Bodies, to_normalised
 
 PRESSURE = {"units": units.PASCAL, "long_name": VARIABLES[LOADS].long_name, "symbol": VARIABLES[LOADS].symbol}
 
@@ -158,7 +158,7 @@ class Interface(Bodies):
         own = self.at(surface)
         wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
         given = {name: value for name, value in wanted.items() if value is not None}
-        normalised = {name: own.normalised(name, VARIABLES[name].unit, value) for name, value in given.items()}
+        normalised = {name: to_normalised(own, name, VARIABLES[name].unit, value) for name, value in given.items()}
         return own.in_si(find_load(surface, **normalised))
 
 

@@ -26,6 +26,7 @@ from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
+from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
 from weier.theory.bounds import infinite_series_bounds
 
@@ -144,6 +145,8 @@ def applicable(
     if not methods:
         return [default_method(surface, within_tolerance=within_tolerance)], []
     apply, refusals = list[str](), list[str]()
+    if isinstance(surface, Trace):
+        methods = [method for method in methods if find_method(method).takes_traces]
     for method in methods:
         try:
             find_method(method).check_applies(surface)

@@ -273,23 +273,6 @@ class Bodies:
         """Specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
-    def si_unit(self, unit: str) -> str:
-        """The SI unit for a normalised one; "1" for any other."""
-        return self._scales()[unit][1] if unit in units.NORMALISED else units.NONE
-
-    def normalised(self, name: str, unit: str, values: ArrayLike) -> Array:
-        """Values of a quantity in a normalised unit, from values in its SI unit; those of any other unit are plain.
-
-        Raises
-        ------
-        ValueError
-            If these are resistances between two perfect conductors, which have none.
-        """
-        factor, si = self._scales().get(unit, (np.array(1.0), units.NONE))
-        if factor == 0:
-            raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
-        return np.asarray(checked_numbers(name, values, unit=si) / factor)
-
     def in_si(self, data: Any, unit: str | None = None) -> Any:
         """All of a Dataset or DataArray in SI units, coordinates too.
 
@@ -368,6 +351,11 @@ class Bodies:
             )
         return self.lambda_0, self.g_0
 
+    @property
+    def scales(self) -> dict[str, tuple[Array, str]]:
+        """The value of each normalised unit in SI units, and their names."""
+        return self._scales()
+
     def _scales(
         self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None
     ) -> dict[str, tuple[Array, str]]:
@@ -391,6 +379,20 @@ class Bodies:
         if (own := units.unit_of(normalised) or unit) != unit:
             raise ValueError(f"normalised must be in {unit}, got values in {own}")
         return self.in_si(normalised.assign_attrs(unit=unit))
+
+
+def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
+    """Values of a quantity in its normalised unit, from values in the SI unit; those of any other unit are plain.
+
+    Raises
+    ------
+    ValueError
+        If these are resistances between two perfect conductors, which have none.
+    """
+    factor, si = bodies.scales.get(unit, (np.array(1.0), units.NONE))
+    if factor == 0:
+        raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
+    return np.asarray(checked_numbers(name, values, unit=si) / factor)
 
 
 def _with_unit(data: Any, unit: str) -> Any:

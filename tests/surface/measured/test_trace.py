@@ -207,3 +207,12 @@ def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned()
     assert Trace(z, LENGTH, unit="m").detrend == "tilt"
     with pytest.raises(ValueError, match="detrend must be mean where the ends are periodic, got 'form'"):
         Trace(z, LENGTH, ends="periodic", unit="m", detrend="form")
+
+
+def test_a_trace_equals_its_copy_and_no_other():
+    heights = 1e-6 * np.cos(2 * np.pi * np.arange(64) / 64)
+    trace = Trace(heights, 1e-3, unit="m", source="a")
+    copy = pickle.loads(pickle.dumps(trace))
+    assert (copy == trace, hash(copy) == hash(trace), len({trace, copy})) == (True, True, 1)
+    for other in (Trace(heights, 1e-3, unit="m", source="b"), Trace(2 * heights, 1e-3, unit="m", source="a"), "a"):
+        assert trace != other

@@ -53,7 +53,7 @@ METHOD = Method(
     summary="the edges of contact as unknowns, ten digits; finite m, any number of contacts",
     solve=curve,
     settings={
-        "tolerance": "largest accepted error of the compliance, in g_0, from 1e-13 to 1; the bound is within it",
+        "tolerance": "largest accepted error of the compliance, in g_0, in [1e-13, 1); the bound is within it",
     },
     applies=applies_to_resolvable,
     takes_traces=True,

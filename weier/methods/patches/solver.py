@@ -142,7 +142,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     Raises
     ------
     ValueError
-        If the loads are not increasing from 1e-300 or above, the tolerance is not in [1e-13, 1], or the waves are
+        If the loads are not increasing from 1e-300 or above, the tolerance is not in [1e-13, 1), or the waves are
         too many.
     ConvergenceError
         If a load cannot be solved, its solution fails a check, or the bound on its error exceeds the tolerance.

@@ -77,9 +77,9 @@ class Starts:
 
     def __init__(self, profile: Waves, tolerance: float) -> None:
         """Starts for a compliance within a tolerance, in g_0; ValueError is raised if that is out of its limits."""
-        if not MIN_TOLERANCE <= tolerance <= MAX_TOLERANCE:
+        if not MIN_TOLERANCE <= tolerance < MAX_TOLERANCE:
             raise ValueError(
-                f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}] for contact patches, got {tolerance}"
+                f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}) for contact patches, got {tolerance}"
             )
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)

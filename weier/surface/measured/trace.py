@@ -201,6 +201,17 @@ class Trace(Waves):
             _phase=np.angle(coefficient),
         )
 
+    def __eq__(self, other: object) -> bool:
+        """Whether these are the same heights, processed alike, of the same origin."""
+        return isinstance(other, Trace) and self._identity == other._identity
+
+    def __hash__(self) -> int:
+        return hash(self._identity)
+
+    @property
+    def _identity(self) -> tuple[str, str, int | None]:
+        return self.digest, self.source, self.line
+
     # The properties return copies, so that changes to an array do not change the trace.
 
     @property
