@@ -177,3 +177,6 @@ def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surfac
     (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7 rough")
     with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography cannot read it either"):
         Trace.read(tmp_path / "a.pdf")
+    (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7")  # eight bytes: as a terrain model, 2 by 2 heights
+    with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography does not know its format either"):
+        Trace.read(tmp_path / "a.pdf", line=0)

@@ -152,6 +152,12 @@ SETTLED = {
         "line 2, has a sign .* thousands=','",
         {"thousands": ","},
     ),
+    "thousands and a printed minus": (
+        column([z.replace("-", MINUS) for z in NM], "z (nm)\n"),
+        {"length": 1e-3},
+        r"line 2, has a sign of decimals or between thousands, got '1,108': say decimal=',' or thousands=','",
+        {"thousands": ","},
+    ),
     "thousands with points": (
         column([z.translate(GERMAN) for z in NM], "z (nm)\n"),
         {"length": 1e-3},
@@ -561,6 +567,7 @@ def test_other_encodings_need_their_names(file, name):
         (b"\x89HDF\r\n\x1a\n", "is an HDF5 or netCDF file"),
         (b"\x93NUMPY\x01\x00", "is an array of NumPy, .*: take weier.Trace of what numpy.load returns"),
         (b"1.0\n\x00\x01\x02", "is no text"),
+        (TEXT.encode() + b"\x00\x00\n", r"line 202, must be text, got the control character b'\\x00': .* encoding="),
         (b"\x01\x00\x02\x00" * 100, "is no text"),
     ],
 )

@@ -20,6 +20,7 @@ MARKS = {  # Byte-order marks; UTF-32 before UTF-16, whose mark it begins with.
 }
 WINDOWS = "cp1252"  # The encoding of text that is not UTF-8, as old programs write it.
 END_OF_FILE = "\x1a"  # DOS programs end a text by this sign.
+MOST_CONTROLS = 0.01  # A text has less control characters; random bytes have 0.1.
 BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # Control characters that no text has.
 
 # Kinds of files that are no text, by their first bytes, and the remedy for each.
@@ -106,7 +107,14 @@ def _check_kind(path: Path, content: bytes, encoding: str | None) -> None:
             known = next((kind for member, kind in ARCHIVES.items() if member in members), known)
     if known is None and (order := _order_of_utf_16(content[:HEAD])):
         raise ValueError(f"{path} must have a mark if it is UTF-16 text: say encoding='utf-16-{order}'")
-    if known is None and BINARY.search(content.rstrip(END_OF_FILE.encode())):
+    text = content.rstrip(END_OF_FILE.encode())
+    if known is None and (first := BINARY.search(text)):
+        if len(BINARY.findall(text)) < MOST_CONTROLS * len(text):
+            line = text.count(b"\n", 0, first.start()) + 1
+            raise ValueError(
+                f"{path}, line {line}, must be text, got the control character {first[0]!r}: leave it out, or say "
+                "encoding="
+            )
         known = ("no text", SAVE_AS_TEXT)
     if known is not None:
         raise NoTextError(f"{path} is {known[0]}, not a table of heights as text: {known[1]}")

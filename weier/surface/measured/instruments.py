@@ -22,6 +22,8 @@ from weier.surface.measured.text import read_columns
 from weier.surface.measured.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
+OF_TEXT = ("asc", "xyz")  # The formats of SurfaceTopography that are text.
+UNMARKED = ("nms", "hgt")  # Its formats without a mark at the start, for which it takes any bytes.
 AXES = ("x", "y")  # The axes of a map, in the order of its array.
 
 
@@ -48,7 +50,7 @@ def read_lines(
 
 
 class ChannelError(ValueError):
-    """A channel that a file does not have, or that holds no heights."""
+    """A channel that a file does not have, or that holds no heights, or a file that is text after all."""
 
 
 @lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
@@ -67,7 +69,12 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what its readers say of their own dependencies
-            chosen = _channel(path, open_topography(str(path)).channels, channel)
+            file = open_topography(str(path))
+            if file.format() in OF_TEXT:
+                raise ChannelError(f"{why_not_text}; SurfaceTopography takes it for text, which it reads in part")
+            if file.format() in UNMARKED and path.suffix.lower() != f".{file.format()}":
+                raise ChannelError(f"{why_not_text}; SurfaceTopography does not know its format either")
+            chosen = _channel(path, file.channels, channel)
             sized = chosen.physical_sizes is not None
             return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
     except ChannelError:

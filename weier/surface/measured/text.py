@@ -208,17 +208,17 @@ class _Table:
 
     def _number(self, field: str) -> float | None:
         """The number in a field, NaN if it is missing; None if it is neither."""
-        if not field or field.casefold() in self.missing or MISSING.fullmatch(field):
+        if not field or (self.missing and field.casefold() in self.missing):
             return math.nan
-        text = MINUS.sub("-", field)
+        text = field
         if self.layout.thousands is not None:
             text = re.sub(rf"(?<=\d)[{SEPARATORS[self.layout.thousands]}](?=\d{{3}}(?!\d))", "", text)
         if self.decimal == ",":
             text = text.replace(".", "_").replace(",", ".")
-        if not NUMBER.fullmatch(text):
-            return None
-        value = float(text.lower().replace("d", "e"))
-        return value if math.isfinite(value) else None
+        if NUMBER.fullmatch(text):
+            value = float(text.lower().replace("d", "e"))
+            return value if math.isfinite(value) else None
+        return math.nan if MISSING.fullmatch(field) else None
 
     def _is_row(self, at: int) -> bool:
         """Whether all that is chosen of a line is read: as a number, or as words that stand for nothing else."""
@@ -385,14 +385,14 @@ def _without_quotes(line: str) -> str:
 
 
 def _split(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without blanks and quotes around them."""
+    """The fields of a line, without blanks and quotes around them, and with the sign of minus that Python reads."""
     if delimiter == BLANK:
         fields = re.split(r"[ \t]+", line.strip(" \t"))
     elif '"' in line:
         fields = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     else:
         fields = line.split(delimiter)
-    return [_unquoted(field.strip(" \t")) for field in fields]
+    return [MINUS.sub("-", _unquoted(field.strip(" \t"))) for field in fields]
 
 
 def _unquoted(field: str) -> str:
