@@ -26,31 +26,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
     Bounds,
     Forces,
     Punches,
-    expansion,
+    expansion_of,
+    kind_of,
     make_punches,
     moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
 )
+from weier.methods.patches.rule import Kind
 from weier.methods.patches.segments import (
     MAX_NODES,
     Extent,
     Segments,
     Sides,
-    degrees,
-    end_sums,
+    count_nodes,
     estimate_node_count,
     from_crests,
+    gauss_nodes,
     in_order,
     make_segments,
+    node_factors,
 )
-from weier.methods.patches.surface import CosineSeries, evaluate_at
+from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series
 
 # The limits of a step are safeguards far from the solution. Loads from spoilt guesses take within 9 % of the same
 # number of steps with each of them halved or doubled (docs/numerics.md, "Contact patches in numbers").
@@ -93,73 +97,88 @@ class EdgeMoves(NamedTuple):
     relative: Array
 
 
-def edge_moves(punches: Punches, b: Array, a: Array) -> EdgeMoves:
-    """The moves from the coefficients of psi in T_k and of its regular part in U_k.
+@kernel
+def edge_moves(
+    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
+) -> tuple[Sides, Flags, Array, Array]:
+    """Return the fields of `EdgeMoves`, and the height 2 pi r |psi| of what is singular on each segment.
 
-    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k. The slope of psi inward is
-    -sum (+-1)^k k^2 b_k: psi' at -1, and psi' with its sign turned at 1. Of gaps (dual) all are taken with
-    the sign that they have at the left end, where the gap opens.
+    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k, from the coefficients of psi in
+    T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All are taken with the sign
+    that they have at the left end, where a gap opens.
+
+    A contact that is narrower than the gaps beside it is Hertz's, of which psi/phi is (a^2 - r^2)/(2 r^2) -+
+    (c - x_c)/r at its ends. The mean of both is half the growth of the squared half-width, and half their difference
+    is the shift of the centre. The value at an edge beside a narrow gap is that of the gap, not of Hertz's contact:
+    then the value at the opposite edge stands for both.
+
+    Both ends of a gap that is narrower than both contacts give its growth (`_growth_of_gap`): it grows by their mean,
+    and half their difference shifts it.
     """
-    r, first_node = punches.segments.half_width, punches.segments.first_node
-    sign = np.array([1.0, -1.0 if punches.dual else 1.0])
-    psi = sign * end_sums(first_node, b)
-    gap, degree = punches.gap, degrees(first_node)
-    phi = sign * end_sums(first_node, a * (degree + 1))
-    inward_slope = -sign * end_sums(first_node, b * degree**2)
-    by_gap, closed, gap_is_narrow = _moves_by_gap(r, gap, psi, inward_slope, 0.25 if punches.dual else -0.75)
-    by_contact = _moves_by_contact(r, psi, phi, gap_is_narrow)
-    outward = np.where(gap_is_narrow, by_gap, by_contact)
-    narrowest = np.minimum(r, 0.5 * np.minimum(gap, np.roll(gap, 1)))
-    return EdgeMoves(outward, closed, np.abs(outward).max(axis=1) / narrowest)
+    n = r.size
+    psi, phi, slope, singular = np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.empty(n)
+    outward, closed, relative = np.empty((n, 2)), np.zeros(n, np.bool_), np.empty(n)
+    for j in range(n):
+        odd = 1.0
+        for q in range(first_node[j], first_node[j + 1]):
+            k = q - first_node[j]
+            psi[j, 0] += odd * b[q]
+            psi[j, 1] += right_sign * b[q]
+            phi[j, 0] += odd * (k + 1) * a[q]
+            phi[j, 1] += right_sign * (k + 1) * a[q]
+            slope[j, 0] -= odd * k * k * b[q]
+            slope[j, 1] -= right_sign * k * k * b[q]
+            odd = -odd
+        singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
+    for j in range(n):  # by Hertz's contacts
+        ratio = np.empty(2)
+        for side in range(2):
+            k = side if gap[j - 1 + side] >= 2 * r[j] else 1 - side
+            sign = 1.0 if psi[j, k] > 0 else (-1.0 if psi[j, k] < 0 else 0.0)
+            ratio[side] = psi[j, k] / phi[j, k] if phi[j, k] > 0 else RATIO_WITHOUT_CURVATURE * sign
+        growth = _growth_of_square(0.5 * (ratio[0] + ratio[1]))
+        shift = _clip(0.5 * (ratio[1] - ratio[0]), MAX_CONTACT_SHIFT)
+        outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
+    for j in range(n):  # by narrow gaps
+        k, half = (j + 1) % n, 0.5 * gap[j]
+        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, k_0_of_curvature)
+        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
+        of_left, of_right = half < r[j], half < r[k]
+        linear = 0.5 * (left + right) if of_left and of_right else (left if of_left else right)
+        shift = _clip(0.5 * (right - left), MAX_GAP_SHIFT) if of_left and of_right else 0.0
+        closed[j], widening = (of_left or of_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
+        if of_left:
+            outward[j, 1] = -half * (widening - shift)
+        if of_right:
+            outward[k, 0] = -half * (widening + shift)
+    for j in range(n):
+        narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
+        relative[j] = max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest
+    return outward, closed, relative, singular
 
 
-def _moves_by_contact(r: Array, psi: Sides, phi: Sides, gap_is_narrow: NDArray[np.bool_]) -> Sides:
-    """Outward moves by Hertz's contact, of which psi/phi is (a^2 - r^2)/(2 r^2) -+ (c - x_c)/r at its ends.
-
-    The mean of both is half the growth of the squared half-width, and half their difference is the shift of the
-    centre. The value at an edge beside a narrow gap is that of the gap, not of Hertz's contact. Then the value at the
-    opposite edge stands for both.
-    """
-    ratio = np.where(phi > 0, psi / np.where(phi > 0, phi, 1.0), RATIO_WITHOUT_CURVATURE * np.sign(psi))
-    ratio = np.where(gap_is_narrow, ratio[:, ::-1], ratio)
-    growth = _growth_of_square(0.5 * (ratio[:, 0] + ratio[:, 1]))
-    shift = np.clip(0.5 * (ratio[:, 1] - ratio[:, 0]), -MAX_CONTACT_SHIFT, MAX_CONTACT_SHIFT)
-    return np.stack([growth - shift, growth + shift], axis=1) * r[:, None]
+@kernel
+def _clip(value: float, most: float) -> float:
+    return min(max(value, -most), most)
 
 
-def _growth_of_square(linear: Array) -> Array:
+@kernel
+def _growth_of_square(linear: float) -> float:
     """The growth of a width, over itself, whose square grows by twice the linear growth."""
-    return np.asarray(np.sqrt(np.clip(1 + 2 * linear, MIN_SQUARE, MAX_SQUARE)) - 1)
+    return np.sqrt(min(max(1 + 2 * linear, MIN_SQUARE), MAX_SQUARE)) - 1
 
 
-def _moves_by_gap(
-    r: Array, gap: Array, psi: Sides, inward_slope: Sides, factor_of_k_0: float
-) -> tuple[Sides, Flags, NDArray[np.bool_]]:
-    """Outward moves by the gaps beside; which right gaps close; and at which edges the gap is the narrower.
+@kernel
+def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_curvature: float) -> float:
+    """The growth of what lies between two segments, of half-width b, to first order, by the edge of one of them.
 
-    For gaps between contacts kappa b^2 is in proportion to b k_1 - 3 k_0/4, and for contacts between gaps (dual) to
-    b k_1 + k_0/4, with b the half-width of what lies between. Its square grows by the factor 1 - 4 k_0 over that, and
-    its half-width, to first order, by the part -2 k_0 over that. If that is not positive, it shrinks at an edge with
-    overlap beyond it, and grows at one in tension. Both ends of a gap that is narrower than both contacts each give
-    its growth: it grows by their mean, and half their difference shifts its centre.
+    kappa b^2 is in proportion to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
+    gaps. The square of the width grows by the factor 1 - 4 k_0 over that. Where it is not positive, what lies between
+    shrinks at an edge with overlap beyond it, and grows at one in tension.
     """
-    half_width = np.stack([np.roll(gap, 1), gap], axis=1) / 2
-    k_0, k_1 = psi * np.sqrt(r / 2)[:, None], (inward_slope + psi / 4) * np.sqrt(0.5 / r)[:, None]
-    curvature = half_width * k_1 + factor_of_k_0 * k_0
-    divisor = np.where(curvature > 0, curvature, 1.0)
-    growth = np.where(curvature > 0, -2 * k_0 / divisor, np.where(k_0 > 0, -1.0, 1.0))
-    # From here on of the gap on the right of each contact: its growth from both ends, and where it is narrower than
-    # the contact at either end.
-    left, right = growth[:, 1], np.roll(growth[:, 0], -1)
-    narrow = np.stack([gap < 2 * r, gap < 2 * np.roll(r, -1)], axis=1)
-    both = narrow.all(axis=1)
-    linear = np.where(both, 0.5 * (left + right), np.where(narrow[:, 0], left, right))
-    closed = narrow.any(axis=1) & (1 + 2 * linear < 0)
-    shift = np.where(both, np.clip(0.5 * (right - left), -MAX_GAP_SHIFT, MAX_GAP_SHIFT), 0.0)
-    widening = _growth_of_square(linear)
-    outward_right, outward_left_of_next = -0.5 * gap * (widening - shift), -0.5 * gap * (widening + shift)
-    at_edges = np.stack([np.roll(narrow[:, 1], 1), narrow[:, 0]], axis=1)
-    return np.stack([np.roll(outward_left_of_next, 1), outward_right], axis=1), closed, at_edges
+    k_0, k_1 = psi * np.sqrt(r / 2), (inward_slope + psi / 4) * np.sqrt(0.5 / r)
+    curvature = b * k_1 + k_0_of_curvature * k_0
+    return -2 * k_0 / curvature if curvature > 0 else (-1.0 if k_0 > 0 else 1.0)
 
 
 class Problem(NamedTuple):
@@ -174,10 +193,35 @@ class Problem(NamedTuple):
     load: float
     dual: bool
 
+    @property
+    def kind(self) -> Kind:
+        """`CONTACTS` or `GAPS`."""
+        return kind_of(self.dual)
+
     def forcing(self, crest: Indices, y: Array) -> Array:
         """The height less the largest or, dual, the tension of full contact, at distances from crests."""
-        value = evaluate_at(self.series, crest, y, 0)
-        return np.asarray(value + (self.series.maximum - self.load) if self.dual else value)
+        of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
+        return np.asarray(evaluate_at(self.series, crest, y, 0) + of_maximum)
+
+    def forcing_at_nodes(self, punches: Punches) -> Array:
+        """The same at the nodes."""
+        segments = punches.segments
+        of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
+        return evaluate_at_nodes(
+            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, of_maximum
+        )
+
+
+@kernel
+def evaluate_at_nodes(
+    series: CosineSeries, crest: Indices, centre: Array, first_node: Indices, offset: Array, more: float
+) -> Array:
+    """Return a series less its maximum, plus a constant, at the nodes of segments."""
+    value = np.empty(offset.size)
+    for j in range(centre.size):
+        for i in range(first_node[j], first_node[j + 1]):
+            value[i] = evaluate_series(series, crest[j], centre[j] + offset[i])[0] + more
+    return value
 
 
 class Stage(NamedTuple):
@@ -221,6 +265,7 @@ class Step(NamedTuple):
     merging : contacts whose gap on the right vanishes
     tight : contacts whose gap on the right would nearly close
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
+    unsettled : fraction of the contacts that vanish or merge, or for which the iteration has not begun to converge
     """
 
     punches: Punches
@@ -232,12 +277,7 @@ class Step(NamedTuple):
     merging: Flags
     tight: Flags
     singular: Array
-
-    @property
-    def unsettled(self) -> float:
-        """Fraction of the contacts that vanish or merge, or for which Newton's method has not begun to converge."""
-        moving = self.moves.relative >= SETTLED_MOVE
-        return float(np.mean(moving | self.vanishing | self.merging | self.tight))
+    unsettled: float
 
 
 def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
@@ -254,52 +294,142 @@ def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
     return round_up_nodes(np.asarray(count + UNRESOLVED, float))
 
 
-def round_up_nodes(count: NDArray[np.float64]) -> Indices:
-    """The next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
-    step = 2.0 ** np.maximum(1, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
-    return np.minimum(np.ceil(count / step) * step, MAX_NODES).astype(np.int64)
+@kernel
+def round_up_nodes(count: Array) -> Indices:
+    """Round up the nodes of each segment (`round_up`), so that few tables are needed."""
+    rounded = np.empty(count.size, np.int64)
+    for j in range(count.size):
+        rounded[j] = round_up(count[j])
+    return rounded
 
 
 def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     """Solve for the pressure on the contacts of a guess, and find how their edges must move."""
-    punches, segments = guess.punches, guess.punches.segments
-    y = punches.at_nodes(segments.centre) + punches.offset
-    forcing = problem.forcing(np.repeat(segments.crest, segments.node_count), y)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load * punches.period, guess.force, stage.bounds)
-    b = expansion(punches, forces.force)
-    a = regular_part(segments.first_node, b)
-    moves = edge_moves(punches, b, a)
-    r, gap = segments.half_width, punches.gap
-    carried = np.add.reduceat(forces.force, segments.first_node[:-1])
-    vanishing = (carried <= 0) | (moves.outward.mean(axis=1) < MIN_GROWTH * r)
-    vanishing[np.argmax(carried)] = False  # One contact is left in any case.
-    next_outward = np.roll(moves.outward[:, 0], -1)
-    tight = gap - moves.outward[:, 1] - next_outward < MIN_GAP_LEFT * gap
-    merging = (moves.closed | (tight & guess.tight)) & ~vanishing & ~np.roll(vanishing, -1)
-    singular = 2 * np.pi * r * np.abs(end_sums(segments.first_node, b)).max(axis=1)
-    return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular)
+    punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
+    forcing = problem.forcing_at_nodes(punches)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, stage.bounds)
+    extent, signs = (segments.first_node, segments.half_width, punches.gap), (kind.right_sign, kind.k_0_of_curvature)
+    changes = _changes_of_edges(*extent, forces.force, guess.tight, punches.period, kind.dual, *signs)
+    b, a, outward, closed, relative, vanishing, merging, tight, singular, unsettled = changes
+    moves = EdgeMoves(outward, closed, relative)
+    return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular, unsettled)
 
 
-def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Array | None = None) -> Guess:
+@kernel
+def _changes_of_edges(
+    first_node: Indices,
+    r: Array,
+    gap: Array,
+    force: Array,
+    was_tight: Flags,
+    period: float,
+    dual: bool,
+    right_sign: float,
+    k_0_of_curvature: float,
+) -> tuple[Array, Array, Sides, Flags, Array, Flags, Flags, Flags, Array, float]:
+    """Return the fields of `Step` and of its moves that follow from forces."""
+    b = expansion_of(first_node, r, force, period, dual)
+    a = regular_part(first_node, b)
+    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
+    vanishing, merging, tight = _changes(first_node, r, gap, force, outward, closed, was_tight)
+    unsettled = 0
+    for j in range(r.size):
+        if relative[j] >= SETTLED_MOVE or vanishing[j] or merging[j] or tight[j]:
+            unsettled += 1
+    return b, a, outward, closed, relative, vanishing, merging, tight, singular, unsettled / r.size
+
+
+@kernel
+def _changes(
+    first_node: Indices, r: Array, gap: Array, force: Array, outward: Sides, closed: Flags, was_tight: Flags
+) -> tuple[Flags, Flags, Flags]:
+    """Return which contacts vanish, which merge over the gap on their right, and at which that is tight."""
+    n, strongest, most = r.size, 0, -np.inf
+    vanishing, merging, tight = np.empty(n, np.bool_), np.empty(n, np.bool_), np.empty(n, np.bool_)
+    for j in range(n):
+        carried = 0.0
+        for i in range(first_node[j], first_node[j + 1]):
+            carried += force[i]
+        vanishing[j] = carried <= 0 or 0.5 * (outward[j, 0] + outward[j, 1]) < MIN_GROWTH * r[j]
+        if carried > most:
+            strongest, most = j, carried
+    vanishing[strongest] = False  # One contact is left in any case.
+    for j in range(n):
+        k = (j + 1) % n
+        tight[j] = gap[j] - outward[j, 1] - outward[k, 0] < MIN_GAP_LEFT * gap[j]
+        merging[j] = (closed[j] or (tight[j] and was_tight[j])) and not (vanishing[j] or vanishing[k])
+    return vanishing, merging, tight
+
+
+def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices | None = None) -> Guess:
     """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
-    moved = _move_edges(step)
-    b = moved_expansion(step.punches.segments, step.b, moved.centre, moved.half_width)
-    remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
-    merged = np.array(_merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
-    return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
+    old, series = step.punches.segments, problem.series
+    more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
+    factors = node_factors(stage.tolerance), float(series.wavenumber[-1])
+    centre, half_width, first_node, node, weight = _moved_segments(
+        *old.extent, step.moves.outward, step.punches.gap, step.tight, more, series.period, *factors
+    )
+    moved, b = Segments(old.crest, old.origin, centre, half_width, first_node, node, weight), step.b
+    if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
+        shift, growth = centre - old.centre, half_width - old.half_width
+        b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    if step.vanishing.any() or step.merging.any():
+        remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
+        merged = np.array(_merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
+        return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
+    punches = make_punches(moved, series.period, problem.dual)
+    return Guess(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
 
 
-def _move_edges(step: Step) -> Segments:
-    """The segments after their moves, in which no tight gap loses more than `MAX_GAP_LOSS` of itself."""
-    segments, gap, outward = step.punches.segments, step.punches.gap, step.moves.outward.copy()
-    j = np.flatnonzero(step.tight)
-    after = (j + 1) % gap.size
-    loss = np.maximum(outward[j, 1], 0) + np.maximum(outward[after, 0], 0)
-    factor = np.minimum(MAX_GAP_LOSS * gap[j] / loss, 1)
-    outward[j, 1] = np.where(outward[j, 1] > 0, factor * outward[j, 1], outward[j, 1])
-    outward[after, 0] = np.where(outward[after, 0] > 0, factor * outward[after, 0], outward[after, 0])
-    centre = segments.centre + 0.5 * (outward[:, 1] - outward[:, 0])
-    return segments._replace(centre=centre, half_width=segments.half_width + 0.5 * outward.sum(axis=1))
+@kernel
+def _moved_segments(
+    origin: Array,
+    centre: Array,
+    half_width: Array,
+    outward: Sides,
+    gap: Array,
+    tight: Flags,
+    wanted: Array,
+    period: float,
+    factors: tuple[float, ...],
+    finest: float,
+) -> tuple[Array, Array, Indices, Array, Array]:
+    """Return centres, half-widths, first nodes, nodes and weights of segments after the moves of their edges.
+
+    No tight gap loses more than `MAX_GAP_LOSS` of itself. Nodes are as many as wanted or, where that is 0, as the
+    extent needs, rounded up.
+    """
+    n, limited = half_width.size, outward.copy()
+    for j in range(n):
+        k = (j + 1) % n
+        loss = max(outward[j, 1], 0.0) + max(outward[k, 0], 0.0)
+        if tight[j] and loss > MAX_GAP_LOSS * gap[j]:
+            factor = MAX_GAP_LOSS * gap[j] / loss
+            limited[j, 1] *= factor if outward[j, 1] > 0 else 1.0
+            limited[k, 0] *= factor if outward[k, 0] > 0 else 1.0
+    new_centre, new_half_width = np.empty(n), np.empty(n)
+    for j in range(n):
+        new_centre[j] = centre[j] + 0.5 * (limited[j, 1] - limited[j, 0])
+        new_half_width[j] = half_width[j] + 0.5 * (limited[j, 1] + limited[j, 0])
+    count = count_nodes(origin, new_centre, new_half_width, period, finest, factors)
+    for j in range(n):
+        count[j] = round_up(wanted[j] if wanted[j] > 0 else count[j] + UNRESOLVED)
+    first_node, node, weight = gauss_nodes(count)
+    return new_centre, new_half_width, first_node, node, weight
+
+
+@kernel
+def round_up(count: float) -> int:
+    """Return the next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
+    step = 2.0 ** max(1.0, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
+    return int(min(np.ceil(count / step) * step, MAX_NODES))
+
+
+def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
+    """Return the forces to start from; none where the solution is direct."""
+    if punches.matrix is None:
+        return np.empty(0)
+    return transfer_forces(old, b, origin, punches)
 
 
 def _merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
@@ -324,7 +454,7 @@ def rearrange(
     remaining: Flags,
     added: NDArray[np.float64],
     stage: Stage,
-    node_count: Array | None = None,
+    node_count: Indices | None = None,
 ) -> Guess:
     """A guess of the remaining segments, with the step's expansions, and of added intervals, shape (added, 2)."""
     series = problem.series
@@ -343,4 +473,4 @@ def rearrange(
     if node_count is not None:
         count = np.where(origin_of >= 0, round_up_nodes(node_count[origin_of]), count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
-    return Guess(punches, transfer_forces(step.punches.segments, step.b, origin_of, punches), tight)
+    return Guess(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)

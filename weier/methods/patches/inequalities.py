@@ -29,7 +29,7 @@ from weier.methods.patches.fields import (
     complementary_residuals,
     smooth_part,
 )
-from weier.methods.patches.pair_sums import make_tree, potential
+from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
@@ -271,21 +271,17 @@ def find_missing(
     wide as the parabola at its minimum is negative.
     """
     punches, dual = step.punches, problem.dual
-    source = (
-        punches.matrix.tree
-        if punches.matrix
-        else make_tree(punches.at_nodes(punches.segments.middle), punches.offset)
-    )
 
     # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
-        points = make_tree(np.zeros(x.size), x)
-        total = potential(source, step.forces.force, points, punches.period, dual)
-        factor, plane = (-0.5 / punches.period**2, 0.0) if dual else (-2.0, step.forces.plane)
-        return np.asarray(plane + factor * total - problem.forcing(*nearest_crests(problem.series, x))) - margin
+        total = field_of_forces(punches, step.forces.force, x)
+        plane = 0.0 if dual else step.forces.plane
+        return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
     x, interval = _probe_points(punches.segments, problem.series)
     found = _negative_minima(_brackets(x, interval, residual(x), tolerance + margin), residual)
+    if found.size == 0:
+        return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
     depth, room = -minima["value"], _room(step, minima)

@@ -25,8 +25,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Records
-from weier.methods.chebyshev import gauss_rule
+from weier.kernels.arrays import Array, Indices, Records
+from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
@@ -42,10 +42,11 @@ from weier.methods.patches.edge_iteration import (
 )
 from weier.methods.patches.given_edges import (
     Bounds,
+    Forces,
     Punches,
     expansion,
     regular_part,
-    solve_forces_on_contacts,
+    solve_tangent,
     vanishing_at_edges,
 )
 from weier.methods.patches.inequalities import (
@@ -59,11 +60,10 @@ from weier.methods.patches.segments import (
     COARSE_TOLERANCE,
     MAX_NODES,
     ContactState,
-    apply_blocks,
     coefficient_tails,
     end_sums,
-    make_blocks,
     more_nodes,
+    values_at_nodes,
 )
 from weier.methods.patches.surface import Surface
 
@@ -106,9 +106,7 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
     The rough limit is a part of the finest wave or of the scale, whichever is less, and no less than the target. It
     bounds both the residual and the overlap that is left; in the fine stages the target does.
     """
-    rough = ROUGH_TOLERANCE * abs(float(problem.series.amplitude[-1]))
-    if problem.dual:  # The height of a wave of pressure is its amplitude over the number of waves in lambda_0.
-        rough *= 2 * np.pi / float(problem.series.wavenumber[-1])
+    rough = ROUGH_TOLERANCE * problem.kind.finest_height(problem.series)
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
     rough_outside, fine_outside = rough, target
     if problem.dual:
@@ -159,7 +157,12 @@ def _solve_to(
             break
         if not is_enough:  # stages 1 and 3
             moved = True
-            now = next_guess(problem, step, stage, _node_counts(step, target) if stage.fine else None)
+            counts = None
+            if stage.fine:  # Segments that have not settled keep their nodes.
+                segments = step.punches.segments
+                enough = target if step.unsettled == 0 else np.inf
+                counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
+            now = next_guess(problem, step, stage, counts)
             continue
         state = contact_state(problem, step, stage.fine)
         if follows:
@@ -177,17 +180,17 @@ def _solve_to(
         added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
         if not np.all(remaining) or len(added) > 0:
             moved, corrections = False, corrections + 1
-            counts = state.segments.node_count.astype(float) if stage.fine else None
+            counts = state.segments.node_count if stage.fine else None
             now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
         else:  # stage 5 and, where the residual is small on all segments that can have more nodes, stage 6
             residual = contact_residual(state, problem.series)
-            height = 2 * state.segments.half_width * residual if problem.dual else residual
+            height = problem.kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
-                resistance, strength = _resistance(problem, step.punches, tolerance)
+                resistance, strength = _resistance(step.punches, step.forces, tolerance)
                 cracks = _cracks(state, wrong[~is_open])
                 route = guess.route._replace(steps=steps, corrections=corrections)
                 state = state._replace(
@@ -198,7 +201,7 @@ def _solve_to(
                     route=route,
                 )
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
-            counts = np.where(short, more_nodes(count), count)
+            counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
@@ -231,19 +234,20 @@ def _converged(step: Step, target: float, small: float, last_move: float) -> boo
     return step.forces.residual < target and (is_regular or (is_settled and is_rounding))
 
 
-def _node_counts(step: Step, target: float) -> NDArray[np.float64]:
+@kernel
+def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
     """Nodes of each segment: those that it has, and more where the last coefficients have not decayed.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) has less. The
-    last two coefficients are taken, as one of them vanishes where the density is even or odd. Segments that have not
-    settled keep their nodes.
+    last two coefficients are taken, as one of them vanishes where the density is even or odd.
     """
-    segments = step.punches.segments
-    last, count = segments.first_node[1:], segments.node_count
-    tail = np.maximum(np.abs(step.b[last - 1]), np.abs(step.b[last - 2]))
-    height = 2 * np.pi * segments.half_width * tail / count
-    short = (step.unsettled == 0) & (height > MAX_TAIL * target)
-    return np.where(short, more_nodes(count), count)
+    count = np.empty(half_width.size, np.int64)
+    for j in range(half_width.size):
+        last, count[j] = first_node[j + 1], first_node[j + 1] - first_node[j]
+        tail = max(abs(b[last - 1]), abs(b[last - 2]))
+        if 2 * np.pi * half_width[j] * tail / count[j] > MAX_TAIL * target:
+            count[j] = more_nodes(count[j])
+    return count
 
 
 def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Records:
@@ -274,6 +278,8 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
 
     Each interval is widened to the width of the new gap or contact, except at the ends of the segment.
     """
+    if negative.size == 0:
+        return np.empty((0, 2))
     width = NEW_CONTACT_WIDTH if state.dual else NEW_GAP_WIDTH
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
@@ -308,25 +314,16 @@ def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
     segments, a = step.punches.segments, step.a
     if settled:
         a = regular_part(
-            segments.first_node, vanishing_at_edges(segments.first_node, step.b, 0 if problem.dual else 2)
+            segments.first_node, vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
         )
-    values = make_blocks(gauss_rule(count, True).polynomial.T for count in segments.node_count.tolist())
-    phi = apply_blocks(values, a)
+    phi = values_at_nodes(segments.first_node, segments.node, a)
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, a)
 
 
-def _resistance(problem: Problem, punches: Punches, tolerance: float) -> tuple[float, NDArray[np.float64]]:
-    """The resistance, and the strength B of the tangent pressure B/s^(1/2) at the edges of each segment.
-
-    The tangent pressure has the mean 1 and makes a flat surface sink by R everywhere on the contacts: to first order
-    no edge moves. So it is that of punches under the forcing 0 and the load L. On gaps, a pressure of full contact
-    that rises by 1 closes the mean gap by R: they are solved under the forcing 1, a tension that opens it by R.
-    """
-    none, bounds = np.zeros(punches.segments.node.size), Bounds(max(LEAST_TANGENT_REDUCTION, tolerance), 0.0, np.inf)
-    tangent = solve_forces_on_contacts(punches, none + float(problem.dual), punches.period, none, bounds)
+def _resistance(punches: Punches, forces: Forces, tolerance: float) -> tuple[float, NDArray[np.float64]]:
+    """Return the resistance, and the strength B of the tangent pressure B/s^(1/2) at the edges of each segment."""
+    tangent = solve_tangent(punches, forces, max(LEAST_TANGENT_REDUCTION, tolerance))
     segments = punches.segments
     psi = end_sums(segments.first_node, expansion(punches, tangent.force))
-    strength = np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    if problem.dual:  # The slope of a gap is 2 pi times as strong at an edge as the pressure on its other side.
-        strength /= 2 * np.pi
-    return (tangent.plane if problem.dual else -tangent.plane), strength
+    strength = punches.kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
+    return punches.kind.sign_of_plane * tangent.plane, strength

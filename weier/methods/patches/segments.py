@@ -9,9 +9,7 @@ one load, and sqrt(1-t^2) phi(t) on each, in its coordinate t from -1 to 1 (`wei
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import lru_cache
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +17,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.chebyshev import Table, gauss_rule
+from weier.methods.chebyshev import evaluate_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
@@ -40,52 +38,6 @@ MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
 COARSE_TOLERANCE = 1e-3  # The set of segments is corrected on nodes that resolve the density to three digits.
-
-
-class Blocks(NamedTuple):
-    """A matrix for each segment, from values of its own in a row with those of the others to new values in a row.
-
-    table : the entries of all matrices, column by column
-    start : where each begins in the table, its first row and its first column, shape (3, segments + 1); several may
-        begin at the same entry, and last are the numbers of all entries, rows and columns
-    """
-
-    table: Array
-    start: NDArray[np.int64]
-
-
-def make_blocks(matrices: Iterable[Table]) -> Blocks:
-    """The matrices of all segments in order; one that several segments have stands in the table once."""
-    matrices = list(matrices)  # They stay alive, so that their identities stay theirs.
-    tables, entry, end = [], dict[int, int](), 0
-    for matrix in matrices:
-        if id(matrix) not in entry:
-            entry[id(matrix)], end = end, end + matrix.size
-            tables.append(matrix.ravel("F"))
-    row = accumulate((matrix.shape[0] for matrix in matrices), initial=0)
-    column = accumulate((matrix.shape[1] for matrix in matrices), initial=0)
-    start = [*(entry[id(matrix)] for matrix in matrices), end], [*row], [*column]
-    return Blocks(np.concatenate(tables), np.array(start))
-
-
-@kernel
-def apply_blocks(blocks: Blocks, f: Array) -> Array:
-    """The matrix of each segment times its part of f."""
-    start, table = blocks.start, blocks.table
-    result = np.zeros(start[1, -1])
-    for j in range(start.shape[1] - 1):
-        entry, first, last = start[0, j], start[1, j], start[1, j + 1]
-        for q in range(start[2, j], start[2, j + 1]):
-            factor = f[q]
-            for i in range(first, last):
-                result[i] += factor * table[entry + i - first]
-            entry += last - first
-    return result
-
-
-def degrees(first_node: Indices) -> Indices:
-    """The degrees of the polynomials whose coefficients are numbered as the nodes are: 0, 1, ... on each segment."""
-    return np.arange(first_node[-1]) - np.repeat(first_node[:-1], np.diff(first_node))
 
 
 @kernel
@@ -266,10 +218,34 @@ def at_contacts(at_segments: Sides, dual: bool) -> Sides:
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    counts = node_count.tolist()
-    first_node = np.array([*accumulate(counts, initial=0)])
-    node, weight = map(np.concatenate, zip(*(gauss_rule(count, True)[:2] for count in counts), strict=True))
+    first_node, node, weight = gauss_nodes(node_count)
     return Segments(crest, origin, centre, half_width, first_node, node, weight)
+
+
+@kernel
+def gauss_nodes(node_count: Indices) -> tuple[Indices, Array, Array]:
+    """Return the first nodes of segments, and their nodes and weights for int sqrt(1-t^2) phi dt."""
+    first = np.zeros(node_count.size + 1, np.int64)
+    for j in range(node_count.size):
+        first[j + 1] = first[j] + node_count[j]
+    node, weight = np.empty(first[-1]), np.empty(first[-1])
+    for j in range(node_count.size):
+        step = np.pi / (node_count[j] + 1)
+        for i in range(node_count[j]):
+            node[first[j] + i] = -np.cos((i + 1) * step)
+            weight[first[j] + i] = step * np.sin((i + 1) * step) ** 2
+    return first, node, weight
+
+
+@kernel
+def values_at_nodes(first_node: Indices, node: Array, a: Array) -> Array:
+    """Return phi = sum a_k U_k at the nodes, segment by segment."""
+    value = np.empty(a.size)
+    for j in range(first_node.size - 1):
+        own = a[first_node[j] : first_node[j + 1]]
+        for i in range(first_node[j], first_node[j + 1]):
+            value[i] = evaluate_expansion(own, node[i])
+    return value
 
 
 def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
@@ -315,13 +291,14 @@ def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) 
     distance mu r, ln(rho) = ln(1 + mu + sqrt(mu (mu + 2))).
     """
     finest = float(series.wavenumber[-1])
-    return np.asarray(_count_nodes(*extent, series.period, finest, _node_factors(tolerance)))
+    return np.asarray(count_nodes(*extent, series.period, finest, node_factors(tolerance)))
 
 
 @kernel
-def _count_nodes(
+def count_nodes(
     origin: Array, centre: Array, half_width: Array, period: float, finest: float, factors: tuple[float, ...]
 ) -> Indices:
+    """Return the nodes of `estimate_node_count`, from the factors of the formula."""
     least, per_radian, per_neighbour = factors
     distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
@@ -334,7 +311,7 @@ def _count_nodes(
 
 
 @lru_cache(maxsize=64)
-def _node_factors(tolerance: float) -> tuple[float, ...]:
+def node_factors(tolerance: float) -> tuple[float, ...]:
     """The factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
     tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
@@ -350,6 +327,7 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
     return tail
 
 
-def more_nodes(node_count: NDArray[np.int64]) -> Indices:
-    """The next larger number of nodes for segments on which the coefficients have not decayed."""
-    return np.minimum(np.ceil(NODE_GROWTH * node_count) + MIN_ADDED_NODES, MAX_NODES).astype(np.int64)
+@kernel
+def more_nodes(count: int) -> int:
+    """Return the next larger number of nodes for a segment on which the coefficients have not decayed."""
+    return int(min(np.ceil(NODE_GROWTH * count) + MIN_ADDED_NODES, MAX_NODES))
