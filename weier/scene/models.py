@@ -568,7 +568,7 @@ class SceneKeys(Part):
         "units.",
     )
     batch: Count = Field(
-        ABSENT, description="The most cases to solve in one job; 1000 by default, or as many as fit into memory."
+        ABSENT, description="The most cases to solve in one job; 10000 by default, or as many as fit into memory."
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
         description="Named sets of profiles, each with a product of D, gamma, m and phases or seed, or a list of "
