@@ -45,17 +45,16 @@ wildcard_constraints:
     figure=r"[A-Za-z0-9_-]+",
     batch=r"[a-z_]+-[0-9a-f]{8}-[0-9a-f]{12}",
     method=r"[a-z_]+",
-    product=r"[A-Za-z0-9_.-]+",
 
 
 localrules:
     all,
-    outdated,
 
 
 # Ctrl-C reaches all programs of a job; `tee -i` ignores it and writes the last messages of the others.
 # The name of a batch is a digest of all that its curves depend on, and products carry the digest of what they were made
-# of. So dates make nothing out of date: inputs are ancient.
+# of. So dates make nothing out of date: inputs are ancient. Of products, one input has the date: it is newer than a
+# product that was made of something else.
 rule solve:
     input:
         kernels=ancient(scenes.kernels),
@@ -77,14 +76,6 @@ rule solve:
         "solve {params.label}"
     shell:
         "python -m weier batch {params.description:q} {output:q} 2>&1 | tee -i {log:q}"
-
-
-# Needed only where a product was made of something else: the product is then made again, and removes the file.
-rule outdated:
-    output:
-        touch("results/logs/{scene}/outdated/{product}"),
-    message:
-        "{wildcards.scene}: {wildcards.product} was made of something else"
 
 
 rule claims:
@@ -114,7 +105,6 @@ rule claims:
         "{wildcards.scene}: gather all curves and check the claims"
     shell:
         "python -m weier claims {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
-        " && rm -f {input.outdated:q}"
 
 
 rule figure:
@@ -146,7 +136,6 @@ rule figure:
     shell:
         "python -m weier figures {params.scene:q} results/curves"
         " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
-        " && rm -f {input.outdated:q}"
 
 
 rule all:

@@ -22,4 +22,3 @@ rule page:
     shell:
         "python -m weier page {params.scene:q} results/curves {input.contact:q} {output:q}"
         " results/{wildcards.scene}/figures 2>&1 | tee -i {log:q}"
-        " && rm -f {input.outdated:q}"

@@ -110,7 +110,7 @@ def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):
     assert first in call(checkout, "--dry-run", scene="slow").stderr
     path.write_text(slow.replace("1.0e-4", "100"))
     said = run(checkout, "--until", "solve", scene="slow")
-    assert said.index(first) < said.index("solve 1 case from short to long")
+    assert said.index(first) < said.index("solve 1 case from short to long by auto, in about")
 
 
 @pytest.mark.parametrize("command", ["--summary", "--dry-run", "--dag"])
@@ -155,6 +155,7 @@ def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path, mo
     edges.write_text(text)
     shutil.rmtree(cache)
     assert list(compiled().values()) == [False]
+    shutil.rmtree(cache)  # where digests are kept, too
     cache.touch()
     assert compiled() == {}
 
@@ -183,7 +184,7 @@ def test_a_copy_of_the_results_alone_makes_nothing_again(finished, tmp_path):
     assert planned(copy) == {}
     figure = copy / "results/test/figures/one.png"
     figure.write_bytes((copy / "results/test/figures/two.png").read_bytes())
-    assert planned(copy) == {"outdated": 1, "figure": 1}
+    assert planned(copy) == {"figure": 1}
     assert ran(run(copy)) == {"figures": 1}
     assert figure.read_bytes() == (finished / "results/test/figures/one.png").read_bytes()
     assert planned(copy) == {}
@@ -200,7 +201,7 @@ def test_what_runs_no_job_writes_nothing(checkout, tmp_path):
 def test_another_title_changes_the_data_alone(finished):
     path = finished / "config/scenes/test.yaml"
     path.write_text(SCENE.replace("title: test", "title: other"))
-    assert planned(finished) == {"outdated": 1, "claims": 1}
+    assert planned(finished) == {"claims": 1}
     path.write_text(SCENE)
     assert planned(finished) == {}
 
@@ -226,8 +227,8 @@ def test_a_changed_figure_of_a_scene_is_drawn_alone(finished):
 
 
 def test_a_change_of_how_figures_are_drawn_solves_nothing(finished):
-    edit(finished / "weier/figures/compliance.py", "def draw(", "draw: object\n\n\ndef draw(")
-    assert ran(run(finished)) == {"figures": 2}
+    edit(finished / "weier/figures/compliance.py", "    return", "    str()\n    return")
+    assert ran(run(finished)) == {"figures": 1}  # the other one is not drawn by this module
 
 
 def test_a_new_date_runs_nothing(finished):
@@ -275,8 +276,6 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
         "solve 1 case of long by demelio",
         "test: draw two",
         "test: gather all curves and check the claims",
-        "test: contact.nc was made of something else",
-        "test: two was made of something else",
     ]
 
 
@@ -284,11 +283,11 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     path = finished / "config/scenes/test.yaml"
     rough = "  rough: {product: {D: 1.5, gamma: 5, m: 3}, methods: [archard]}"  # longer, and by another method
     path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
-    assert planned(finished) == {"solve": 1, "outdated": 1, "claims": 1}
+    assert planned(finished) == {"solve": 1, "claims": 1}
     run(finished)
     assert planned(finished) == {}
     path.write_text(SCENE)
-    assert planned(finished) == {"outdated": 1, "claims": 1}
+    assert planned(finished) == {"claims": 1}
     run(finished)
 
 

@@ -1,6 +1,7 @@
 """Functions of scenes for rules, without Snakemake: files, digests, and messages that end a run."""
 
 import os
+import shutil
 import signal
 from functools import partial
 from pathlib import Path
@@ -165,15 +166,24 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
         found = [*figures, run.outdated_page(of()), run.outdated_data(of())]
         names = ["one", "two", "page.html", "contact.nc"]
         for name, paths in zip(names, found, strict=True):
-            assert paths in ([], [f"results/logs/test/outdated/{name}"])
-        return [bool(paths) for paths in found]
+            assert paths == [f"results/logs/test/inputs/{name}"]
+        return [Path(path).stat().st_mtime > 0 for (path,) in found]
 
     assert outdated() == [False, False, False, False]
     (made / "figures/one.svg").write_bytes((made / "figures/two.svg").read_bytes())
     assert outdated() == [True, False, False, False]
     (made / "figures/one.svg").unlink()  # Snakemake makes what is missing
     assert outdated() == [False, False, False, False]
+    before = sorted(folder.rglob("*"))
     (made / "page.html").write_text("of an older version")
+    dry = scenes(runs=lambda: False)
+    (elsewhere,) = map(Path, dry.outdated_page(of()))
+    assert elsewhere.stat().st_mtime >= (made / "page.html").stat().st_mtime
+    assert folder not in elsewhere.parents
+    assert dry.outdated_figure(of(figure="two")) == ["results/logs/test/inputs/two"]
+    shutil.rmtree(folder / "results/logs")
+    assert scenes(runs=lambda: False).outdated_figure(of(figure="two")) == []
+    assert [path for path in before if not path.exists()] == [path for path in before if "logs" in path.parts]
     dataset.write(xr.Dataset(), made / "contact.nc", "data", name=one)
     assert outdated() == [False, False, True, True]
 

@@ -6,12 +6,16 @@ written unless jobs are going to run.
 
 from __future__ import annotations
 
+import atexit
 import math
+import os
+import shutil
 import signal
 import sys
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -196,7 +200,7 @@ class Scenes:
         return kernels_of(methods_of(wildcards.batch.partition("-")[0]))
 
     def outdated_data(self, wildcards: Any) -> list[str]:
-        """A file whose making makes the data and claims again, if they were made of something else."""
+        """An input of the data and claims that makes them stale if they were made of something else."""
         return self._outdated(wildcards.scene, "", "contact.nc", "claims.md")
 
     def outdated_figure(self, wildcards: Any) -> list[str]:
@@ -209,11 +213,20 @@ class Scenes:
         return self._outdated(wildcards.scene, "page.html", "page.html")
 
     def _outdated(self, name: str, product: str, *files: str) -> list[str]:
-        folder = self.results / name
+        """An input that is older than a product, or newer if the product was made of something else."""
+        paths = [path for path in (self.results / name / file for file in files) if path.exists()]
         with ending_in_one_sentence():
-            found = {made_of(path) for path in (folder / file for file in files) if path.exists()}
-        marker = self.results / "logs" / name / "outdated" / (product or "contact.nc")
-        return [str(marker)] if found - {self._inputs(name, product)} else []
+            stale = bool({made_of(path) for path in paths} - {self._inputs(name, product)})
+        marker = self.results / "logs" / name / "inputs" / (product or "contact.nc")
+        if self._runs():
+            marker.parent.mkdir(parents=True, exist_ok=True)
+            marker.touch()
+            if not stale:
+                os.utime(marker, (0, 0))
+        elif not marker.exists() or stale != any(map(partial(_is_newer, marker), paths)):
+            # A dry run writes nothing into the folder.
+            return [str(_temporary_file(f"{name} {marker.name}"))] if stale else []
+        return [str(marker)]
 
     def _made_of(self, name: str, product: str) -> str:
         """The digest of the inputs of the data, the page or a figure of a scene."""
@@ -231,8 +244,6 @@ class Scenes:
                 for name in self.names:
                     check_target(self.results / name / "contact.nc")
                 remove_leftovers(self.results)
-                for marker in self.results.glob("logs/*/outdated/*"):  # of a run that was killed
-                    marker.unlink()
                 bring_to_present(self.results, self.config)
             if self._prune:
                 self._remove_unused()
@@ -258,6 +269,19 @@ class Scenes:
                     path.with_suffix(".nc").unlink(missing_ok=True)
                     path.unlink()
             self.store = Store(self.store.folder)
+
+
+def _is_newer(path: Path, other: Path) -> bool:
+    return path.stat().st_mtime > other.stat().st_mtime
+
+
+@cache
+def _temporary_file(name: str) -> Path:
+    """A file of this date, which is removed at the end of the process."""
+    folder = Path(tempfile.mkdtemp(prefix="weier-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    (folder / name).touch()
+    return folder / name
 
 
 def methods_of(name: str) -> Sequence[Method]:
