@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
+from weier.data import curves
 from weier.data.variables import Check
 from weier.tables import significant
 
@@ -80,6 +81,8 @@ class Condition(NamedTuple):
     limits : of the value
     most : whether it is a tendency of most members; otherwise one member refutes it
     ensembles : the ensembles to which it applies
+    error : the quantity of the numerical curve whose stated error makes a sign uncertain, if there is one
+    decides : whether the verdict depends on it; otherwise its number only stands beside it
     """
 
     text: str
@@ -89,6 +92,8 @@ class Condition(NamedTuple):
     limits: Limits
     most: bool = False
     ensembles: slice = slice(None)
+    error: str = ""
+    decides: bool = True
 
 
 class Ensemble(NamedTuple):
@@ -97,11 +102,13 @@ class Ensemble(NamedTuple):
     name : the common parameters of its members, in words
     members : the cases of each member
     complete : whether these are all possible members, so that their number does not matter
+    decides : whether a verdict depends on it; otherwise its number only stands beside it
     """
 
     name: str
     members: tuple[Cases, ...]
     complete: bool = False
+    decides: bool = True
 
 
 class Claim:
@@ -119,6 +126,7 @@ class Finding(NamedTuple):
     value : the decisive one: of the worst member, or the median for a tendency
     values, checks : of each member
     outcome : of all
+    decides : whether the verdict depends on it
     """
 
     statement: str
@@ -133,6 +141,7 @@ class Finding(NamedTuple):
     values: Sequence[float]
     checks: Sequence[int]
     outcome: int
+    decides: bool = True
 
     @property
     def votes(self) -> str:
@@ -166,7 +175,7 @@ class Judgement(NamedTuple):
     @property
     def decisive(self) -> Finding:
         """The finding that decides the outcome: of the first condition with this outcome, the worst value."""
-        same = [finding for finding in self.findings if finding.outcome == self.outcome]
+        same = [finding for finding in self.findings if finding.decides and finding.outcome == self.outcome]
         first = [finding for finding in same if finding.statement == same[0].statement]
         return max(first, key=lambda finding: finding.sign * finding.value)
 
@@ -187,7 +196,7 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
         )
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
-    outcomes = {finding.outcome for finding in findings}
+    outcomes = {finding.outcome for finding in findings if finding.decides}
     outcome = next(check for check in (Check.no, Check.not_decided, Check.yes) if check in outcomes)
     return Judgement(claim.statement, outcome, findings)
 
@@ -198,17 +207,36 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     Notes
     -----
     The uncertainty of a value is its change if every second load is left out, so that values that depend on the
-    choice of loads decide nothing.
+    choice of loads decide nothing, and the stated error of the numerical curve where it could change a sign.
     """
     limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]
     fewer = [condition.measure(*map(_every_second_load, member)) for member in ensemble.members]
-    checks = [limits.check(value, abs(value - other)) for value, other in zip(values, fewer, strict=True)]
+    stated = [max(stated_error(case, condition.error) for case in member) for member in ensemble.members]
+    checks = [
+        limits.check(value, abs(value - other) + error)
+        for value, other, error in zip(values, fewer, stated, strict=True)
+    ]
     value = float(np.median(values)) if most else max(values, key=lambda value: limits.sign * value)
     limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
     outcome = _outcome(checks, most, ensemble.complete)
+    decides = condition.decides and ensemble.decides
     words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
-    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome)
+    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome, decides)
+
+
+def stated_error(case: Case, quantity: str) -> float:
+    """The median stated error of the most accurate numerical curve: of h in g_0, of R relative; 0 without one."""
+    if not quantity:
+        return 0.0
+    method = curves.numerical_method(case)
+    error, values = (curves.curve(case, name, method) for name in (f"{quantity}_error", quantity))
+    if error is None or values is None:
+        return 0.0
+    known = np.isfinite(error) & (values > 0)
+    return (
+        float(np.median(error[known] / (values[known] if quantity == "resistance" else 1.0))) if known.any() else 0.0
+    )
 
 
 def _every_second_load(case: Case) -> Case:

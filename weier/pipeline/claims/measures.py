@@ -14,7 +14,7 @@ import numpy as np
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
 from weier.methods.registry import find_method
-from weier.pipeline.claims.claim import Case, MissingError
+from weier.pipeline.claims.claim import Case, Cases, MissingError
 from weier.surface.series import full_contact_pressure, tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
@@ -123,9 +123,53 @@ def excess(case: Case, method: str) -> Array:
     return curve(case, method) - numerical(case)
 
 
-def least_excess(case: Case, method: str) -> float:
-    """The least excess in partial contact."""
-    return float(excess(case, method)[_partial_contact(case)].min())
+def least_excess(case: Case, method: str, from_first_contact: bool = False) -> float:
+    """The least excess in partial contact; numerical curves may count from first contact, as Archard's does."""
+    first = float(case["first_contact"]) if from_first_contact else 0.0
+    return float((excess(case, method) + first)[_partial_contact(case)].min())
+
+
+def mean_error(case: Case, method: str) -> float:
+    """The mean absolute excess up to full contact, over the compliance at full contact."""
+    return _mean(*_between(case, np.abs(excess(case, method)), 0, 1)) / _total(case)
+
+
+def mean_resistance_error(case: Case, method: str) -> float:
+    """The mean absolute relative error of the resistance at intermediate compliances."""
+    loads, error = resistance_errors(case, method)
+    return _mean(loads, np.abs(error))
+
+
+def largest_rise_of_resistance(case: Case) -> float:
+    """The largest rise of a resistance from one load to the next, by any estimate and the most accurate method."""
+    rows = [curve(case, method, "resistance") for method in (*ESTIMATES, curves.numerical_method(case))]
+    return max(float((np.diff(row) / row.max()).max()) for row in rows)
+
+
+def width_of_bounds(case: Case) -> float:
+    """The mean relative width of the bounds on the resistance over that of the compliance."""
+    widths = []
+    for quantity in ("resistance", "compliance"):
+        width = numerical(case, f"{quantity}_upper") - numerical(case, f"{quantity}_lower")
+        loads, values = _between(case, width / np.maximum(numerical(case, quantity), ROUNDING), *INTERMEDIATE)
+        widths.append(_mean(loads, values))
+    return widths[0] / widths[1]
+
+
+def later_full_contact(*dimensions: Case) -> float:
+    """The load close to full contact of the last case over that of the first."""
+    first, last = (float(curves.full_contact_load([case])) for case in (dimensions[0], dimensions[-1]))
+    return last / first
+
+
+def ensemble_mean(cases: Cases) -> Case:
+    """The mean curves of profiles that differ in their phases alone, with the largest of their stated errors."""
+    first = cases[0]
+    averaged = ("compliance", "resistance", "contact_fraction", "first_contact")
+    largest = ("compliance_error", "resistance_error")
+    values = {name: np.mean([case[name].values for case in cases], axis=0) for name in averaged}
+    values |= {name: np.max([case[name].values for case in cases], axis=0) for name in largest}
+    return first.assign({name: (first[name].dims, value) for name, value in values.items()})
 
 
 def excess_at_low_loads(case: Case, method: str) -> Array:

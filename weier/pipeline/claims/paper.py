@@ -33,23 +33,23 @@ EXTREMELY_SMALL = 0.02  # "Extremely small", over the compliance at full contact
 DEMELIO_ERROR = 0.30  # The relative error of the resistance that the paper gives: "by as much as".
 LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives: "about".
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
-NUMERICAL_ERROR = 1e-3  # g_0: the error of boundary elements, below which a difference has no certain sign.
-RESISTANCE_ERROR = 0.01  # The relative error of the numerical resistance, for the same purpose.
-
+QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
 
 RULE = (
     "Each number is measured on profiles that differ in their phases alone, and a profile is too close to call where "
-    f"its number lies between the limit and {OPEN_FACTOR:g} times the limit, within {NUMERICAL_ERROR:g} g_0 (or "
-    f"{RESISTANCE_ERROR:.0%} of the resistance) of a change of sign, or closer to the limit than it changes if every "
-    "second load is left out. A statement about all loads or profiles holds if every profile confirms it, and fails "
-    f"with the first that refutes it. A tendency needs {MIN_FRACTION:.0%} of them for either. Otherwise it is not "
-    f"decided, and fewer than {MIN_MEMBERS} profiles confirm nothing."
+    f"its number lies between the limit and {OPEN_FACTOR:g} times the limit, within the stated error of the numerical "
+    "curve of a change of sign, or closer to the limit than it changes if every second load is left out. A statement "
+    "about all loads or profiles holds if every profile confirms it, and fails with the first that refutes it. A "
+    f"tendency needs {MIN_FRACTION:.0%} of them for either. Otherwise it is not decided, and fewer than {MIN_MEMBERS} "
+    "profiles confirm nothing. Statements about smooth curves of the resistance are judged on the mean over the "
+    "phases, since that of a single profile falls in drops; the single profiles are beside it."
 )
 MEANINGS = (
     "Excess and error are of an estimate over the numerical curve, and averages are over the load. "
     f"Loads are low up to {LOW_COMPLIANCE:.0%} of the compliance at full contact, and high above. "
-    f"Close means within {CLOSE:.0%} of the compliance at full contact, and extremely small within "
+    f"Close means within {CLOSE:.0%} of the compliance at full contact, quite good {QUITE_GOOD:.0%} of it and "
+    f"{DEMELIO_ERROR:.0%} of the resistance, and extremely small within "
     f"{EXTREMELY_SMALL:.0%}; the few elements agree closely within {CLOSE_AGREEMENT:.0%} of the compliance itself. "
     f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
     "contact: below, one contact carries the load, and above, the resistance vanishes, so that ratios mean nothing."
@@ -63,6 +63,20 @@ def by_phases(cases: Cases) -> list[Ensemble]:
         Ensemble(describe(group[0]), tuple((case,) for case in group), float(group[0]["m"]) == 1)
         for group in curves.groups(cases, *PARAMETERS)
     ]
+
+
+def by_mean(cases: Cases) -> list[Ensemble]:
+    """The mean of each ensemble, which decides, and its members beside it."""
+    single = by_phases(cases)
+    means = [
+        Ensemble(
+            f"{own.name}, mean of {len(own.members)}",
+            ((measures.ensemble_mean([case for (case,) in own.members]),),),
+            own.complete or len(own.members) >= MIN_MEMBERS,
+        )
+        for own in single
+    ]
+    return means + [own._replace(name=f"{own.name}, one by one", decides=False) for own in single]
 
 
 def series(cases: Cases, varied: str) -> list[Ensemble]:
@@ -117,7 +131,8 @@ def _growth(method: str) -> Condition:
         f"growth of the largest error of {label}, of full contact",
         "%",
         partial(measures.growth_of_error, method),
-        positive(NUMERICAL_ERROR),
+        positive(0.0),
+        error="compliance",
         most=True,
     )
 
@@ -179,7 +194,17 @@ CLAIMS = {
             "least excess of Archard's compliance in partial contact",
             "g_0",
             lambda case: measures.least_excess(case, "archard"),
-            at_least(-NUMERICAL_ERROR, factor=1),  # it may meet the numerical curve, as at full contact
+            at_least(0, factor=1),
+            error="compliance",
+        ),
+        Condition(
+            "counted from first contact, Archard's compliance is too high at all loads",
+            "least excess of Archard's compliance over that from first contact",
+            "g_0",
+            lambda case: measures.least_excess(case, "archard", from_first_contact=True),
+            at_least(0, factor=1),
+            error="compliance",
+            decides=False,
         ),
     ),
     "demelio_below": Claim(
@@ -190,7 +215,8 @@ CLAIMS = {
             "largest excess of Demelio's compliance at low loads",
             "g_0",
             lambda case: float(measures.excess_at_low_loads(case, "demelio").max()),
-            negative(NUMERICAL_ERROR),
+            negative(0.0),
+            error="compliance",
         ),
     ),
     "layer_close": Claim(
@@ -202,7 +228,8 @@ CLAIMS = {
             "mean excess of the layer's compliance at high loads",
             "g_0",
             lambda case: measures.mean_excess_at_high_loads(case, "layer"),
-            negative(NUMERICAL_ERROR),
+            negative(0.0),
+            error="compliance",
             most=True,
         ),
         Condition(
@@ -223,7 +250,7 @@ CLAIMS = {
         "The Archard approximation tends to underestimate the resistance, particularly at high loads; the Demelio "
         "approximation consistently overestimates it, by as much as 30%; the non-linear layer is best, its largest "
         "error an overestimate of about 12% at intermediate loads (5.4).",
-        by_phases,
+        by_mean,
         Condition(
             f"the layer's largest error is about {LAYER_ERROR:.0%}",
             "largest relative error of the layer's resistance",
@@ -236,7 +263,8 @@ CLAIMS = {
             "largest overestimate of the layer's resistance less its largest underestimate",
             "%",
             lambda case: sum(measures.resistance_range(case, "layer")),
-            positive(RESISTANCE_ERROR),
+            positive(0.0),
+            error="resistance",
             most=True,
         ),
         Condition(
@@ -244,7 +272,8 @@ CLAIMS = {
             "root mean square error of the layer's resistance less that of the better of the others",
             "%",
             measures.layer_behind_others,
-            negative(RESISTANCE_ERROR),
+            negative(0.0),
+            error="resistance",
             most=True,
         ),
         Condition(
@@ -252,7 +281,8 @@ CLAIMS = {
             "mean relative error of Archard's resistance at high loads",
             "%",
             lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
-            negative(RESISTANCE_ERROR),
+            negative(0.0),
+            error="resistance",
             most=True,
         ),
         Condition(
@@ -260,7 +290,8 @@ CLAIMS = {
             "least relative error of Demelio's resistance",
             "%",
             lambda case: measures.resistance_range(case, "demelio")[0],
-            at_least(-RESISTANCE_ERROR, factor=1),
+            at_least(0, factor=1),
+            error="resistance",
         ),
         Condition(
             f"Demelio's errors are at most about {DEMELIO_ERROR:.0%}",
@@ -268,6 +299,63 @@ CLAIMS = {
             "%",
             lambda case: measures.resistance_range(case, "demelio")[1],
             at_most(QUOTED_TOLERANCE * DEMELIO_ERROR),
+        ),
+    ),
+    "resistance_falls": Claim(
+        "All the curves show the typical reduction of contact resistance with increasing load (5.4).",
+        by_phases,
+        Condition(
+            "no resistance rises with the load",
+            "largest rise of a resistance from one load to the next, over its largest value",
+            "",
+            measures.largest_rise_of_resistance,
+            at_most(ROUNDING, factor=1),
+        ),
+    ),
+    "bounds_looser": Claim(
+        "The bounds on the resistance are less tight than those on the load-compliance relation (5.5).",
+        by_phases,
+        Condition(
+            "the bounds on the resistance are wider than those on the compliance",
+            "relative width of the bounds on the resistance over that on the compliance",
+            "",
+            measures.width_of_bounds,
+            at_least(1),
+        ),
+    ),
+    "rises_further": Claim(
+        "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",
+        partial(series, varied="D"),
+        Condition(
+            "a larger D reaches full contact at a larger load",
+            "load of 99 % of full contact for the largest D over that for the smallest",
+            "",
+            measures.later_full_contact,
+            at_least(1),
+        ),
+    ),
+    "approximations_good": Claim(
+        "All the proposed approximations give quite good predictions of the curves (6).",
+        by_mean,
+        *(
+            condition
+            for method in ESTIMATES
+            for condition in (
+                Condition(
+                    f"the compliance by {find_method(method).label} is quite good",
+                    f"mean error of the compliance by {find_method(method).label}, of full contact",
+                    "%",
+                    partial(measures.mean_error, method=method),
+                    at_most(QUITE_GOOD),
+                ),
+                Condition(
+                    f"the resistance by {find_method(method).label} is quite good",
+                    f"mean relative error of the resistance by {find_method(method).label}",
+                    "%",
+                    partial(measures.mean_resistance_error, method=method),
+                    at_most(DEMELIO_ERROR),
+                ),
+            )
         ),
     ),
     "boundary_elements": Claim(
