@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from weier.kernels.arrays import Array
 from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
 from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 
-DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes: a load takes tens of milliseconds.
+DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes.
+SECONDS_START, SECONDS_LOAD = 0.1, 0.013  # On so many nodes.
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> HybridCurve:
     return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
+
+
+def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
+    """Expected seconds of a curve on the default grid."""
+    return SECONDS_START + SECONDS_LOAD * loads.size
 
 
 METHOD = Method(
@@ -25,5 +33,6 @@ METHOD = Method(
         "points": "nodes in a period of these waves, by default 32 for each of the finest, or more for thin layers",
     },
     applies=check_infinite,
+    seconds=_seconds,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
 )
