@@ -14,6 +14,11 @@ def one_wave(load):
     return load * (1 - np.log(load))
 
 
+def bound_by(state, load, gap=0.0, missing=0.0, pressure=(), width=(), period=1.0):
+    """The bound on a state under this load by its violations."""
+    return error_bound(state, load, missing, gap, np.array(pressure), np.array(width), period)
+
+
 @pytest.mark.parametrize("load", [1e-6, 0.1, 0.9])
 @pytest.mark.parametrize("part", [1e-3, 0.1, 0.5, 0.9])
 def test_the_bound_holds_for_states_that_use_up_their_tension(load, part):
@@ -21,21 +26,21 @@ def test_the_bound_holds_for_states_that_use_up_their_tension(load, part):
     sigma = part * load
     for other in (load - sigma, load + sigma):
         state, exact = one_wave(other) if other < 1 else 1.0, one_wave(load)
-        bound = error_bound(state, load, load, 0.0, sigma, 0.0, 1.0)
+        bound = bound_by(state, load, pressure=[sigma], width=[0.0])
         assert abs(state - exact) <= bound
-        assert abs(state - exact) + 1e-3 <= error_bound(state, load, load, 1e-3, sigma, 0.0, 1.0)
-        by_load = error_bound(state, load, other, 0.0, 0.0, 0.0, 1.0)
-        assert by_load == pytest.approx(bound, rel=1e-12)
+        assert abs(state - exact) + 1e-3 <= bound_by(state, load, 1e-3, 0.0, [sigma], [0.0])
+        assert bound_by(state, load, missing=sigma) == pytest.approx(bound, rel=1e-12)
+        assert bound_by(state, load, 0.0, 0.5 * sigma, [0.2 * sigma, 0.3 * sigma], [0.0, 0.0]) == pytest.approx(bound)
     drop = one_wave(load) - one_wave(load - sigma)
     # h is nearly a straight line under a light load, so that the bound is hardly larger than the difference.
-    sharp = error_bound(one_wave(load - sigma), load, load, 0.0, sigma, 0.0, 1.0)
+    sharp = bound_by(one_wave(load - sigma), load, pressure=[sigma], width=[0.0])
     assert drop <= sharp
     assert load > 1e-5 or sharp < 1.3 * drop
     assert sigma * -np.log(load) < drop  # R sigma is no bound
 
 
 def test_no_bound_follows_from_as_much_tension_as_load():
-    assert error_bound(0.3, 0.1, 0.1, 0.0, 0.1, 0.0, 1.0) == np.inf
+    assert bound_by(0.3, 0.1, pressure=[0.1], width=[0.0]) == np.inf
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -53,12 +58,13 @@ def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period,
 
 
 def test_each_condition_that_is_violated_counts_in_the_bound():
-    assert error_bound(0.3, 0.5, 0.5, 1e-5, 0.0, 0.0, 1.0) == 1e-5
-    assert error_bound(0.3, 0.5, 0.5, 1e-5, 1e-6, 0.0, 1.0) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
-    assert error_bound(0.3, 0.5, 0.5, 0.0, 0.1, 1e-9, 2.0) == pytest.approx(
-        2e-10 * (1 + np.log(1e9)) + 3e-11, rel=1e-6
-    )
-    assert error_bound(0.3, 0.5, 0.5 + 1e-6, 0.0, 0.0, 0.0, 1.0) == pytest.approx(1e-6 * 0.6, rel=1e-4)
+    assert bound_by(0.3, 0.5, 1e-5) == 1e-5
+    assert bound_by(0.3, 0.5, 1e-5, 0.0, [1e-6], [0.0]) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
+    moved = 2e-10 * (1 + np.log(1e9)) + 0.6 * 0.5e-10
+    assert bound_by(0.3, 0.5, pressure=[0.1], width=[1e-9], period=2.0) == pytest.approx(moved, rel=1e-6)
+    both = bound_by(0.3, 0.5, pressure=[1e-7, 0.1], width=[1.9, 1e-9], period=2.0)
+    assert both == pytest.approx(moved + 0.6e-7, rel=1e-6)  # each in the way that gives less
+    assert bound_by(0.3, 0.5, missing=1e-6) == pytest.approx(1e-6 * 0.6, rel=1e-4)
 
 
 @pytest.mark.parametrize("load", [0.5, 4.0])

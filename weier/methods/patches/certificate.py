@@ -37,43 +37,46 @@ GAP_ROUNDING = 1e-13
 
 
 def error_bound(
-    indentation: float, load: float, carried: float, gap: float, pressure: float, width: float, period: float
+    indentation: float, load: float, missing: float, gap: float, pressure: Array, width: Array, period: float
 ) -> float:
     """Return a bound on the error of a compliance, in g_0, from the conditions of contact that its state violates.
 
     Parameters
     ----------
     indentation : of the state from first contact, or more: delta, in g_0
-    load, carried : mean pressure that is required, P, and that of the state, in p_0*
+    load : mean pressure that is required, P, in p_0*
+    missing : by how much that of the state differs, in p_0*
     gap : largest gap on a contact or overlap anywhere, in g_0: eps
-    pressure : largest pressure in a gap or tension anywhere, in p_0*: sigma
-    width : of the part of the period on which these stand, in lambda_0: W; 0 stands for no bound by it
+    pressure, width : pressures in gaps and tensions, at most sigma_i, in p_0*, each with the force of sigma_i on the
+        width W_i, in lambda_0, shape (violations,); a width of 0 stands for an unknown one
 
     Notes
     -----
-    With D(P) the exact mean gap, d that of the state satisfies D(P + sigma) - eps <= d <= D(P - sigma) + eps, if
-    |P - carried| is added to sigma. Since h is concave and its tangent at P - sigma lies above its chord from first
-    contact, D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the
-    error is at most eps + sigma (delta + eps)/(P - sigma).
+    With D(P) the exact mean gap and sigma the sum of all sigma_i and of `missing`, the mean gap d of the state
+    satisfies D(P + sigma) - eps <= d <= D(P - sigma) + eps. Since h is concave and its tangent at P - sigma lies
+    above its chord from first contact,
+    D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the error is
+    at most eps + sigma (delta + eps)/(P - sigma).
 
-    Or the pressures and tensions on the width W are taken off. That changes the mean pressure by sigma W/L at most,
-    and moves the surface (`largest_displacement`), which is added to eps. The smaller of both bounds is returned.
+    The pressures on the width W_i can be taken off instead, which changes the mean pressure by sigma_i W_i/L at most
+    and moves the surface (`largest_displacement`). That is done wherever it gives less.
     """
-    missing = abs(carried - load)
-    violations = [(gap, missing + pressure)]
-    if width > 0:
-        taken_off = gap + largest_displacement(pressure, width, period)
-        violations.append((taken_off, missing + pressure * width / period))
-    bounds = [eps + s * (indentation + eps) / (load - s) for eps, s in violations if s < load]
-    return float(min(bounds, default=np.inf))
+    taken_off = np.array(
+        [largest_displacement(p, w, period) if w > 0 else np.inf for p, w in zip(pressure, width, strict=True)]
+    )
+    is_less = taken_off < pressure * (1 - width / period) * indentation / load
+    eps = gap + float(taken_off[is_less].sum())
+    sigma = missing + float(np.where(is_less, pressure * width / period, pressure).sum())
+    return eps + sigma * (indentation + eps) / (load - sigma) if sigma < load else np.inf
 
 
 def largest_displacement(pressure: float, width: float, period: float) -> float:
-    """Return a bound on the displacement, of mean 0, by pressures of either sign on a width W of the period, in g_0.
+    """Return a bound on the displacement, of mean 0, by pressures up to sigma with the force of sigma on a width W.
 
-    One sign moves the surface by -2 int ln|2 sin(pi x/L)| dx over its width round x = 0, and so by
-    2 sigma W [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 sigma W ln 2 at most. Together the
-    two are at most 2 sigma W [1 + max(ln(L/2W), ln 2)], however W is shared between them.
+    Pressures of one sign move the surface the most if sigma stands on the width round one place, since
+    -2 ln|2 sin(pi x/L)| decreases with the distance: by -2 int ln|2 sin(pi x/L)| dx over the width, and so by
+    2 sigma W [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 sigma W ln 2 at most. Both signs
+    together move it by 2 sigma W [1 + max(ln(L/2W), ln 2)] at most, however they share W.
     """
     return float(2 * pressure * width * (1 + max(np.log(0.5 * period / width), np.log(2.0))))
 
@@ -167,16 +170,27 @@ def certify(
         closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
-    largest, below = SAMPLED_FACTOR * float(residual.max()), minima[minima["value"] < 0]
-    of_complement, of_density = max(largest, -float(below["value"].min(initial=0.0))), closure
-    width = float(np.sum(r[negative["segment"]] * (negative["end"] - negative["start"])))
-    of_density = max(closure, -float(negative["lowest"].min(initial=0.0)))
-    if state.dual:  # The pressures stand in the gaps, and where the parabolas at the minima are negative.
-        beside = 2 * np.sqrt(-2 * below["value"] / np.maximum(below["curvature"], -below["value"] / period**2))
-        violated = of_density, of_complement, min(float(2 * r.sum() + beside.sum()), period)
+    residual, below = SAMPLED_FACTOR * residual, minima[minima["value"] < 0]
+    if state.dual:  # Pressures stand in the gaps, and where the parabolas at minima of the pressure are negative.
+        gap = max(closure, -float(negative["lowest"].min(initial=0.0)))
+        reach = np.sqrt(-2 * below["value"] / np.maximum(below["curvature"], -below["value"] / period**2))
+        violated, on = np.append(residual, -below["value"]), np.append(2 * r, 2 * reach)
     else:
-        violated = of_complement, of_density, width
-    error = error_bound(_indentation(state, series), state.load, carried_load(state, period), *violated, period)
+        gap = max(float(residual.max()), -float(below["value"].min(initial=0.0)))
+        violated, on = -negative["lowest"], r[negative["segment"]] * (negative["end"] - negative["start"])
+    pressure = float(violated.max(initial=0.0))
+    # On this width, the largest pressure has the force of all.
+    width = min(float(np.sum(violated * on)) / pressure, period) if pressure > 0 else 0.0
+    beyond, width_beyond, unsure = pressure_beside_cracks(state, period)
+    error = unsure + error_bound(
+        _indentation(state, series),
+        state.load,
+        abs(carried_load(state, period) - state.load),
+        gap,
+        np.append(beyond, pressure),
+        np.append(width_beyond, width),
+        period,
+    )
     # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
     of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
     tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
@@ -205,6 +219,21 @@ def _tensions_from_minima(state: ContactState, minima: Records, period: float) -
     t = (found["position"] - (origin + centre)) / r
     b = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], 1e-300)) / r
     return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
+
+
+def pressure_beside_cracks(state: ContactState, period: float) -> tuple[Array, Array, float]:
+    """Return the tension that each thin gap leaves outside its contact, its width, and the doubt about all lifts.
+
+    With a gap w, pressures change by -int w/sin^2 dx/(2 L^2), which is left beyond the edges of its contact. It is the
+    largest at the nearest edge, and on the whole no more than this value on a width that gives the same force. If
+    nothing else moves, the mean gap rises by the mean of w.
+    """
+    cracks = state.cracks
+    r = contacts_of(state.segments.extent, state.dual, period)[2][cracks.contact]
+    angle = np.pi / period * np.minimum(np.stack([1 + cracks.middle, 1 - cracks.middle]) * r, 0.5 * period)
+    largest = 0.5 / np.sin(angle.min(axis=0)) ** 2
+    width = period / (2 * np.pi) * (1 / np.tan(angle)).sum(axis=0) / largest
+    return cracks.volume / period**2 * largest, width, float(np.abs(cracks.lift - cracks.volume / period).sum())
 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:

@@ -375,7 +375,7 @@ def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices |
         b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
-        merged = np.array(_merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
+        merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
     punches = make_punches(moved, series.period, problem.dual)
     return Guess(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
@@ -432,7 +432,7 @@ def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) ->
     return transfer_forces(old, b, origin, punches)
 
 
-def _merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
+def merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
     """From the first to the last of each run of contacts that merge."""
     n, period = merging.size, problem.series.period
     if np.all(merging):

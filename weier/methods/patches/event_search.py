@@ -27,7 +27,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import many_contacts
 from weier.methods.patches.fields import CAUCHY, density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
-from weier.methods.patches.segments import ContactState, contacts_of
+from weier.methods.patches.segments import ContactState, contact_pieces, contacts_of
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
@@ -123,7 +123,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
         return _sort_events([], 0, surface)
     search = _Search(starts)
     state = search.state(float(low))
-    patch_count = state.extent[0].size
+    patch_count = state.segments.centre.size + state.cracks.contact.size
     located: list[tuple[float, _Event]] = []
     for load in np.geomspace(low, last, 2 + int(np.log10(last / low) / MAX_DECADES))[1:]:
         heavier = search.state(float(load))
@@ -136,7 +136,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
     """The merges at the load of full contact: all gaps that are left just below it close."""
-    gaps = _intervals(state, not state.dual, surface.heights.period)
+    gaps = _intervals(state, True, surface.heights.period)
     return [(surface.full_contact_load, _Event(False, *gap)) for gap in zip(*gaps, strict=True)]
 
 
@@ -199,10 +199,10 @@ class _Search(NamedTuple):
         A contact of `high` holds those of `low` whose middles lie within it.
         """
         period = self.starts.surface.heights.period
-        origins, lefts, rights = _intervals(low, low.dual, period)
+        origins, lefts, rights = _intervals(low, False, period)
         finest = 2 * np.pi / self.starts.surface.heights.wavenumber[-1]
         changes, advances = [], []
-        for origin, left, right in zip(*_intervals(high, high.dual, period), strict=True):
+        for origin, left, right in zip(*_intervals(high, False, period), strict=True):
             shift = origins - origin
             middle = shift + 0.5 * (lefts + rights)
             turns = np.ceil((left - middle) / period) * period
@@ -273,9 +273,9 @@ class _Search(NamedTuple):
         return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
 
 
-def _intervals(state: ContactState, between: bool, period: float) -> tuple[Array, Array, Array]:
-    """The pieces of segments of a state, or what lies between them: from origin + left to origin + right."""
-    origin, centre, half_width = contacts_of(state.extent, between, period)
+def _intervals(state: ContactState, of_gaps: bool, period: float) -> tuple[Array, Array, Array]:
+    """The contacts of a state, or its gaps: from origin + left to origin + right."""
+    origin, centre, half_width = contacts_of(contact_pieces(state, period)[0], of_gaps, period)
     return origin, centre - half_width, centre + half_width
 
 

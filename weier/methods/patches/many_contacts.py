@@ -25,7 +25,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Indices, Records
+from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
@@ -36,6 +36,7 @@ from weier.methods.patches.edge_iteration import (
     Stage,
     Step,
     make_guess,
+    merged_intervals,
     next_guess,
     rearrange,
     take_step,
@@ -51,6 +52,7 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.inequalities import (
     MAX_INNER,
+    MAX_THINNESS,
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
     find_missing,
@@ -66,6 +68,7 @@ from weier.methods.patches.segments import (
     values_at_nodes,
 )
 from weier.methods.patches.surface import Surface
+from weier.methods.patches.thin_gaps import are_thin, cracks_between_gaps, cracks_on_contacts
 
 MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
 LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
@@ -173,7 +176,7 @@ def _solve_to(
         # be.
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
-        is_open = wrong["height"] > stage.opening
+        is_open = (wrong["height"] > stage.opening) & (problem.dual | ~are_thin(wrong))
         margin = (
             gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
         )
@@ -190,16 +193,16 @@ def _solve_to(
             height = problem.kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
             if not np.any(short := (height > allowed) & (count < MAX_NODES)):
-                resistance, strength = _resistance(step.punches, step.forces, tolerance)
-                cracks = _cracks(state, wrong[~is_open])
                 route = guess.route._replace(steps=steps, corrections=corrections)
-                state = state._replace(
-                    resistance=resistance,
-                    tangent_strength=strength,
-                    edge_move=step.moves.outward,
-                    cracks=cracks,
-                    route=route,
-                )
+                tangent = solve_tangent(step.punches, step.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
+                state = state._replace(edge_move=step.moves.outward, route=route)
+                state = _with_resistance(state, step.punches, tangent)
+                if problem.dual:
+                    state, minima = cracks_between_gaps(
+                        state, problem.series, step.punches, tangent, minima, float(residual.max())
+                    )
+                else:
+                    state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
                 return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             now = next_guess(problem, step, stage, counts)
@@ -265,12 +268,25 @@ def _corrections(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Segments to add, shape (added, 2), which of those there remain, and minima off them that are below a margin.
 
-    A segment in which an interval is negative is removed, and the pieces of it that are left over are added.
+    A segment in which an interval is negative is removed, and the pieces of it that are left over are added. Contacts
+    beside a thin gap become one.
     """
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     missing, minima = find_missing(problem, step, stage.outside, margin)
-    return np.concatenate([_cut_segments(state, negative), missing]), remaining, minima
+    merging = np.zeros_like(remaining) if problem.dual else _thin_gaps(state, step.punches.gap) & remaining
+    merging &= np.roll(remaining, -1)
+    merged = np.zeros((0, 2))
+    if not np.all(merging):
+        merged = np.array(merged_intervals(problem, state.segments, merging)).reshape(-1, 2)
+        remaining &= ~(merging | np.roll(merging, 1))
+    return np.concatenate([_cut_segments(state, negative), missing, merged]), remaining, minima
+
+
+def _thin_gaps(state: ContactState, gap: Array) -> Flags:
+    """Return whether the gap on the right of each contact is thin: less than half of what would be cut in again."""
+    r = state.segments.half_width
+    return np.asarray(gap < 2 * MAX_THINNESS * np.minimum(r, np.roll(r, -1)))
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
@@ -293,18 +309,6 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     return np.array(pieces).reshape(-1, 2)
 
 
-def _cracks(state: ContactState, negative: Records) -> NDArray[np.float64]:
-    """The gaps in place of intervals of tension, as `ContactState.cracks`; none within gaps (dual).
-
-    Where a parabola of pressure falls to -q_0, the crack has the half-width b = sqrt(2) times that of the interval,
-    and beside it the pressure is 2 q_0 |x| sqrt(x^2-b^2)/b^2, whose strength at the edge is q_0 (8/b)^(1/2).
-    """
-    t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * NEW_GAP_WIDTH * (negative["end"] - negative["start"])
-    inner = (np.abs(t) + b < MAX_INNER) & (not state.dual)
-    at, t, b, lowest = negative["segment"][inner], t[inner], b[inner], negative["lowest"][inner]
-    return np.stack([at, t, b, -lowest * np.sqrt(8 / (b * state.segments.half_width[at]))], axis=1)
-
-
 def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
     """Return a step as a state of contact, whose pressure vanishes at all edges; without resistance and residual.
 
@@ -320,10 +324,9 @@ def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, a)
 
 
-def _resistance(punches: Punches, forces: Forces, tolerance: float) -> tuple[float, NDArray[np.float64]]:
-    """Return the resistance, and the strength B of the tangent pressure B/s^(1/2) at the edges of each segment."""
-    tangent = solve_tangent(punches, forces, max(LEAST_TANGENT_REDUCTION, tolerance))
-    segments = punches.segments
+def _with_resistance(state: ContactState, punches: Punches, tangent: Forces) -> ContactState:
+    """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges."""
+    segments, kind = punches.segments, punches.kind
     psi = end_sums(segments.first_node, expansion(punches, tangent.force))
-    strength = punches.kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    return punches.kind.sign_of_plane * tangent.plane, strength
+    strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
+    return state._replace(resistance=kind.sign_of_plane * tangent.plane, tangent_strength=strength)

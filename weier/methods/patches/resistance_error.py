@@ -26,6 +26,7 @@ TANGENT_ERROR = 5e-11
 # An edge beside a narrow gap counts twice: the edge at the other end of the gap moves as well, which the estimate of
 # its own move leaves out.
 EDGE_FACTOR = 2.0
+NEIGHBOUR_FACTOR = 4.0
 CRACK_FACTOR = 2.0  # Cracks count twice: their width comes from an interval of tension as if that were parabolic.
 # An edge that may move by as much as its contact or gap is wide counts as if it moved so many times the half-width of
 # the gap, or a chi of the contact. For a contact, 2 a chi at both edges is four times what its loss changes.
@@ -35,7 +36,7 @@ EPS = float(np.finfo(float).eps)
 
 def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """An estimate of the error of the resistance in partial contact, in g_0/p_0*."""
-    by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period)
+    by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
     # One more step would have moved the edges, which changes the resistance by the energy that these release.
     by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * np.abs(state.edge_move)))
@@ -57,6 +58,29 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
     B = at_contacts(state.tangent_strength, state.dual)[contact].mean(axis=1)
     q = np.maximum(B * np.sqrt(2 / (r * (1 - t**2))), 1.0)
     return float(np.pi**2 / period * np.sum((NEW_GAP_WIDTH * b * r * q) ** 2))
+
+
+def _error_of_cracks(state: ContactState, period: float) -> float:
+    """The error of what cracks add to the resistance, in g_0/p_0*.
+
+    The tension q_0 at the middle of a crack is known to k e/(2 pi r sqrt(1-t^2)), which is the pressure of a residual
+    e T_k on its contact. With b^2 = 4 q_0/kappa, its rise pi^2 b^2 q^2/L is off by 4 pi^2 q^2/(kappa L) of that. Here
+    kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by some
+    `NEIGHBOUR_FACTOR` (b/l)^2 of itself.
+    """
+    cracks, segments = state.cracks, state.segments
+    if cracks.contact.size == 0:
+        return 0.0
+    radius = contacts_of(segments.extent, state.dual, period)[2][cracks.contact]
+    modes = segments.node_count / segments.half_width
+    if state.dual:
+        modes = np.maximum(modes, np.roll(modes, -1))
+    inside = (1 - cracks.middle) * (1 + cracks.middle)
+    tension = state.height_error * modes[cracks.contact] / (2 * np.pi * np.sqrt(inside))
+    b = cracks.half_width
+    by_tension = 4 * np.pi**2 / period * np.sqrt(2 * b) * cracks.tangent_strength**2 / cracks.strength * tension
+    by_neighbour = NEIGHBOUR_FACTOR * cracks.rise * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2
+    return float(np.sum(by_tension + by_neighbour))
 
 
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:

@@ -99,6 +99,30 @@ class Segments(NamedTuple):
 MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
 
 
+class Cracks(NamedTuple):
+    """Thin gaps within contacts in order, each field of shape (cracks,).
+
+    contact : index of the contact, from left to right
+    middle, reach : middle and half-width in its coordinate t, from -1 to 1
+    half_width : b, in lambda_0
+    strength : A of the pressure A s^(1/2) at the distance s from both edges, in p_0*/lambda_0^(1/2)
+    tangent_strength : B of the increment B/s^(1/2) there, in lambda_0^(1/2)
+    volume : int w dx, in g_0 lambda_0
+    lift : by how much the gap raises the mean gap under a given load, in g_0
+    rise : by how much it raises the resistance, in g_0/p_0*
+    """
+
+    contact: Indices = np.empty(0, np.int64)
+    middle: Array = np.empty(0)
+    reach: Array = np.empty(0)
+    half_width: Array = np.empty(0)
+    strength: Array = np.empty(0)
+    tangent_strength: Array = np.empty(0)
+    volume: Array = np.empty(0)
+    lift: Array = np.empty(0)
+    rise: Array = np.empty(0)
+
+
 # Where a load starts: Hertz's contacts on crests, the last gaps on the crests of the tension, or a grid.
 CRESTS, TENSIONS, GRID = range(3)
 
@@ -135,9 +159,8 @@ class ContactState(NamedTuple):
     residual : largest violation of a contact condition, in g_0
     error : a bound on the error of the approach by these violations, in g_0
     height_error : by how much heights may differ for which the state is exact, in g_0
-    cracks : gaps within contacts that are too narrow for their edges to be solved for: the index of the contact,
-        middle and half-width in its coordinate t, and the strength of the pressure at both edges, as in `Solution`;
-        shape (cracks, 4), in order
+    cracks : gaps within contacts that are too thin for segments of their own, whose effect is in `approach` and
+        `resistance`
     tensions : intervals of tension that are left on contacts, where a gap is missing or too narrow to be solved for:
         the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
     narrow_gaps : minima of the gap that are smaller than the gap's uncertainty, so that a contact may be born there
@@ -158,29 +181,10 @@ class ContactState(NamedTuple):
     residual: float = np.nan
     error: float = np.nan
     height_error: float = np.nan
-    cracks: NDArray[np.float64] = np.empty((0, 4))
+    cracks: Cracks = Cracks()
     tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
     route: Route = Route(GRID)
-
-    @property
-    def pieces(self) -> tuple[Indices, Indices]:
-        """The index of the segment that each piece between cracks belongs to, and the pieces that end at a crack."""
-        of = self.cracks[:, 0].astype(np.int64)
-        count = self.segments.centre.size
-        return np.repeat(np.arange(count), 1 + np.bincount(of, minlength=count)), of + np.arange(of.size)
-
-    @property
-    def extent(self) -> Extent:
-        """Origin, centre from there and half-width of each piece, in lambda_0."""
-        if self.cracks.size == 0:
-            return self.segments.extent
-        of, before_crack = self.pieces
-        start, end = np.full(of.size, -1.0), np.ones(of.size)
-        end[before_crack] = self.cracks[:, 1] - self.cracks[:, 2]
-        start[before_crack + 1] = self.cracks[:, 1] + self.cracks[:, 2]
-        origin, centre, r = (values[of] for values in self.segments.extent)
-        return origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)
 
 
 @kernel
@@ -197,12 +201,24 @@ def segment_strengths(state: ContactState) -> Sides:
     return end_sums(segments.first_node, coefficient)
 
 
-def edge_strengths(state: ContactState) -> Array:
-    """Of the left and right edges of each contact, shape (contacts, 2), in p_0*/lambda_0^(1/2)."""
-    of, before_crack = state.pieces
-    strength = at_contacts(np.abs(segment_strengths(state)), state.dual)[of]
-    strength[before_crack, 1] = strength[before_crack + 1, 0] = state.cracks[:, 3]
-    return strength
+def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
+    """Return the contacts between all gaps, thin ones included, and the strengths A at their edges.
+
+    Strengths are in p_0*/lambda_0^(1/2), shape (contacts, 2).
+    """
+    extent = contacts_of(state.segments.extent, state.dual, period)
+    strength, cracks = at_contacts(np.abs(segment_strengths(state)), state.dual), state.cracks
+    if cracks.contact.size == 0:
+        return extent, strength
+    count = extent[0].size
+    of = np.repeat(np.arange(count), 1 + np.bincount(cracks.contact, minlength=count))
+    before_crack = cracks.contact + np.arange(cracks.contact.size)
+    start, end, strength = np.full(of.size, -1.0), np.ones(of.size), strength[of]
+    end[before_crack] = cracks.middle - cracks.reach
+    start[before_crack + 1] = cracks.middle + cracks.reach
+    strength[before_crack, 1] = strength[before_crack + 1, 0] = cracks.strength
+    origin, centre, r = (values[of] for values in extent)
+    return (origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)), strength
 
 
 @kernel

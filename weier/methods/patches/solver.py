@@ -19,7 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.many_contacts import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_many_contacts
 from weier.methods.patches.resistance_error import resistance_error
-from weier.methods.patches.segments import ContactState, Extent, Sides, contacts_of, edge_strengths
+from weier.methods.patches.segments import ContactState, Extent, Sides, contact_pieces
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -153,7 +153,9 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
         points.append((*_curve_point(starts.surface, state), steps))
-        edges.append(np.empty(0) if state is None else _sorted_contacts(state.extent, state.dual, period)[0].ravel())
+        edges.append(
+            np.empty(0) if state is None else _sorted_contacts(contact_pieces(state, period)[0], period)[0].ravel()
+        )
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
     return PatchCurve._make([*map(np.array, zip(*points, strict=True)), padded])
@@ -167,12 +169,12 @@ def _curve_point(
     rounding, top = _rounding(surface), series.maximum
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
-    half_width = state.extent[2]
-    fraction = float(2 * half_width.sum() / series.period)
+    fraction = float(2 * state.segments.half_width.sum() / series.period)
     base, fraction = (top, 1 - fraction) if state.dual else (0.0, fraction)
+    fraction -= float(2 * state.cracks.half_width.sum() / series.period)
     of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
     of_R = resistance_error(state, series)
-    count = half_width.size
+    count = state.segments.centre.size + state.cracks.contact.size
     return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
 
 
@@ -228,15 +230,15 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
-    edges, half_width, order = _sorted_contacts(state.extent, state.dual, surface.heights.period)
+    extent, strength = contact_pieces(state, surface.heights.period)
+    edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
     mean_gap = (0.0 if state.dual else surface.heights.maximum) - state.approach
-    strength = edge_strengths(state)[order]
-    return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength, mean_gap, surface, state)
+    return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
 
 
-def _sorted_contacts(extent: Extent, dual: bool, period: float) -> tuple[Sides, Array, Indices]:
+def _sorted_contacts(extent: Extent, period: float) -> tuple[Sides, Array, Indices]:
     """Edges of contacts, the left ones in [0, L) and in order, their half-widths, and the order that sorted them."""
-    origin, centre, half_width = contacts_of(extent, dual, period)
+    origin, centre, half_width = extent
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
     order = left.argsort()

@@ -1,0 +1,127 @@
+"""Thin gaps in closed form: against Westergaard's solution, parabolas, and the same gaps with segments of their own."""
+
+import numpy as np
+import pytest
+
+from weier import Profile
+from weier.methods.patches import inequalities, many_contacts, thin_gaps
+from weier.methods.patches.solver import make_solution, solve_state
+from weier.methods.patches.start import Starts, gaps_guess
+from weier.methods.patches.thin_gaps import find_thin_gaps
+
+# Just below a merger: its gap is thin.
+MERGING = Profile(1.1241528007905877, 2, 3, (3.731679150515029, 3.768119263993129, 0.9341084634895267))
+MERGER = 0.80812372
+
+
+def one(value):
+    return np.array([value])
+
+
+def uniform(contact, t):
+    return np.ones_like(t)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("load", [1 - 1e-2, 1 - 1e-4, 1 - 1e-6])
+def test_the_last_gap_of_one_wave(load, period):
+    """Westergaard: h = L xi (1 - ln xi), R = -L ln xi and cos^2(pi b/L) = xi, as a wave of length L is L times as high.
+
+    The images of the gap, which are left out, change R by the part (pi b/L)^2/4.
+    """
+    radius = 0.3 * period  # of a contact that reaches beyond the gap
+
+    def pressure(contact, t):
+        return load - np.cos(2 * np.pi * radius / period * (t - 0.2))
+
+    reach = np.sqrt(2 * (1 - load)) * period / (2 * np.pi) / radius
+    cracks, found = find_thin_gaps(pressure, uniform, one(0), one(0.2 + 0.3 * reach), one(reach), one(radius), period)
+    b = period / np.pi * np.arcsin(np.sqrt(1 - load))
+    images = (np.pi * b / period) ** 2
+    assert found.tolist() == [True]
+    assert cracks.middle[0] == pytest.approx(0.2, abs=1e-9)
+    assert cracks.half_width[0] == pytest.approx(b, rel=images + 1e-9)
+    assert cracks.reach[0] * radius == cracks.half_width[0]
+    drop = period * (1 - load * (1 - np.log(load)))
+    assert cracks.lift[0] == pytest.approx(drop, rel=images + 1e-14 / (1 - load) ** 2)
+    assert cracks.rise[0] / (-period * np.log(load)) == pytest.approx(1 - images / 4, abs=images**2 + 1e-9)
+    assert cracks.volume[0] == pytest.approx(period * cracks.lift[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_a_gap_in_a_parabola_of_tension(period):
+    """p = kappa x^2/2 - q_0: b^2 = 4 q_0/kappa, w = (2 pi/3) kappa (b^2-x^2)^(3/2), p = |x| kappa (x^2-b^2)^(1/2)/2."""
+    curvature, depth, radius, q = 30.0, 1e-4, 0.2, 3.0
+    b = np.sqrt(4 * depth / curvature)
+
+    def pressure(contact, t):
+        return 0.5 * curvature * (radius * t) ** 2 - depth
+
+    cracks, _ = find_thin_gaps(
+        pressure,
+        lambda contact, t: q * uniform(contact, t),
+        one(0),
+        one(1e-3),
+        one(0.7 * b / radius),
+        one(radius),
+        period,
+    )
+    assert cracks.half_width[0] == pytest.approx(b, rel=1e-9)
+    assert abs(cracks.middle[0]) < 1e-9
+    assert cracks.strength[0] == pytest.approx(curvature * b**1.5 / np.sqrt(2), rel=1e-9)
+    assert cracks.tangent_strength[0] == pytest.approx(q * np.sqrt(b / 2), rel=1e-9)
+    assert cracks.volume[0] == pytest.approx(np.pi**2 * curvature * b**4 / 8, rel=1e-9)
+    assert cracks.lift[0] == pytest.approx(q * cracks.volume[0] / period, rel=1e-9)
+    assert cracks.rise[0] == pytest.approx(np.pi**2 * b**2 * q**2 / period, rel=1e-9)
+
+
+def test_a_crack_in_any_pressure_closes_smoothly_and_keeps_reciprocity():
+    """The rise is the derivative of minus the lift by the load, for pressures with terms of higher degree."""
+    radius, period, step = 0.3, 2.0, 1e-7
+
+    def tangent(contact, t):
+        return 1.3 + 0.4 * t + 0.6 * t**2
+
+    def lift(load):
+        def pressure(contact, t):
+            return 20 * t**2 + 15 * t**3 + 9 * t**4 - 1e-2 + (load - 1) * tangent(contact, t)
+
+        return find_thin_gaps(pressure, tangent, one(0), one(0.0), one(0.02), one(radius), period)[0]
+
+    low, here, high = (lift(1 + change) for change in (-step, 0, step))
+    assert here.rise[0] == pytest.approx(-(high.lift[0] - low.lift[0]) / (2 * step), rel=1e-6)
+    # The edges obey sum s_k = sum (-1)^k s_k = 0, that is the means of p and p tau with the weight 1/sqrt(1-tau^2).
+    angle = (np.arange(20) + 0.5) * np.pi / 20
+    t = here.middle + here.reach * np.cos(angle)
+    p = 20 * t**2 + 15 * t**3 + 9 * t**4 - 1e-2
+    assert abs(p.mean()) < 1e-12
+    assert abs((p * np.cos(angle)).mean()) < 1e-12
+
+
+def test_what_is_no_thin_gap_is_left():
+    """A pressure that falls towards the end of the contact, and one without a minimum."""
+    for pressure in (lambda c, t: 1e-3 - t, lambda c, t: -1 - t**2, lambda c, t: (t - 0.99) ** 2 - 1e-3):
+        cracks, found = find_thin_gaps(pressure, uniform, one(0), one(0.9), one(0.05), one(0.3), 1.0)
+        assert found.tolist() == [False]
+        assert cracks.contact.size == 0
+
+
+@pytest.mark.parametrize("below", [1e-5, 1e-6, 1e-8])
+def test_thin_gaps_are_those_of_segments_of_their_own(below, monkeypatch):
+    """Separate contacts, and gaps with a segment for the thin one, to what the edge nearby changes."""
+    load = MERGER * (1 - below)
+    starts = Starts(MERGING, 1e-10)
+    thin, _ = solve_state(starts, load)
+    contacts = make_solution(starts.surface, thin, load)
+    monkeypatch.setattr(inequalities, "MAX_THINNESS", 0.0)
+    monkeypatch.setattr(many_contacts, "MAX_THINNESS", 0.0)
+    monkeypatch.setattr(thin_gaps, "MAX_THINNESS", 0.0)
+    guess = gaps_guess(starts.surface, thin._replace(cracks=thin.cracks))
+    assert guess.dual
+    gaps, _ = many_contacts.solve_many_contacts(starts.surface, guess, 1e-12)
+    assert thin.cracks.contact.size == 1
+    assert gaps.segments.centre.size + gaps.cracks.contact.size == contacts.centre.size
+    of_gaps = make_solution(starts.surface, gaps, load)
+    assert contacts.mean_gap == pytest.approx(of_gaps.mean_gap, abs=1e-13)
+    assert thin.resistance == pytest.approx(gaps.resistance, abs=1e-11)
+    np.testing.assert_allclose(contacts.edges, of_gaps.edges, atol=1e-8)

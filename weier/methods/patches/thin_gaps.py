@@ -1,0 +1,189 @@
+"""Gaps within contacts that are too thin for segments of their own: cracks in closed form.
+
+Just below a merger a thin gap is left, in which the pressure of the merged contact would be negative. Its edges
+follow from that pressure alone, since the field of a crack falls with the square of the distance (docs/patches.md,
+"Thin gaps"). `find_thin_gaps` finds the edges, and `Cracks` has what the gaps add to the mean gap and the resistance.
+
+On a crack of half-width b in the tension s = -p, with x = c + b tau and s = sum s_k U_k(tau), the gap is
+
+    w = 2 pi b sqrt(1-tau^2) sum s_k U_k(tau)/(k+1)
+
+It closes smoothly where sum (+-1)^k s_k = 0 at both ends, that is where the coefficients of p in T_0 and T_1 vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Flags, Indices, Records
+from weier.kernels.jit import kernel
+from weier.methods.chebyshev import evaluate_expansion, gauss_rule
+from weier.methods.patches.fields import complementary_residuals
+from weier.methods.patches.given_edges import Forces, Punches, expansion, potential_at
+from weier.methods.patches.inequalities import MAX_THINNESS
+from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails, contacts_of
+from weier.methods.patches.surface import CosineSeries, nearest_crests
+
+# Nodes on a crack. The pressure is a parabola but for terms in b/l and its square, where l is the distance to the
+# nearest edge: 8 nodes resolve it to rounding up to b = l/10.
+NODES = 8
+# Newton steps for the edges. Each leaves b/l of the error, and a parabola takes one.
+STEPS, SETTLED = 12, 1e-6
+MAX_STEP = 4.0  # The square of a half-width changes by this factor at most in one step, and the middle by half of it.
+
+MIN_TENSION = 1e-13  # A tension over the largest pressure, or over the load, below which it is rounding.
+
+# A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
+OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
+
+
+def find_thin_gaps(
+    pressure: OnContacts,
+    tangent: OnContacts,
+    contact: Indices,
+    middle: Array,
+    reach: Array,
+    radius: Array,
+    period: float,
+) -> tuple[Cracks, Flags]:
+    """Return the cracks that open in intervals of tension, and which of the intervals these are.
+
+    Parameters
+    ----------
+    pressure, tangent : p of the contacts without the gaps, in p_0*, and q = dp/dP, at points on contacts
+    contact, middle, reach : of the intervals, in the coordinate t of their contacts, shape (intervals,)
+    radius : half-width of each of these contacts, in lambda_0, shape (intervals,)
+
+    Notes
+    -----
+    With the coefficients c_0, c_1 and c_2 of p in T_k on the present interval, that of a parabola has its middle at
+    tau = -c_1/(4 c_2), and the square of its half-width is 1 - c_0/c_2 times the present one. By reciprocity, a gap
+    w under a given load raises the mean gap by (1/L) int q w dx, and its growth with the load raises the resistance
+    by pi^2 b^2/L sum q_k^2/(k+1), with q = sum q_k U_k.
+    """
+    if contact.size == 0:
+        return Cracks(), np.zeros(0, bool)
+    first, second, k = gauss_rule(NODES, False), gauss_rule(NODES, True), np.arange(NODES)
+    t, b, move = middle.copy(), np.sqrt(2.0) * reach, np.full(contact.size, np.inf)
+    inside = np.abs(t) + b < 1
+    for _ in range(STEPS):
+        t, b = np.where(inside, t, middle), np.where(inside, b, reach)
+        c = pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T
+        bend = np.where(c[:, 2] > 0, c[:, 2], np.inf)
+        growth = np.clip(1 - c[:, 0] / bend, 1 / MAX_STEP, MAX_STEP)
+        shift = np.clip(-0.25 * c[:, 1] / bend, -0.5 * MAX_STEP, 0.5 * MAX_STEP)
+        t, b = t + shift * b, np.sqrt(growth) * b
+        move = np.where(c[:, 2] > 0, np.abs(growth - 1) + np.abs(shift), np.inf)
+        inside &= np.abs(t) + b < 1
+    found = inside & (move < SETTLED)
+    if not np.any(found):
+        return Cracks(), found
+    contact, t, b, length = contact[found], t[found], b[found], (b * radius)[found]
+    tau = t[:, None] + b[:, None] * second.node
+    tension, q = (value @ second.expansion.T for value in (-pressure(contact, tau), tangent(contact, tau)))
+    opening = 2 * np.pi * length[:, None] * tension / (k + 1)  # of w/sqrt(1-tau^2) in U_k
+    # At an end w = Omega(1) sqrt(1-tau^2) - Omega'(1) sqrt(2) (s/b)^(3/2), and the gap is (4 pi/3) A s^(3/2).
+    slope = -(opening * (k * (k + 1) * (k + 2) / 3)).sum(axis=1)
+    slope_at_left = -(opening * ((-1.0) ** k * k * (k + 1) * (k + 2) / 3)).sum(axis=1)
+    strength = 0.75 / np.pi * np.sqrt(2.0) * 0.5 * (slope + slope_at_left) / length**1.5
+    volume = 0.5 * np.pi * length * opening[:, 0]
+    lift = 0.5 * np.pi / period * length * (opening * q).sum(axis=1)
+    rise = np.pi**2 / period * length**2 * (q**2 / (k + 1)).sum(axis=1)
+    at_ends = np.abs(np.stack([q @ (-1.0) ** k, q.sum(axis=1)])).mean(axis=0)
+    return Cracks(contact, t, b, length, strength, at_ends * np.sqrt(0.5 * length), volume, lift, rise), found
+
+
+def are_thin(negative: Records) -> Flags:
+    """Return which intervals of tension on contacts, in order, leave a gap that is thin over its distances."""
+    t, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * np.sqrt(2.0) * (negative["end"] - negative["start"])
+    same = negative["segment"][1:] == negative["segment"][:-1]
+    apart = np.where(same, negative["start"][1:] - negative["end"][:-1], np.inf)
+    nearest = np.minimum(np.minimum(np.append(np.inf, apart), np.append(apart, np.inf)), 1 - np.abs(t))
+    return np.asarray(reach < MAX_THINNESS * nearest)[: negative.size]
+
+
+def cracks_on_contacts(
+    state: ContactState, punches: Punches, tangent: Forces, negative: Records, unresolved: int
+) -> tuple[ContactState, Records]:
+    """Return a state of contacts with the thin gaps in its intervals of tension, and the intervals that are left.
+
+    Intervals in which the coefficients do not resolve a tension are left, too; the last ones of these, `unresolved`,
+    are 0.
+    """
+    first, psi = state.segments.first_node, expansion(punches, tangent.force)
+    tail = coefficient_tails(state.segments, state.coefficient, unresolved)
+    is_certain = negative["relative"] < -np.maximum(tail, MIN_TENSION)[negative["segment"]]
+    some = negative[is_certain]
+    segment = np.asarray(some["segment"], np.int64)
+    cracks, found = find_thin_gaps(
+        lambda contact, t: _densities(first, state.coefficient, contact, t, False),
+        lambda contact, t: _densities(first, psi, contact, t, True),
+        segment,
+        np.asarray(0.5 * (some["start"] + some["end"])),
+        np.asarray(0.5 * (some["end"] - some["start"])),
+        state.segments.half_width[segment],
+        punches.period,
+    )
+    return _with_cracks(state, cracks), np.concatenate([negative[~is_certain], some[~found]])
+
+
+def cracks_between_gaps(
+    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, minima: Records, residual: float
+) -> tuple[ContactState, Records]:
+    """Return a state of gaps with further thin ones at minima of the pressure between them, and the minima left.
+
+    Minima above minus the residual, a pressure in the gaps, are not certain, and are left.
+    """
+    period = series.period
+    origin, middle, radius = contacts_of(state.segments.extent, True, period)
+    is_certain = minima["value"] < -max(residual, MIN_TENSION * state.load)
+    is_certain &= minima["curvature"] > 0
+    some = minima[is_certain]
+    contact = some["interval"]
+    t = (some["position"] - (origin + middle)[contact]) / radius[contact]
+    in_order = np.lexsort((t, contact))
+    some, contact, t = some[in_order], np.asarray(contact[in_order], np.int64), np.asarray(t[in_order])
+
+    def positions(contact: Indices, t: NDArray[np.float64]) -> tuple[Array, Indices]:
+        x = ((origin + middle)[contact][:, None] + radius[contact][:, None] * t).ravel()
+        return x, np.argsort(x)
+
+    def pressure(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        x, _ = positions(contact, t)
+        return complementary_residuals(state, series, *nearest_crests(series, x)).reshape(t.shape)
+
+    def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        x, order = positions(contact, t)
+        q = np.empty(x.size)
+        q[order] = 1 + 0.5 / period**2 * potential_at(punches, tangent.force, x[order])
+        return q.reshape(t.shape)
+
+    reach = np.sqrt(-2 * some["value"] / some["curvature"]) / radius[contact]
+    cracks, found = find_thin_gaps(pressure, increment, contact, t, reach, radius[contact], period)
+    return _with_cracks(state, cracks), np.concatenate([minima[~is_certain], some[~found]])
+
+
+def _with_cracks(state: ContactState, cracks: Cracks) -> ContactState:
+    approach, resistance = state.approach - float(cracks.lift.sum()), state.resistance + float(cracks.rise.sum())
+    return state._replace(cracks=cracks, approach=approach, resistance=resistance)
+
+
+@kernel
+def _densities(
+    first_node: Indices, coefficient: Array, contact: Indices, t: NDArray[np.float64], singular: bool
+) -> NDArray[np.float64]:
+    """sqrt(1-t^2) sum a_k U_k or, singular, sum b_k T_k/sqrt(1-t^2) on contacts, where T_k = U_k - t U_(k-1)."""
+    value = np.empty_like(t)
+    for i in range(contact.size):
+        a = coefficient[first_node[contact[i]] : first_node[contact[i] + 1]]
+        for k in range(t.shape[1]):
+            at = t[i, k]
+            root = np.sqrt((1 - at) * (1 + at))
+            if singular:
+                value[i, k] = (evaluate_expansion(a, at) - at * evaluate_expansion(a[1:], at)) / root
+            else:
+                value[i, k] = evaluate_expansion(a, at) * root
+    return value
