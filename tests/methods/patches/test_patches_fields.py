@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
+from tests.methods.patches.westergaard_states import WAVES
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
+from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import fields
-from weier.methods.patches.surface import evaluate_series
+from weier.methods.patches.segments import ContactState, from_crests, make_segments
+from weier.methods.patches.surface import evaluate_series, make_series, nearest_crests
 
 LONG_PERIOD = Profile(1.5, "5/2", 4, (0.0, 1.0, 2.0, 3.0))
 
@@ -53,3 +57,119 @@ def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
     assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
     assert 20 < np.count_nonzero(gap > 0) < x.size - 20
+
+
+def states_of_two_segments(period, dual):
+    """Two segments with densities of their own, the second wider than half a period."""
+    counts, half_width = np.array([6, 9]), np.array([0.05, 0.3]) * period
+    crest, origin, centre = from_crests(SERIES[period], np.array([0.1, 0.6]) * period)
+    coefficient = np.random.default_rng(int(period)).normal(size=15) + 0.5
+    if dual:
+        coefficient[[0, 6]] = 0.0  # the gaps close
+    values = [gauss_rule(count, True).polynomial.T for count in counts]
+    phi = np.concatenate([value @ part for value, part in zip(values, np.split(coefficient, [6]), strict=True)])
+    segments = make_segments(crest, origin, centre, half_width, counts)
+    return ContactState(dual, 0.7, 0.3, segments, phi, coefficient)
+
+
+SERIES = {
+    period: make_series(np.array([1.0, 0.2]), [1, 3], np.array([0.3, 1.0]), period) for period in (1.0, 2.0, 9.0)
+}
+
+
+def density(state, j, x):
+    """rho of segment j at positions x within it."""
+    first, segments = state.segments.first_node, state.segments
+    t = (x - segments.middle[j]) / segments.half_width[j]
+    angle = np.arccos(np.clip(t, -1, 1))
+    return sum(a * np.sin((k + 1) * angle) for k, a in enumerate(state.coefficient[first[j] : first[j + 1]]))
+
+
+def integrate(state, period, x, kernel):
+    """The integral of rho(s) kernel(x - s) over both segments, by adaptive quadrature; of cot as a principal value."""
+    total = 0.0
+    for j in range(2):
+        c, r = state.segments.middle[j], state.segments.half_width[j]
+        at = x - period * np.rint((x - c) / period)
+        if kernel == "cot":
+
+            def times_distance(s, j=j, at=at):
+                u = np.pi * (at - s) / period
+                return density(state, j, s) * (-period / np.pi if abs(u) < 1e-9 else (s - at) / np.tan(u))
+
+            if abs(at - c) < r:
+                total += quad(times_distance, c - r, c + r, weight="cauchy", wvar=at, limit=400)[0]
+            else:
+                total += quad(lambda s, f=times_distance, at=at: f(s) / (s - at), c - r, c + r, limit=400)[0]
+        else:
+            inside = [at] if abs(at - c) < r else None
+            total += quad(
+                lambda s, j=j, at=at: density(state, j, s) * np.log(abs(2 * np.sin(np.pi * (at - s) / period))),
+                c - r,
+                c + r,
+                points=inside,
+                limit=400,
+            )[0]
+    return total
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("which", [fields.POTENTIAL, fields.CAUCHY])
+def test_integrals_of_densities_are_those_of_direct_quadrature(period, which):
+    """On both segments, beside them, at their images and far away."""
+    state = states_of_two_segments(period, False)
+    x = period * np.array(
+        [0.08, 0.1, 0.149, 0.1501, 0.2, 0.29, 0.31, 0.5, 0.62, 0.88, 0.901, 0.97, 1.045, -0.35, 2.61]
+    )
+    expected = [integrate(state, period, at, ("ln", "cot")[which]) for at in x]
+    found = fields.density_integrals(state, period, np.zeros(x.size), x, which)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
+    for part in (x[:1], x[9:10]):  # the same counted from another origin
+        again = fields.density_integrals(state, period, part + period, -period * np.ones(1), which)
+        assert again[0] == pytest.approx(
+            fields.density_integrals(state, period, np.zeros(1), part, which)[0], abs=1e-12
+        )
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("by_sums", [False, True])
+def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual, by_sums):
+    """d - z - 2 int p ln|2 sin| ds or, dual, p_full + int w' cot ds/(2 pi L), of which fast sums know all but 1e-12."""
+    state, series = states_of_two_segments(period, dual), SERIES[period]
+    x = period * np.array([0.02, 0.1, 0.1501, 0.2, 0.29, 0.5, 0.901, 0.97])
+    crest, y = nearest_crests(series, x)
+    height = 1.0 * np.cos(2 * np.pi * x / period + 0.3) + 0.2 * np.cos(6 * np.pi * x / period + 1.0)
+    if dual:
+        along = np.array([integrate(state, period, at, "cot") for at in x])
+        expected = 0.7 - height + along / (2 * np.pi * period)
+    else:
+        along = np.array([integrate(state, period, at, "ln") for at in x])
+        expected = -0.3 + series.maximum - height - 2 * along
+    if by_sums:
+        found = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
+    else:
+        found = fields.residuals_one_by_one(state, series, crest, y)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * period)
+
+
+@pytest.mark.parametrize("wave", WAVES)
+@pytest.mark.parametrize("dual", [False, True])
+def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
+    """By closed forms and by fast sums, from 1e-6 of a width beside an edge on."""
+    state, series = wave.state(dual), wave.series(dual)
+    a, half = wave.half_width, 0.5 * wave.period
+    inside = a * np.array([-1 + 1e-6, -0.7, 0.0, 0.4, 1 - 1e-6])
+    outside = half + (half - a) * np.array([-1 + 1e-6, -0.9, -0.3, 0.0, 0.6, 1 - 1e-6])
+    x = wave.crest + np.concatenate([inside, outside])
+    pressure = np.concatenate([wave.pressure(inside), np.zeros(6)])
+    gap = np.concatenate([np.zeros(5), wave.gap(outside)])
+    of_pressure = fields.pressures_or_gaps(state, series, x, False)
+    np.testing.assert_allclose(of_pressure, pressure, rtol=0, atol=1e-10 / min(a, half - a))
+    np.testing.assert_allclose(
+        fields.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
+    )
+    crest, y = nearest_crests(series, x)
+    by_sums = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
+    atol = 1e-10 / min(a, half - a) if dual else 1e-10
+    np.testing.assert_allclose(by_sums, pressure if dual else gap, rtol=0, atol=atol)

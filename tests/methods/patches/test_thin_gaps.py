@@ -1,4 +1,4 @@
-"""Thin gaps in closed form: against Westergaard's solution, parabolas, and the same gaps with segments of their own."""
+"""Thin gaps in closed form: against Westergaard's solution, parabolas, and the same gaps as segments of their own."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def uniform(contact, t):
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 @pytest.mark.parametrize("load", [1 - 1e-2, 1 - 1e-4, 1 - 1e-6])
 def test_the_last_gap_of_one_wave(load, period):
-    """Westergaard: h = L xi (1 - ln xi), R = -L ln xi and cos^2(pi b/L) = xi, as a wave of length L is L times as high.
+    """Westergaard: h = L xi (1 - ln xi), R = -L ln xi, cos^2(pi b/L) = xi, as a wave of length L is L times as high.
 
     The images of the gap, which are left out, change R by the part (pi b/L)^2/4.
     """
@@ -50,22 +50,18 @@ def test_the_last_gap_of_one_wave(load, period):
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_a_gap_in_a_parabola_of_tension(period):
-    """p = kappa x^2/2 - q_0: b^2 = 4 q_0/kappa, w = (2 pi/3) kappa (b^2-x^2)^(3/2), p = |x| kappa (x^2-b^2)^(1/2)/2."""
+    """p = kappa x^2/2 - q_0: b^2 = 4 q_0/kappa, w = (pi/3) kappa (b^2-x^2)^(3/2) and p' = kappa."""
     curvature, depth, radius, q = 30.0, 1e-4, 0.2, 3.0
     b = np.sqrt(4 * depth / curvature)
 
     def pressure(contact, t):
         return 0.5 * curvature * (radius * t) ** 2 - depth
 
-    cracks, _ = find_thin_gaps(
-        pressure,
-        lambda contact, t: q * uniform(contact, t),
-        one(0),
-        one(1e-3),
-        one(0.7 * b / radius),
-        one(radius),
-        period,
-    )
+    def tangent(contact, t):
+        return q * uniform(contact, t)
+
+    reach = one(0.7 * b / radius)
+    cracks, _ = find_thin_gaps(pressure, tangent, one(0), one(1e-3), reach, one(radius), period)
     assert cracks.half_width[0] == pytest.approx(b, rel=1e-9)
     assert abs(cracks.middle[0]) < 1e-9
     assert cracks.strength[0] == pytest.approx(curvature * b**1.5 / np.sqrt(2), rel=1e-9)

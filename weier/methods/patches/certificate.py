@@ -224,9 +224,9 @@ def _tensions_from_minima(state: ContactState, minima: Records, period: float) -
 def pressure_beside_cracks(state: ContactState, period: float) -> tuple[Array, Array, float]:
     """Return the tension that each thin gap leaves outside its contact, its width, and the doubt about all lifts.
 
-    With a gap w, pressures change by -int w/sin^2 dx/(2 L^2), which is left beyond the edges of its contact. It is the
-    largest at the nearest edge, and on the whole no more than this value on a width that gives the same force. If
-    nothing else moves, the mean gap rises by the mean of w.
+    With a gap w, pressures change by -int w/sin^2 dx/(2 L^2), which is left beyond the edges of its contact. It is
+    the largest at the nearest edge, and the width is that on which this value has the same force. If nothing else
+    moves, the mean gap rises by the mean of w.
     """
     cracks = state.cracks
     r = contacts_of(state.segments.extent, state.dual, period)[2][cracks.contact]

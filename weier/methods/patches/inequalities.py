@@ -52,8 +52,8 @@ NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension,
 # touch.
 MAX_NEW_WIDTH = 0.4
 # A gap is thin whose half-width is less than this part of its distance to the nearest edge. What that edge and the
-# crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise: 1.6e-10 l^2/L at most.
-MAX_THINNESS = 2e-3
+# crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise: 4e-11 l^2/L at most.
+MAX_THINNESS = 1e-3
 # How far a minimum may lie below the lowest of three probes, over the depth that the parabola through them may have:
 # a safety factor, for what is no parabola.
 MAX_FALL = 3

@@ -1,0 +1,126 @@
+"""What violates the inequalities is found: where it is, how deep, and how wide a new segment becomes."""
+
+import numpy as np
+import pytest
+
+from tests.methods.patches.westergaard_states import WAVES, OneWave
+from weier.methods.chebyshev import gauss_rule
+from weier.methods.patches.certificate import SAMPLED_FACTOR, contact_residual, sample_points
+from weier.methods.patches.inequalities import find_negative_intervals, minima_of_gaps, minima_outside
+from weier.methods.patches.segments import ContactState, make_segments
+from weier.methods.patches.surface import make_series
+
+
+def state_of(phi, period, r, dual=False, nodes=12):
+    """One segment in the middle of the period with the density sqrt(1-t^2) phi(t)."""
+    rule, none = gauss_rule(nodes, True), np.zeros(1)
+    segments = make_segments(none.astype(int), none, np.array([0.5 * period]), np.array([r]), np.array([nodes]))
+    value = phi(rule.node)
+    return ContactState(dual, 1.0, 0.1, segments, value, rule.expansion @ value)
+
+
+@pytest.mark.parametrize("wave", WAVES)
+@pytest.mark.parametrize("dual", [False, True])
+def test_an_exact_state_violates_nothing(wave, dual):
+    state, series = wave.state(dual), wave.series(dual)
+    assert find_negative_intervals(state).size == 0
+    assert minima_outside(state, series, 0.0).size == 0
+    residual = contact_residual(state, series)
+    height = 2 * state.segments.half_width * residual if dual else residual
+    assert height.max() < 1e-11 * wave.period
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("part", [0.02, 0.4])
+def test_intervals_of_tension(period, part):
+    """A parabola of phi, an interval that reaches the right end, and two parabolas."""
+    r = part * period
+    well = find_negative_intervals(state_of(lambda t: (t - 0.3) ** 2 - 0.01, period, r))
+    assert well["segment"].tolist() == [0]
+    assert [well["start"][0], well["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
+    # Samples are 1/24 pi apart in the angle, so that the lowest is less deep than the minimum by a twentieth at most.
+    assert well["lowest"][0] == pytest.approx(-0.01 * np.sqrt(1 - 0.09), rel=0.05)
+    assert well["relative"][0] == pytest.approx(well["lowest"][0] / (1.3**2 - 0.01), rel=1e-9)
+    # A crack of half-width b under the tension sigma opens by 2 pi b sigma.
+    assert well["height"][0] == pytest.approx(2 * np.pi * 0.1 * r * 0.01 * np.sqrt(1 - 0.09), rel=1e-9)
+    at_end = find_negative_intervals(state_of(lambda t: 0.8 - t, period, r))
+    assert [at_end["start"][0], at_end["end"][0]] == pytest.approx([0.8, 1.0], abs=1e-11)
+    both = find_negative_intervals(state_of(lambda t: ((t + 0.5) ** 2 - 0.01) * ((t - 0.5) ** 2 - 0.01), period, r))
+    np.testing.assert_allclose(both["start"], [-0.6, 0.4], atol=1e-11)
+    np.testing.assert_allclose(both["end"], [-0.4, 0.6], atol=1e-11)
+
+
+def test_a_narrow_well_between_two_samples_is_found():
+    """It is narrower than the distance of samples, 25 of them on 12 nodes, wherever it is."""
+    for middle in np.linspace(-0.7, 0.7, 57):
+        found = find_negative_intervals(state_of(lambda t, c=middle: (t - c) ** 2 - 1e-6, 1.0, 0.1))
+        assert [found["start"][0], found["end"][0]] == pytest.approx([middle - 1e-3, middle + 1e-3], abs=1e-9)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("part", [0.02, 0.4])
+def test_overlaps_in_gaps(period, part):
+    """w = r (1-t^2)^(3/2) v(t), whose slope is sqrt(1-t^2) phi with phi = (1-t^2) v' - 3 t v."""
+    r, depth = part * period, 0.01
+
+    def slope(t):
+        v = (t - 0.3) ** 2 - depth
+        return (1 - t * t) * 2 * (t - 0.3) - 3 * t * v
+
+    state = state_of(slope, period, r, True)
+    found = find_negative_intervals(state)
+    assert [found["start"][0], found["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
+    overlap = r * (1 - 0.09) ** 1.5 * depth
+    assert found["height"][0] == pytest.approx(overlap, rel=1e-9)
+    assert found["lowest"][0] == pytest.approx(-overlap, rel=0.05)
+    minima = minima_of_gaps(state)
+    minimum = minima[np.argmin(minima["value"])]
+    assert minimum["interval"] == 0
+    assert minimum["value"] == pytest.approx(-overlap, rel=0.05)
+    assert minimum["position"] == pytest.approx(0.5 * period + 0.3 * r, abs=0.1 * r)
+    assert minimum["curvature"] == pytest.approx(2 * 0.91**1.5 / r, rel=0.2)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_minima_of_the_gap_and_of_the_pressure(period, dual):
+    """The crests of a series in the place of the surface or of the tension, beside a segment of hardly any density."""
+    series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.0, np.pi]), period)
+    narrow, crest = OneWave(period, 0.05 * period, 0.0).state(False), series.crest_position
+    state = narrow._replace(
+        dual=dual,
+        load=series.maximum + 0.02,
+        approach=-0.02,
+        segments=narrow.segments._replace(origin=crest[:1], centre=-crest[:1]),
+        coefficient=1e-9 * narrow.coefficient,
+        phi=1e-9 * narrow.phi,
+    )
+    below = minima_outside(state, series, 0.05)
+    crest = crest[(crest > 0.05 * period) & (crest < 0.95 * period)]
+    wave, third = np.cos(2 * np.pi * crest / period), np.cos(6 * np.pi * crest / period)
+    value = 0.02 + series.maximum - wave + 0.3 * third
+    expected = value < 0.05
+    assert 0 < np.count_nonzero(expected) < 3
+    np.testing.assert_allclose(np.sort(below["position"]), np.sort(crest[expected]), atol=1e-6 * period)
+    np.testing.assert_allclose(below["value"], value[expected], atol=1e-7)
+    curvature = (2 * np.pi / period) ** 2 * (wave - 2.7 * third)
+    np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("wave", WAVES[::2])
+def test_a_residual_between_the_samples_is_no_larger_than_the_factor_allows(wave, apart):
+    """The residual of a plane that is off by e is e T_0; of an added density of the highest degrees it is sampled."""
+    state, series = wave.state(False), wave.series(False)
+    assert contact_residual(state._replace(approach=state.approach + 1e-5), series)[0] == pytest.approx(
+        1e-5, rel=1e-6
+    )
+    first, _, y = sample_points(state.segments, apart)
+    t = (y - state.segments.centre[0]) / state.segments.half_width[0]
+    assert first.tolist() == [0, t.size]
+    angle = np.linspace(0, np.pi, 5000)
+    for degree in range(state.segments.node.size + 3):
+        assert SAMPLED_FACTOR * np.abs(np.cos(degree * np.arccos(t))).max() >= 1
+        mixed = np.cos(degree * angle) + np.cos((degree // 2) * angle)
+        sampled = np.cos(degree * np.arccos(t)) + np.cos((degree // 2) * np.arccos(t))
+        assert np.abs(mixed).max() <= SAMPLED_FACTOR * np.abs(sampled).max()
