@@ -1,16 +1,134 @@
-"""One step on the edges of contacts or gaps."""
+"""One step on the edges of contacts or gaps: each closed form of a move, and the order of the method."""
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev, Polynomial
 
+from tests.methods.patches.westergaard_states import WAVES
 from weier import Profile
 from weier.kernels.blas import one_thread
-from weier.methods.patches.edge_iteration import Problem, Stage, make_guess, next_guess, take_step
-from weier.methods.patches.given_edges import Bounds
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.edge_iteration import Problem, Stage, edge_moves, make_guess, next_guess, take_step
+from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.given_edges import Bounds, regular_part
 from weier.methods.patches.segments import from_crests, make_segments
 from weier.methods.patches.surface import surface_of
 
 STAGE = Stage(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
+
+
+def moves_of(psi, r, gap, dual):
+    """The moves of the edges of segments from polynomials psi(t), one each, and what goes with them."""
+    coefficients = [np.append(p.convert(kind=Chebyshev).coef, np.zeros(2)) for p in psi]
+    first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
+    kind = GAPS if dual else CONTACTS
+    a = regular_part(first, b)
+    return edge_moves(first, np.array(r), np.array(gap), b, a, kind.right_sign, kind.k_0_of_curvature)
+
+
+def psi_of_hertz(r, a, shift, curvature):
+    """b_0 = F/(pi r), b_1 = -kappa (c-x_c)/(2 pi), b_2 = -kappa r/(4 pi), with F = kappa a^2/4."""
+    force = curvature * a**2 / 4
+    return Chebyshev([force / (np.pi * r), -curvature * shift / (2 * np.pi), -curvature * r / (4 * np.pi)])
+
+
+def psi_of_gap(r, a, shift, curvature):
+    """-2 pi sum s_k T_(k+1) in the tension q_0 - kappa (x-x_c)^2/2 = sum s_k U_k, with q_0 = kappa a^2/4."""
+    tension = 0.25 * curvature * a**2 - 0.5 * curvature * (shift**2 + 0.25 * r**2)
+    return Chebyshev([0, tension, -0.5 * curvature * shift * r, -0.125 * curvature * r**2]) * (-2 * np.pi)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("off", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("wanted", [0.7, 1.0, 1.6])
+def test_a_narrow_segment_gets_its_width_and_its_middle_at_once(dual, off, wanted):
+    """Of contacts exactly, and of gaps where they are in the middle, and to first order beside it."""
+    r, off = 0.02, off * (0.05 if dual else 1)
+    a, shift = wanted * r, off * r
+    psi = (psi_of_gap if dual else psi_of_hertz)(r, a, shift, 30.0)
+    outward, closed, relative, singular = moves_of([psi], [r], [1 - 2 * r], dual)
+    left, right = -r - outward[0, 0], r + outward[0, 1]
+    assert 0.5 * (right - left) == pytest.approx(a, rel=1e-12 + 3 * dual * off**2)
+    if not dual or wanted == 1.0:  # The middle of a gap of another width is moved too far by the ratio of squares.
+        assert abs(0.5 * (right + left) + shift) <= 1e-12 + 3 * dual * abs(shift) * off**2
+    assert not closed[0]
+    assert relative[0] == pytest.approx(np.abs(outward).max() / r)
+    assert singular[0] == pytest.approx(2 * np.pi * r * max(abs(psi(1)), abs(psi(-1))))
+
+
+def psi_with(k_0, k_1, r, right):
+    """A straight line psi with k_0 = (r/2)^(1/2) psi and k_1 = [psi/4 -+ psi']/(2r)^(1/2) at one end."""
+    end = k_0 * np.sqrt(2 / r)
+    inward = k_1 * np.sqrt(2 * r) - end / 4
+    return Polynomial([end + inward, -inward]) if right else Polynomial([end + inward, inward])
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("other_end", [0.0, 0.1])
+@pytest.mark.parametrize("square", [0.3, 1.0, 2.5])
+def test_what_is_narrow_between_segments_gets_its_width(dual, square, other_end):
+    """p = |x| [C + kappa (x^2-b^2)/2]/(x^2-b^2)^(1/2) beside a gap: C = kappa b^2/4 - q_0.
+
+    Beside a contact between gaps w' = [C + kappa (x^2-b^2)]/(x^2-b^2)^(1/2) and b^2 -> b^2 - 2 C/kappa. Of one that is
+    off its middle, the ends tell of different squares: their mean is half the growth, and their difference shifts it.
+    """
+    b, r, curvature = 0.01, 0.2, 30.0
+    psi = []
+    for right, change in ((True, other_end), (False, -other_end)):  # the segment on the left ends at the gap
+        part = square + change
+        if dual:
+            C = 0.5 * curvature * b**2 * (1 - part)
+            k_0 = C / np.sqrt(2 * b)
+            k_1 = (2 * curvature * b**2 / np.sqrt(2 * b) - 0.25 * k_0) / b
+        else:
+            C = 0.25 * curvature * b**2 * (1 - part)
+            k_0 = C * np.sqrt(b / 2)
+            k_1 = (curvature * b**2 * np.sqrt(b / 2) + 0.75 * k_0) / b
+        sign = -1.0 if dual and right else 1.0
+        psi.append(sign * psi_with(k_0, k_1, r, right))
+    outward, closed, relative, _ = moves_of(psi, [r, r], [2 * b, 2.0], dual)
+    left, right = -b + outward[0, 1], b - outward[1, 0]
+    assert 0.5 * (right - left) == pytest.approx(b * np.sqrt(square), rel=1e-12)
+    assert 0.5 * (right + left) == pytest.approx(-0.5 * b * other_end, abs=1e-14)
+    assert not np.any(closed)
+    assert relative[0] == pytest.approx(np.abs(outward[0]).max() / b)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+def test_what_has_no_width_left_is_closed(dual):
+    """A square of -0.5 by the formula: the gap on the right of the first segment closes, the other does not."""
+    b, r = 0.01, 0.2
+    growth = 1.5 / 4  # 1 - 4 k_0/curvature = -0.5
+    k_0 = 1.0
+    curvature = k_0 / growth
+    k_1 = (curvature - (0.25 if dual else -0.75) * k_0) / b
+    sign = -1.0 if dual else 1.0
+    psi = [sign * psi_with(k_0, k_1, r, True), psi_with(k_0, k_1, r, False)]
+    _, closed, _, _ = moves_of(psi, [r, r], [2 * b, 2.0], dual)
+    assert closed.tolist() == [True, False]
+    open_still = [sign * psi_with(k_0, 3 * k_1, r, True), psi_with(k_0, 3 * k_1, r, False)]
+    assert not np.any(moves_of(open_still, [r, r], [2 * b, 2.0], dual)[1])
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_a_step_squares_the_error_of_edges(wave, dual):
+    """One wave whose edges are off by 1e-3 and 2e-3 of what is the narrower, contact or gap, to either side."""
+    exact = wave.state(dual).segments
+    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    problem, errors = Problem(wave.series(dual), wave.load, dual), []
+    for size in (1e-3, 2e-3):
+        segments = exact._replace(
+            centre=exact.centre + 0.4 * size * scale, half_width=exact.half_width + size * scale
+        )
+        moved = next_guess(problem, step := take_step(problem, make_guess(problem, segments, STAGE), STAGE), STAGE)
+        found = moved.punches.segments
+        assert step.unsettled == 0
+        off = abs(found.middle[0] - exact.middle[0]) + abs(found.half_width[0] - exact.half_width[0])
+        errors.append(off / scale)
+    assert errors[0] < 4e-6
+    assert errors[1] < 16e-6
 
 
 @one_thread
