@@ -69,8 +69,8 @@ def psi_with(k_0, k_1, r, right):
 def test_what_is_narrow_between_segments_gets_its_width(dual, square, other_end):
     """p = |x| [C + kappa (x^2-b^2)/2]/(x^2-b^2)^(1/2) beside a gap: C = kappa b^2/4 - q_0.
 
-    Beside a contact between gaps w' = [C + kappa (x^2-b^2)]/(x^2-b^2)^(1/2) and b^2 -> b^2 - 2 C/kappa. Of one that is
-    off its middle, the ends tell of different squares: their mean is half the growth, and their difference shifts it.
+    Beside a contact between gaps w' = [C + kappa (x^2-b^2)]/(x^2-b^2)^(1/2) and b^2 -> b^2 - 2 C/kappa.
+    Beside one that is off its middle the ends yield different squares, and half their difference shifts it.
     """
     b, r, curvature = 0.01, 0.2, 30.0
     psi = []

@@ -84,7 +84,7 @@ def test_overlaps_in_gaps(period, part):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_minima_of_the_gap_and_of_the_pressure(period, dual):
-    """The crests of a series in the place of the surface or of the tension, beside a segment of hardly any density."""
+    """The crests of a series stand for those of the surface or of the tension, beside hardly any density."""
     series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.0, np.pi]), period)
     narrow, crest = OneWave(period, 0.05 * period, 0.0).state(False), series.crest_position
     state = narrow._replace(

@@ -86,7 +86,7 @@ def density(state, j, x):
 
 
 def integrate(state, period, x, kernel):
-    """The integral of rho(s) kernel(x - s) over both segments, by adaptive quadrature; of cot as a principal value."""
+    """The integral of rho(s) kernel(x - s) over both segments, by adaptive quadrature, with the principal value."""
     total = 0.0
     for j in range(2):
         c, r = state.segments.middle[j], state.segments.half_width[j]
@@ -135,7 +135,7 @@ def test_integrals_of_densities_are_those_of_direct_quadrature(period, which):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("by_sums", [False, True])
 def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual, by_sums):
-    """d - z - 2 int p ln|2 sin| ds or, dual, p_full + int w' cot ds/(2 pi L), of which fast sums know all but 1e-12."""
+    """d - z - 2 int p ln|2 sin| ds or, dual, p_full + int w' cot ds/(2 pi L), by both kinds of sums."""
     state, series = states_of_two_segments(period, dual), SERIES[period]
     x = period * np.array([0.02, 0.1, 0.1501, 0.2, 0.29, 0.5, 0.901, 0.97])
     crest, y = nearest_crests(series, x)

@@ -22,7 +22,7 @@ from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
 from weier.methods.patches.fields import complementary_residuals
-from weier.methods.patches.given_edges import Forces, Punches, expansion, potential_at
+from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
 from weier.methods.patches.inequalities import MAX_THINNESS
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails, contacts_of
 from weier.methods.patches.surface import CosineSeries, nearest_crests
@@ -158,7 +158,7 @@ def cracks_between_gaps(
     def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
         x, order = positions(contact, t)
         q = np.empty(x.size)
-        q[order] = 1 + 0.5 / period**2 * potential_at(punches, tangent.force, x[order])
+        q[order] = 1 - field_of_forces(punches, tangent.force, x[order])
         return q.reshape(t.shape)
 
     reach = np.sqrt(-2 * some["value"] / some["curvature"]) / radius[contact]
