@@ -101,7 +101,7 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
-    """pi^2 b^2 q^2/L with b^2 = 4 q_0/kappa, and four times (b/l)^2 of it, at the distance l from the nearest edge."""
+    """pi^2 b^2 q^2/L with b^2 = 4 q_0/kappa, and four times (b/l)^2 of it, with the nearest edge at l."""
     wave, t, b, q, curvature = OneWave(period, 0.2 * period, 0.2 * period), 0.4, 1e-4, 1.7, 30.0
     rise = np.pi**2 * b**2 * q**2 / period
     one = np.ones(1)

@@ -1,4 +1,4 @@
-"""Westergaard's solution of one wave of any length L as a state of contact, with all that tests need in closed form."""
+"""Westergaard's solution of one wave of any length L as a state of contact, in closed form."""
 
 from __future__ import annotations
 
@@ -26,22 +26,27 @@ class OneWave(NamedTuple):
 
     @property
     def alpha(self) -> float:
+        """pi a/L."""
         return np.pi * self.half_width / self.period
 
     @property
     def fraction(self) -> float:
+        """xi, the load over that of full contact."""
         return float(np.sin(self.alpha) ** 2)
 
     @property
     def load(self) -> float:
+        """The mean pressure, in p_0*."""
         return self.fraction / self.period
 
     @property
     def compliance(self) -> float:
+        """h = xi (1 - ln xi)."""
         return float(self.fraction * (1 - np.log(self.fraction)))
 
     @property
     def resistance(self) -> float:
+        """R = -L ln xi."""
         return float(-self.period * np.log(self.fraction))
 
     @property
