@@ -5,20 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-import numpy as np
-
-from weier.kernels.arrays import Array
-
 
 def significant(value: float, count: int) -> str:
     """A number with so many significant digits, in full if it is not too long: 430 and not 4.3e+02."""
     return f"{float(f'{value:.{count}g}'):g}"
-
-
-def largest(values: Array, unknown: str = "") -> str:
-    """The largest of those values that are known, or the word `unknown` where none is."""
-    known = values[~np.isnan(values)]
-    return f"{known.max():.1e}" if known.size else unknown
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:

@@ -37,7 +37,6 @@ REQUIRED = {
     "description": "batch.json",
     "contact": "contact.nc",
     "folder": "drawn",
-    "drawn": "figures",
     "kind": "work_precision",
     "data": "new.nc",
     "path": "new.nc",

@@ -78,7 +78,7 @@ def test_an_unknown_figure_is_refused(scene_file):
         (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
-        (["page", "test.yaml", "none", "contact.nc", "x.html", "."], 1, "is not solved by demelio in none"),
+        (["page", "test.yaml", "none", "contact.nc", "x.html"], 1, "there is no file contact.nc: make it first"),
     ],
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):

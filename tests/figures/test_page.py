@@ -8,21 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
+import weier
 from tests.scenes import scene_in
 from weier import scene
-from weier.data import dataset, provenance
-from weier.data.variables import Check, Status
-from weier.figures import kinds, page, style
+from weier.data import dataset
+from weier.data.variables import Status
+from weier.figures import page, style
 from weier.figures.page import explorer
-from weier.figures.page.formulae import typeset
 from weier.methods import registry
-from weier.pipeline import claims
-from weier.pipeline.claims.claim import Finding
-from weier.pipeline.claims.report import to_dataset
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -39,13 +35,6 @@ studies:
 figures:
   figure_1: {draw: profiles, studies: [one], title: Rough & <i>smooth</i>}
 """
-
-
-def seconds_of(keys, methods=METHODS, seconds=np.nan):
-    """The seconds of each case and method, as a page takes them from the batches."""
-    values = np.broadcast_to(seconds, (len(keys), len(methods)))
-    coordinates = {"solution_method": methods, "key": ("case", keys)}
-    return xr.Dataset({"seconds": (("case", "solution_method"), values)}, coordinates)
 
 
 @pytest.fixture(scope="module")
@@ -68,30 +57,23 @@ def folder(tmp_path_factory):
     data["phases"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
     dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
-    (folder / "figure_1.png").write_bytes(PNG)
     write(folder)
     return folder
 
 
-def write(folder, name="page.html", data=None):
+def write(folder, name="page.html", data=None, text=SCENE):
     """A page of the scene, with these data or those that are there."""
     if data is not None:
         dataset.write(data, folder / "contact.nc", "Other data", "solved")
-        (folder / "figure_1.png").write_bytes(PNG)
-    contact, pictures = folder / "contact.nc", [folder / "figure_1.png"]
-    page.write(scene_in(folder, SCENE), contact, pictures, seconds_of(KEYS, seconds=0.5), folder / name)
+    page.write(scene_in(folder, text), folder / "contact.nc", folder / name)
     return (folder / name).read_text(encoding="utf-8")
 
 
 def test_the_page_needs_no_network(text):
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
-    links = re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup)
-    assert [link for link in links if not link.startswith(("#", "figures/"))] == [
-        *("contact.nc", "claims.md", "https://doi.org/10.1016/j.jmps.2003.12.002")
-    ]  # which a reader may follow; nothing is fetched to show the page
-    for heading in ("Curves, all 4 cases", "Figures", "Claims", "Errors", "Cost", "Provenance"):
-        assert f"<h2>{heading}</h2>" in markup
+    assert re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup) == []
+    assert "<p>All 4 cases</p>" in markup
 
 
 def test_text_of_a_scene_stays_text(text):
@@ -103,36 +85,6 @@ def test_same_data_same_page(folder):
     """Only the numbers of bokeh's models differ, which it counts through one process."""
     first, second = (re.sub(r"p\d{4,}", "p", write(folder, name)) for name in ("a.html", "b.html"))
     assert first == second
-
-
-def test_costs_and_states_are_counted(text):
-    assert "<td>bem</td><td>4</td><td>0.5</td><td>0.5</td><td>2</td>" in text
-    assert "<td>bem</td><td>4</td><td>0</td><td>0</td>" in text
-
-
-def test_seconds_are_plain_numbers_by_the_order_of_the_methods():
-    cost = seconds_of(["a"], seconds=[2.5e-5, 1234.5])
-    assert page._costs(cost).rows == [
-        ["demelio", 1, "2.5e-05", "2.5e-05", "2.5e-05"],
-        ["bem", 1, "1200", "1200", "1230"],
-    ]
-
-
-def test_the_largest_residual_and_stated_errors_stand_beside_the_states():
-    data = dataset.blank(2, METHODS, LOADS, 3)
-    data["status"].values[:] = Status.solved
-    data["residual"].values[:, 1] = [[1e-11], [3e-11]]
-    data["compliance_error"].values[1, 1] = [1e-5, 2e-5, 7e-5, 0, 0]
-    data["resistance_error"].values[0, 1, :2] = np.inf, 0.5  # where one is unknown, so is the largest
-    table = page._errors(data)
-    assert table.rows == [["demelio", 2, 0, 0, "", "", ""], ["bem", 2, 0, 0, "7.0e-05", "inf", "3.0e-11"]]
-    assert sum("stated" in heading for heading in table.header) == 2
-    without = page._errors(data.drop_vars(["compliance_error", "resistance_error"]))
-    assert not any("stated" in heading for heading in without.header)
-    data["compliance_error"].values[:] = data["resistance_error"].values[:] = np.nan  # of a scene without a tolerance
-    table = page._errors(data)
-    assert not any("stated" in heading for heading in table.header)
-    assert any("residual" in heading for heading in table.header)
 
 
 def test_a_method_looks_as_in_the_figures():
@@ -162,91 +114,12 @@ def test_a_method_looks_as_in_the_figures():
     assert isinstance(alone["boundary elements"].glyph, Line)
 
 
-def test_figures_have_captions(text):
-    caption = f"<b>Figure 1.</b> Rough &amp; &lt;i&gt;smooth&lt;/i&gt;. {kinds()['profiles'].caption}"
-    assert f"<figcaption>{caption}" in text
-    assert '<a href="figures/figure_1.svg">svg</a>' in text
-    assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in text
-
-
 def test_a_file_without_curves_makes_no_page(folder, tmp_path):
     with dataset.reading(folder / "contact.nc") as data:
         dataset.write(data.drop_vars("D"), tmp_path / "contact.nc", "no D")
     loaded = scene.load(next(folder.glob("*.yaml")))
     with pytest.raises(ValueError, match="the dataset holds no curves, since there is no D"):
-        page.write(loaded, tmp_path / "contact.nc", [], [], tmp_path / "page.html")
-
-
-def test_the_page_says_what_its_date_is(folder):
-    with dataset.reading(folder / "contact.nc") as data:
-        comment = data.attrs["comment"]
-    assert provenance.run_date()[1] in comment
-    assert f"<td>{typeset(comment)}</td>" in (folder / "page.html").read_text(encoding="utf-8")
-
-
-def judged(outcome, votes=(Check.yes, Check.no)):
-    """A claim with two conditions, on which two profiles say the same or not."""
-    words = "All <b>is well</b>", "error", "g_0", "D = 1.25", "at most 0.1 g_0", 0.1, 0.125, 1
-    findings = (
-        Finding(*words, 0.3, [0.05, 0.3], list(votes), outcome),
-        Finding(*words, 0, [0, 0], [1, 1], Check.yes),
-    )
-    return claims.Judgement("The error is small.", outcome, findings)
-
-
-def test_a_claim_is_a_line_with_the_number_that_decides_and_everything_else_folded(tmp_path):
-    """A paragraph of twenty lines of numbers was ahead of the one sentence that explains a no."""
-    data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no)}))
-    text = write(tmp_path, data=data)
-    (card,) = re.findall(r'<details class="claim no" id="one">.*?</details>', text, re.DOTALL)
-    line, below = re.sub(r"\s*\n\s*", "", card).split("</summary>")
-    assert line.endswith(
-        "<strong>no</strong> <q>The error is small.</q><span>Error: 0.3 <i>g<sub>0</sub></i>; limit: at most 0.1 "
-        "<i>g<sub>0</sub></i>; 1 of 2 say yes, 1 say no</span>"
-    )
-    assert below.count("<tr>") == 3
-    assert "&lt;b&gt;" in below
-
-
-def test_profiles_that_disagree_have_a_picture(tmp_path):
-    def pictures(*votes):
-        data = dataset.blank(1, METHODS, LOADS, 3).merge(to_dataset({"one": judged(Check.no, votes)}))
-        return re.findall(r'<figure class="profiles">.*?</figure>', write(tmp_path, data=data), re.DOTALL)
-
-    assert pictures(Check.no, Check.no) == []
-    (picture,) = pictures(Check.yes, Check.no)
-    dots = re.findall(r'circle class="(\w+)" cx="([\d.]+)"', picture)
-    assert [name for name, _ in dots] == ["yes", "no"]
-    (limit,) = re.findall(r'rect x="([\d.]+)"', picture)
-    assert float(dots[0][1]) < float(limit) < float(dots[1][1])
-
-
-def test_a_large_stated_error_of_the_resistance_is_explained(folder):
-    data = dataset.blank(2, METHODS, LOADS, 3)
-    assert page._about_errors(data) == [], "nothing is known"
-    data["resistance"].values[:, 1], data["resistance_error"].values[:, 1] = 0.5, 0.01
-    assert page._about_errors(data) == [], "it astonishes nobody"
-    data["resistance"].values[1, 1, 0], data["resistance_error"].values[1, 1, 0] = 8.0, 12.5
-    data["resistance_error"].values[0, 1, 2:] = 0.4
-    (text,) = page._about_errors(data)
-    assert text.endswith(
-        "Here bem states the largest, 12 g_0/p_0*, at 0.01 p_0*, where R is 8; at half of all loads it is at most "
-        "0.01 of the larger of R and 1 g_0/p_0*."
-    )
-    assert page._about_errors(data.sel(solution_method=["demelio"])) == []
-
-
-def test_errors_of_different_settings_stand_in_different_rows():
-    """The errors of a dozen elements do not stand for those of the method."""
-    data = dataset.blank(3, METHODS, LOADS, 3)
-    data["status"].values[:, 1] = Status.solved
-    data["compliance_error"].values[:, 1] = np.array([1e-6, 3e-2, 2e-6])[:, None]
-    labelled = data.assign_coords(
-        bem_points=("case", [np.nan, 12, np.nan]), bem_staircase=("case", ["removed", "kept", "removed"])
-    )
-    table = page._errors(labelled)
-    assert [row[0] for row in table.rows] == ["bem, staircase removed", "bem, points 12, staircase kept"]
-    assert [row[4] for row in table.rows] == ["2.0e-06", "3.0e-02"]
+        page.write(loaded, tmp_path / "contact.nc", tmp_path / "page.html")
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
@@ -257,30 +130,43 @@ def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
     data = data.assign_coords(seed=("case", [7.0, np.nan, 8.0, 9.0]))
     made = explorer.curve_explorer(data)
     (choose,) = made.select_one({"name": "m"}).js_property_callbacks["change:value"]
-    assert choose.args["labels"]["m"] == ["1", "3", "3", "10"]
+    assert choose.args["labels"]["m"] == ["1", "3", "3", "10", "3"]
+    assert choose.args["labels"]["phase"][-1] == "median of 2"
     assert explorer._labels(data, "phase") == ["seed 7: 1", "1", "seed 8: 1", "seed 9: 1"]
 
 
-def test_the_contents_lead_to_every_section(text):
-    anchors = re.findall(r'<li><a href="#([^"]+)">', text)
-    assert anchors == ["curves", "figures", "claims", "errors", "cost", "provenance"]
-    assert anchors == re.findall(r'<section id="([^"]+)">', text)
+def test_ensembles_have_a_median_with_the_largest_error_of_its_curves():
+    data = dataset.blank(4, METHODS, LOADS, 3)
+    data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
+    data["phases"].values[:, :2] = [[0, 1], [0, 2], [0, 3], [0, 4]]
+    data["m"].values[3] = 3
+    data["compliance"].values[:] = np.array([1.0, 5.0, 2.0, 9.0])[:, None, None] + LOADS
+    data["resistance"].values[:] = 1.0
+    data["compliance_error"].values[:] = np.array([1e-5, 3e-5, 2e-5, 1.0])[:, None, None]
+    made = explorer.curve_explorer(data)
+    (choose,) = made.select_one({"name": "m"}).js_property_callbacks["change:value"]
+    table = choose.args["allCurves"].data
+    assert table["compliance bem"].reshape(5, -1)[4] == pytest.approx(2 + LOADS)
+    assert table["compliance_error bem"].reshape(5, -1)[4] == pytest.approx(3e-5)
 
 
-@pytest.mark.parametrize(
-    ("text", "html"),
-    [
-        ("h = sum g_n", "<i>h</i>&nbsp;=&nbsp;&sum; <i>g<sub>n</sub></i>"),
-        ("in g_0/p_0*", "in <i>g<sub>0</sub></i>/<i>p<sub>0</sub></i><sup>*</sup>"),
-        ("gamma = 5 <b>", "<i>&gamma;</i>&nbsp;=&nbsp;5 &lt;b&gt;"),
-        ("7.0e-05", "7.0&times;10<sup>&minus;5</sup>"),
-        ("1e+03 and inf", "1&times;10<sup>3</sup> and &infin;"),
-        ("2 pi M", "2 &pi; M"),
-        ("not_requested, weier_1e5, information", "not_requested, weier_1e5, information"),
-    ],
-)
-def test_symbols_and_numbers_are_typeset(text, html):
-    assert typeset(text) == html
+def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
+    data = dataset.blank(1, METHODS, LOADS, 3)
+    data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
+    data["compliance"].values[:], data["resistance"].values[:] = 1 + LOADS, 2 + LOADS
+    data["compliance_error"].values[:] = 1e-4
+    bodies = dict.fromkeys(("mu_1", "mu_2"), 8e10) | dict.fromkeys(("nu_1", "nu_2"), 0.3)
+    bodies |= dict.fromkeys(("rho_1", "rho_2"), 2e-7) | {"lambda_0": 1e-3, "g_0": 1e-6}
+    interface = weier.Interface(**bodies)
+    made = explorer.curve_explorer(data, interface)
+    (choose,) = made.select_one({"name": "m"}).js_property_callbacks["change:value"]
+    table = choose.args["allCurves"].data
+    assert table["mean_pressure"] == pytest.approx(interface.pressure(LOADS), rel=1e-6)
+    assert table["compliance demelio"] == pytest.approx(1e-6 * (1 + LOADS), rel=1e-6)
+    assert table["compliance_error demelio"] == pytest.approx(1e-10, rel=1e-6)
+    assert table["resistance demelio"] == pytest.approx(interface.resistance(2 + LOADS), rel=1e-6)
+    assert made.select_one({"name": "compliance"}).yaxis.axis_label == "compliance h, m"
+    assert "ohm m^2" in write(tmp_path, data=data, text=f"{SCENE}interface: {json.dumps(bodies)}\n")
 
 
 def with_script(page, name):
@@ -369,14 +255,13 @@ def test_a_narrow_window_is_wide_enough(tmp_path):
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
-    data = data.merge(to_dataset({"archard_above": judged(Check.no)}))
     text = write(tmp_path, data=data)
     (tmp_path / "measured.html").write_text(with_script(text, "measure.js"), encoding="utf-8")
     shutil.copy(HERE / "frame.html", tmp_path)
     text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())
     widths = json.loads(re.search(r'<pre id="result">(.*?)</pre>', text).group(1))
     assert widths["page"] == widths["window"] <= 420  # the frame, less a bar to scroll up and down
-    assert len(widths["ends"]) > 5 + len(registry.names()) + 4  # drop-downs, boxes, plots, contents, a claim
+    assert len(widths["ends"]) > 5 + len(registry.names()) + 2  # drop-downs, boxes, plots
     assert max(widths["ends"]) <= widths["window"]
 
 

@@ -11,7 +11,7 @@ from weier.data.variables import Status
 from weier.pipeline import batch
 from weier.pipeline import gather as gathering
 from weier.pipeline.curves import numerics
-from weier.pipeline.gather import gather, read_cost, read_study
+from weier.pipeline.gather import gather, read_study
 
 VERSIONS = ("numpy", "scipy", "numba", "rocket_fft")
 
@@ -51,12 +51,6 @@ def test_a_file_holds_what_was_solved(solutions, solved, tmp_path, monkeypatch, 
     gather(solutions, tmp_path / "a.nc")
     found = without_studies(dataset.read(tmp_path / "a.nc"))
     xr.testing.assert_identical(found.drop_attrs(), solved.drop_vars("seconds").drop_attrs())
-
-
-def test_seconds_are_read_as_well(solutions, loaded):
-    seconds = read_cost(solutions)
-    assert seconds["key"].values.tolist() == [case.key for case in loaded.distinct]
-    assert np.isfinite(seconds["seconds"].values).tolist() == [[True] * 3, [False, True, True], [False, True, False]]
 
 
 def without_seconds(loaded):

@@ -12,7 +12,7 @@ from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, page, traces
 from weier.figures.page import explorer
-from weier.pipeline.gather import gather, read_cost, read_study
+from weier.pipeline.gather import gather, read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.surface.measured import instruments
 
@@ -350,15 +350,11 @@ def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_ow
     assert drawn[-1] == pytest.approx(min(own[-1] for own in ends))
 
 
-def test_a_page_lists_the_traces_and_their_units(folder):
+def test_a_page_lists_the_traces(folder):
     solutions = solve_scene(load(folder), folder / "batches")
     gather(solutions, folder / "contact.nc")
     loaded = load(folder, figures={})
-    page.write(loaded, folder / "contact.nc", [], read_cost(solutions), folder / "page.html")
-    text = (folder / "page.html").read_text()
-    trace = loaded.studies["mine"][0].profile
-    for text_shown in ("Measured heights", "shaft.csv", trace.digest, "periodic"):
-        assert f">{text_shown}<" in text
+    page.write(loaded, folder / "contact.nc", folder / "page.html")
     with dataset.reading(folder / "contact.nc") as data:
         labels = {name: explorer._labels(data, name) for name in explorer.LABELS}
     assert {name: sorted(texts) for name, texts in labels.items() if name != "case"} == {

@@ -124,21 +124,15 @@ def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
 @BATCHES
 @click.argument("contact", type=FILE)
 @output("path")
-@click.argument("drawn", metavar="FIGURES", type=FILE)
-def page(scene_file: Path, batches: Path, contact: Path, path: Path, drawn: Path) -> None:
-    """Write the page of a scene to PATH.
-
-    It is made from the scene's dataset CONTACT, the folder FIGURES, and the seconds in the folder BATCHES.
-    """
+def page(scene_file: Path, batches: Path, contact: Path, path: Path) -> None:
+    """Write the explorer of a scene to PATH, from its dataset CONTACT; the folder BATCHES has its curves."""
     from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
     from weier.pipeline.batches import Solutions
-    from weier.pipeline.gather import read_cost
     from weier.pipeline.products import inputs_of_page, mark
 
     with job("page", scene_file.stem):
         solutions = Solutions(weier.load_scene(scene_file), batches)
-        pictures = [drawn / f"{name}.png" for name in solutions.scene.figures]
-        pages.write(solutions.scene, contact, pictures, read_cost(solutions), path, mark(inputs_of_page(solutions)))
+        pages.write(solutions.scene, contact, path, mark(inputs_of_page(solutions)))
 
 
 @click.command(hidden=True)

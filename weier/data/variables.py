@@ -82,7 +82,6 @@ class Variable(NamedTuple):
     files : the files beside those of a scene that have it
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
-    largest : its name in a page's table of the largest errors of each method, if it stands there
     """
 
     dims: tuple[str, ...]
@@ -99,7 +98,6 @@ class Variable(NamedTuple):
     files: tuple[str, ...] = ()
     axis: str = ""
     plot: str = ""
-    largest: str = ""
 
 
 BOUND = (
@@ -189,7 +187,6 @@ VARIABLES = {
         least=0,
         files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
-        largest="stated numerical error of h, g_0",
     ),
     "resistance_error": Variable(
         CURVE,
@@ -198,7 +195,6 @@ VARIABLES = {
         least=0,
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
-        largest="stated numerical error of R, g_0/p_0*",
     ),
     "compliance_deviation": _measured(
         CURVE, "distance of the compliance from that of the reference", "g_0", files=MEASURED
@@ -221,7 +217,6 @@ VARIABLES = {
         least=0,
         content=QUALITY,
         files=(TRADEOFF, CONVERGENCE),
-        largest="residual, g_0",
     ),
     "work": Variable(
         CURVE, "pairs of FFTs, dense solutions or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)

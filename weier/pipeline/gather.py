@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.data import dataset, netcdf, provenance, variables
+from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
 from weier.data.variables import LABEL
 from weier.kernels.arrays import Indices
@@ -33,14 +33,6 @@ def read_study(solutions: Solutions, study: str) -> xr.Dataset:
     scene = solutions.scene
     cases = scene.cases_of_study(study)
     return Reader(solutions, scene.layout_of(study)).read(cases)
-
-
-def read_cost(solutions: Solutions) -> xr.Dataset:
-    """The seconds that each method took for each case of a scene."""
-    sizes = {"case": len(solutions.scene.distinct), "solution_method": len(solutions.scene.layout.methods)}
-    blank = xr.Dataset({name: variables.blank(name, sizes) for name in ("key", "seconds")})
-    blank = blank.assign_coords(solution_method=list(solutions.scene.layout.methods))
-    return Reader(solutions, solutions.scene.layout).fill(blank, np.arange(sizes["case"]))
 
 
 def gather(

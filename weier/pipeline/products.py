@@ -42,10 +42,7 @@ def inputs_of_figure(solutions: Solutions, name: str) -> str:
 
 def inputs_of_page(solutions: Solutions) -> str:
     """Return the digest of the inputs of the page of a scene."""
-    scene = solutions.scene
-    figures = [inputs_of_figure(solutions, name) for name in scene.figures]
-    entry = [scene.text, figures, inputs_of_data(solutions)]
-    return _inputs(solutions, None, entry, [("weier.figures.page", "write")], "figures")
+    return _inputs(solutions, None, [inputs_of_data(solutions)], [("weier.figures.page", "write")], "figures")
 
 
 def _inputs(

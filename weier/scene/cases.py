@@ -20,6 +20,7 @@ from weier.scene.identity import Keys, as_text, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
+from weier.theory.conduction import Bodies
 
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
@@ -62,6 +63,7 @@ class Scene:
     studies : cases of each study, in the order of the file
     batch_size : most cases in one batch
     figures, claims : what is made from the studies
+    interface : the two bodies, in SI units; None without them
     max_seconds : the longest expected time of its solution; None without a limit
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
@@ -74,6 +76,7 @@ class Scene:
     batch_size: int = MAX_BATCH_CASES
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    interface: Bodies | None = None
     max_seconds: float | None = None
     contact_edges: bool = False
     text: str = ""

@@ -130,6 +130,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
         loads=np.array(keys.loads, float),
         studies={name: study for name, study in read.items() if study is not None},
         figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
+        interface=bodies,
         claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
         max_seconds=keys.max_seconds,
         contact_edges=keys.contact_edges,

@@ -12,10 +12,11 @@ for (const select of selects) {
 // A method has a box if it has a curve of this case, and is drawn and named in the legends if its box is ticked.
 const start = rows[0] * loads
 sources.forEach((source, number) => {
-  const curve = (quantity) => Array.from(allCurves.data[`${quantity} ${methods[number]}`].slice(start, start + loads))
-  const compliance = curve("compliance")
-  source.data = { mean_pressure: source.data.mean_pressure, compliance, resistance: curve("resistance") }
-  boxes[number].visible = compliance.some(Number.isFinite)
+  const slice = (name) => Array.from(allCurves.data[name].slice(start, start + loads))
+  const curve = { ...source.data, mean_pressure: slice("mean_pressure") }
+  for (const name of shown) curve[name] = slice(`${name} ${methods[number]}`)
+  source.data = curve
+  boxes[number].visible = curve.compliance.some(Number.isFinite)
   const drawn = boxes[number].visible && boxes[number].active
   for (const legend of legends) {
     const item = legend.items[number]

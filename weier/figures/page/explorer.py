@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -17,12 +18,15 @@ from weier.data.selection import case_names, label_text
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.figures.traces import names_of_traces
+from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
+from weier.theory.conduction import Bodies
 
-MAX_CASES = 2000  # A thousand cases of 40 loads by four methods take 1.7 MB of the page.
+MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 # Labels that select a case. The last one distinguishes cases by studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
+ENSEMBLE = [name for name in LABELS if name != "phase"]  # Cases that agree in these labels are an ensemble.
 NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
 # Titles of lists that differ from their names.
 TITLES = {
@@ -31,8 +35,14 @@ TITLES = {
 }
 # Widths of the drop-down lists, in rem, for labels of usual length.
 MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}
-AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items() if entry.plot}
-QUANTITIES = [name for name in AXES if VARIABLES[name].dims == CURVE]
+NORMALISED_AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items()}
+SI_AXES = {
+    "mean_pressure": "mean pressure, Pa",
+    "compliance": "compliance h, m",
+    "resistance": "resistance R A, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
+}
+QUANTITIES = [name for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE]
+SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 MAX_POINTS = 30  # More points of a curve would hide the line below them.
 LINE_WIDTH = 2  # The width of lines, in pixels.
 STRETCHED: dict[str, Any] = {"sizing_mode": "stretch_width"}
@@ -42,39 +52,53 @@ SMALL_LEGEND: dict[str, Any] = {"label_text_font_size": "12px", "label_height": 
 SMALL_LEGEND |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}
 
 
-def curve_explorer(data: xr.Dataset) -> Column:
+def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     """Two plots of one case, with lists and boxes for its choice; a script fills them when the page opens.
 
     Parameters
     ----------
     data : Dataset
         In memory, over case, solution_method and mean_pressure.
+    interface : Bodies, optional
+        Two bodies, for which the curves are shown in SI units.
 
     """
     data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
-    methods = data["solution_method"].values.tolist()
+    methods, count = data["solution_method"].values.tolist(), data.sizes["mean_pressure"]
+    labels = {name: _labels(data, name) for name in LABELS}
+    curves = data if interface is None else interface.in_si(data)
+    pressures = np.broadcast_to(curves["mean_pressure"].values, (data.sizes["case"], count))
+    values = {name: curves[name].values for name in SHOWN if name in curves}
+    ensembles = _ensembles(labels)
+    for members in ensembles:
+        for name in LABELS:
+            labels[name].append(f"median of {len(members)}" if name == "phase" else labels[name][members[0]])
+    pressures = np.concatenate([pressures, *(pressures[members[:1]] for members in ensembles)])
+    values = {name: _with_medians(name, own, ensembles) for name, own in values.items()}
     table = {
-        f"{quantity} {method}": data[quantity].values[:, number].astype("f4").ravel()
-        for quantity in QUANTITIES
+        f"{name} {method}": own[:, number].astype("f4").ravel()
+        for name, own in values.items()
         for number, method in enumerate(methods)
     }
-    loads = data["mean_pressure"].values
-    nothing = {"mean_pressure": loads, **dict.fromkeys(QUANTITIES, np.full(loads.size, np.nan))}
+    table["mean_pressure"] = pressures.astype("f4").ravel()
+    nothing = dict.fromkeys(["mean_pressure", *SHOWN], np.full(count, np.nan))
     sources = [ColumnDataSource(nothing, name=f"curve {method}") for method in methods]
     solved = np.isfinite(data["compliance"].values).any(axis=(0, 2))
     # All numerical methods but the most accurate one are drawn as points.
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
-    plots = [_plot(quantity, methods, sources, as_points) for quantity in QUANTITIES]
+    axes = NORMALISED_AXES if interface is None else SI_AXES
+    plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
     selects = [_select(name) for name in LABELS]
     boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
     choose = CustomJS(
         args={
             "selects": selects,
-            "labels": {name: _labels(data, name) for name in LABELS},
+            "labels": labels,
             "methods": methods,
             "allCurves": ColumnDataSource(table),
             "sources": sources,
-            "loads": loads.size,
+            "loads": count,
+            "shown": [name for name in SHOWN if name in values],
             "boxes": boxes,
             "legends": [plot.legend[0] for plot in plots],
         },
@@ -89,6 +113,20 @@ def curve_explorer(data: xr.Dataset) -> Column:
     document.add_root(parts)
     document.js_on_event("document_ready", choose)
     return parts
+
+
+def _ensembles(labels: Mapping[str, Sequence[str]]) -> list[list[int]]:
+    """The cases of each ensemble: series that differ in their phases alone."""
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for case, key in enumerate(zip(*(labels[name] for name in ENSEMBLE), strict=True)):
+        groups.setdefault(key, []).append(case)
+    return [members for key, members in groups.items() if len(members) > 1 and key[0] == NONE]
+
+
+def _with_medians(name: str, values: Array, ensembles: Sequence[Sequence[int]]) -> Array:
+    """The values of all cases, and then of ensembles: medians, and of errors the largest, which bounds theirs."""
+    summary = np.max if name.endswith("_error") else np.median
+    return np.concatenate([values, *(summary(values[members], axis=0)[None] for members in ensembles)])
 
 
 def _script(name: str) -> str:
@@ -122,17 +160,20 @@ def _texts(data: xr.Dataset, name: str) -> list[str]:
     return [label_text(value) for value in data[name].values] if name in data.variables else [""] * data.sizes["case"]
 
 
-def _plot(quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str]) -> Any:
-    pressure = "mean pressure", "@mean_pressure{0.0000e+0}"
+def _plot(
+    quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str], axes: Mapping[str, str]
+) -> Any:
+    read = ("mean_pressure", quantity, f"{quantity}_error")
+    values = [(name.replace("_", " "), f"@{name}{{0.0000e+0}}") for name in read]
     plot = figure(
         height=400,
         x_axis_type="log",
         y_axis_type="log" if quantity == "resistance" else "linear",
-        x_axis_label=AXES["mean_pressure"],
-        y_axis_label=AXES[quantity],
+        x_axis_label=axes["mean_pressure"],
+        y_axis_label=axes[quantity],
         tools="pan,wheel_zoom,box_zoom,reset",
         name=quantity,
-        tooltips=[("method", "$name"), pressure, (quantity, f"@{quantity}{{0.00000}}")],
+        tooltips=[("method", "$name"), *values],
         styles={"flex": "1 1 22rem", "min-width": "min(22rem, 100%)"},
         **STRETCHED,
     )
