@@ -67,23 +67,23 @@ class Watch:
         """For `total` loads that are expected to take so many seconds; a silent one only ends them."""
         self.total, self.max_seconds, self.silent = total, max_seconds, silent
         self.done, self.announced = 0, False
-        self.start = self.said = perf_counter()
+        self.start, self.said, self.begun = clock(), perf_counter(), perf_counter()
         if expected > LONG:
             self._announce(f"{total} loads take about {significant(expected, 2)} s")
 
     def __call__(self) -> None:
         """Count one load, unless all are counted."""
         self.done, now = min(self.done + 1, self.total), perf_counter()  # a method may solve some twice
-        if self.max_seconds is not None and now - self.start > self.max_seconds:
+        if self.max_seconds is not None and now - self.begun > self.max_seconds:
             raise TimeoutError(
                 f"max_seconds = {self.max_seconds:g} ended the solution after {self.done} of {self.total} loads: "
                 "raise it, or take fewer loads or a larger tolerance"
             )
         if self.silent:
             return
-        left = (now - self.start) * (self.total - self.done) / self.done
-        far = f"{self.done} of {self.total} loads, about {left:.0f} s left"
-        if not self.announced and now - self.start > LONG and self.done < self.total:
+        lasted = clock() - self.start
+        far = f"{self.done} of {self.total} loads, about {lasted * (self.total - self.done) / self.done:.0f} s left"
+        if not self.announced and lasted > LONG and self.done < self.total:
             self._announce(far)
         elif self.announced and sys.stderr.isatty() and now - self.said > TERMINAL_SECONDS:
             self.said = now
