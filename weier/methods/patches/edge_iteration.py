@@ -1,6 +1,6 @@
 """Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way.
 
-The rules are derived in docs/patches.md, "Moves of edges"; "The stages of many contacts" has what makes a segment
+The rules are derived in docs/patches.md, "Moves of edges"; "The stages of a load" has what makes a segment
 settled. `take_step` solves on given edges and finds their moves (`edge_moves`), and `next_guess` moves them, with the
 density on them.
 

@@ -1,6 +1,6 @@
 """One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
 
-The stages are those of docs/patches.md, "The stages of many contacts", which has the reason of each limit. "Given
+The stages are those of docs/patches.md, "The stages of a load", which has the reason of each limit. "Given
 edges" and "Moves of edges" derive what one step does, and "Inequalities" how wide new segments are. The set of
 segments is corrected first on nodes for three digits, since all steps on wrong sets are lost. `_solve_to` goes
 through the stages, one step at each pass of its loop:

@@ -1,7 +1,7 @@
 """What users call: curves over the loads, and solutions under single loads, each from its own start.
 
-Which guesses, solvers and tolerances are tried, in which order, is in docs/patches.md, "Where a load starts"; "Edges"
-has the strengths, and "The bound on the compliance" what is stated of its error.
+The start of a load and its attempts are in docs/patches.md, "Where a load starts"; "Edges" has the strengths, and
+"The bound on the compliance" the stated error.
 """
 
 from __future__ import annotations

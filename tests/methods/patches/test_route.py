@@ -1,0 +1,56 @@
+"""The route of a load: where it starts, what it is solved for, and one attempt on ordinary series."""
+
+import numpy as np
+import pytest
+
+from weier import Profile, random_phases
+from weier.methods.patches import solver
+from weier.methods.patches.segments import CRESTS, GRID, TENSIONS
+from weier.methods.patches.start import Starts
+
+D = [1.25, 1.5, 1.75]
+
+
+@pytest.mark.parametrize("dimension", D)
+@pytest.mark.parametrize("m", [1, 2, 3, 4])
+def test_an_ordinary_load_takes_the_first_attempt(dimension, m):
+    gamma = 5 if m < 4 else 3
+    profile = Profile(dimension, gamma, m, random_phases(m))
+    starts = Starts(profile, solver.TOLERANCE)
+    for load in np.geomspace(1e-6, 0.99 * starts.surface.full_contact_load, 9):
+        state, steps = solver.solve_state(starts, float(load))
+        assert state.route.attempts == 1
+        assert state.route.steps == steps <= 20
+        assert state.route.corrections <= 4
+
+
+@pytest.mark.parametrize(
+    ("load", "start", "dual"), [(1e-300, CRESTS, False), (1e-6, CRESTS, False), (0.5, GRID, False), (3.0, GRID, True)]
+)
+def test_each_part_of_a_curve_has_its_start(load, start, dual):
+    state, _ = solver.solve_state(Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10), load)
+    assert (state.route.start, state.dual) == (start, dual)
+
+
+def test_the_last_gaps_start_on_crests_of_the_tension():
+    starts = Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10)
+    state, _ = solver.solve_state(starts, starts.surface.full_contact_load * (1 - 1e-6))
+    assert (state.route.start, state.dual) == (TENSIONS, True)
+
+
+def test_a_second_attempt_is_tighter_and_the_last(monkeypatch):
+    """The first one fails, and then both."""
+    starts, tried, real = Starts(Profile(1.5, 3, 1), 1e-8), [], solver.solve_many_contacts
+
+    def failing(surface, guess, tolerance):
+        tried.append(tolerance)
+        if len(tried) == 1 or len(tried) > 2:
+            raise solver.ConvergenceError("it fails")
+        return real(surface, guess, tolerance)
+
+    monkeypatch.setattr(solver, "solve_many_contacts", failing)
+    assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
+    assert tried == [1e-8, 1e-10]
+    with pytest.raises(solver.ConvergenceError, match="it fails"):
+        solver.solve_state(starts, 0.3)
+    assert len(tried) == 4
