@@ -13,6 +13,7 @@ import shutil
 import signal
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache, partial
@@ -220,8 +221,10 @@ class Scenes:
         marker = self.results / "logs" / name / "inputs" / (product or "contact.nc")
         if self._runs():
             marker.parent.mkdir(parents=True, exist_ok=True)
-            marker.touch()
-            if not stale:
+            if stale:
+                marker.write_text(f"{time.time_ns()}")  # Snakemake ignores a new date of the same content.
+            else:
+                marker.touch()
                 os.utime(marker, (0, 0))
         elif not marker.exists() or stale != any(map(partial(_is_newer, marker), paths)):
             # A dry run writes nothing into the folder.
