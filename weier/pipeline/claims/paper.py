@@ -39,11 +39,11 @@ SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, whic
 RULE = (
     "Each number is measured on profiles that differ in their phases alone, and a profile is too close to call where "
     f"its number lies between the limit and {OPEN_FACTOR:g} times the limit, within the stated error of the "
-    "numerical curve of a change of sign, or closer to the limit than it changes if every second load is left out. A statement "
-    "about all loads or profiles holds if every profile confirms it, and fails with the first that refutes it. A "
+    "numerical curve of a change of sign, or closer to the limit than it changes if every second load is left out. A "
+    "statement about all loads or profiles holds if every profile confirms it, and fails with the first that refutes it. A "
     f"tendency needs {MIN_FRACTION:.0%} of them for either. Otherwise it is not decided, and fewer than "
-    f"{MIN_MEMBERS} profiles confirm nothing. Statements about smooth curves of the resistance are judged on the mean over the "
-    "phases, since that of a single profile falls in drops; the single profiles are beside it."
+    f"{MIN_MEMBERS} profiles confirm nothing. Statements about smooth curves of the resistance are judged on the "
+    "mean over the phases, since that of a single profile falls in drops; the single profiles are beside it."
 )
 MEANINGS = (
     "Excess and error are of an estimate over the numerical curve, and averages are over the load. "
