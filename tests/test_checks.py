@@ -387,7 +387,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.fields(MANY, 0.1), "finest wave must fit at most 100000 times"),
         (lambda: weier.events(MANY, 0.1, 1.0), "finest wave must fit at most 100000 times"),
         (lambda: weier.Profile(1.5, 3, 3, 1.0, seed=7), "phases must be left out where there is a seed, got 1.0"),
-        (lambda: weier.fit(PROFILE), r"trace must be a weier\.Trace, got Profile"),
+        (lambda: weier.fit(PROFILE), r"trace must be a weier\.Trace, or a list of some, got Profile"),
         (lambda: weier.choose(PROFILE, 1e-3, "gap"), "quantity must be one of"),
         (lambda: weier.choose(weier.Profile(1.9, 2, math.inf)), "tolerance must be at least"),
         (lambda: weier.choose(weier.Profile(1.25, 5, math.inf), 1e-3, "resistance"), "has bounds only"),

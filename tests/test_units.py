@@ -181,3 +181,15 @@ NO_UNITS = [
 def test_a_text_that_is_no_unit_of_the_quantity_is_refused(unit):
     with pytest.raises(ValueError, match=r"^rho_1 must be in ohm m, got values in .{0,90}$"):
         factor("rho_1", unit, "ohm m")
+
+
+@pytest.mark.parametrize("of", SCALARS)
+@pytest.mark.parametrize("unit", ["m", "mm", "um", "inch", "mil", "uin", "angstrom", "\u00b5m", "\u03bcm"])
+def test_lengths_of_a_trace_are_converted_to_the_unit_of_the_call(of, unit):
+    heights = np.cos(2 * np.pi * np.arange(64) / 64) + 0.1 * np.cos(2 * np.pi * np.arange(64) / 8)
+    expected = weier.Trace(heights, 1e-3, 1e-4, x_unit="m", height_unit="um")
+    found = weier.Trace(heights, of(1.0, "mm"), of(100.0, "um"), x_unit=unit, height_unit="um")
+    assert found.lambda_0 == pytest.approx(expected.lambda_0, rel=1e-12)
+    assert found.shortest == pytest.approx(expected.shortest, rel=1e-12)
+    with pytest.raises(ValueError, match="length must be in m, got values in"):
+        weier.Trace(heights, of(1.0, "Pa"), x_unit=unit, height_unit="um")

@@ -125,4 +125,4 @@ def bare(values: Any) -> Any:
         if (found := getattr(values, name, None)) is not None:
             return found
     inner = getattr(values, "data", None)
-    return bare(inner) if unit_of(inner) else values
+    return bare(inner) if unit_of(inner) else np.asanyarray(values)

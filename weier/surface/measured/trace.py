@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from weier import units
 from weier.checks import checked_file, checked_number, checked_word, readable, shown
 from weier.kernels.arrays import Array, Indices
 from weier.surface.limits import MAX_WAVES
@@ -459,8 +460,9 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
 def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
     """The heights at equal steps, and the length of the trace in m, from the call, the positions, or the file."""
     if length is not None:
-        length = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf)
-        length *= UNITS[next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")]
+        of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
+        scale = 1.0 if units.unit_of(length) else UNITS[of_call]
+        length = scale * checked_number("length", length, "be positive and finite", _is_length, units.METRE)
     if one.positions is None and one.length is None:
         agreed_unit("the length", given, one.x_units)
         if length is None:
@@ -476,8 +478,14 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     return z, own
 
 
+def _is_length(length: float) -> bool:
+    return 0 < length < math.inf
+
+
 def _checked_shortest(shortest: float | None, length: float, samples: int, unit: float) -> float:
-    """The shortest wavelength that is kept, in m; it is given in the unit of length of the call."""
+    """The shortest wavelength that is kept, in m; it is given in the unit of length of the call, or with its own."""
+    if units.unit_of(shortest):
+        shortest = units.in_unit("shortest", shortest, units.METRE) / unit
     least, most = 2 * length / samples / unit, length / unit
     return unit * checked_number(
         "shortest",
