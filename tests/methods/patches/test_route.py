@@ -42,15 +42,15 @@ def test_a_second_attempt_is_tighter_and_the_last(monkeypatch):
     """The first one fails, and then both."""
     starts, tried, real = Starts(Profile(1.5, 3, 1), 1e-8), [], solver.solve_many_contacts
 
-    def failing(surface, guess, tolerance):
+    def failing(surface, guess, tolerance, accepted):
         tried.append(tolerance)
         if len(tried) == 1 or len(tried) > 2:
             raise solver.ConvergenceError("it fails")
-        return real(surface, guess, tolerance)
+        return real(surface, guess, tolerance, accepted)
 
     monkeypatch.setattr(solver, "solve_many_contacts", failing)
     assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
-    assert tried == [1e-8, 1e-10]
+    assert tried == [1e-8, 1e-9]
     with pytest.raises(solver.ConvergenceError, match="it fails"):
         solver.solve_state(starts, 0.3)
     assert len(tried) == 4

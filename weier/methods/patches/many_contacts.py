@@ -85,6 +85,8 @@ MAX_OVER_TARGET = 10.0
 # that no contact is missed on a crest that stands higher than this.
 ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
 ROUNDING = 1e-13  # Rounding of a residual, over the displacement under the whole load.
+# The bound adds up what is left in all gaps, so that each of more gaps than this has its share of the tolerance.
+MAX_SHARING = 5
 REDUCTION = 1e-3  # The conjugate gradients of a step reduce the residual by so much: edges then move by three digits.
 # A contact is cut where the tension over its largest pressure exceeds this, in rough and in fine corrections. Less
 # changes the resistance by about as much, and the compliance by the square.
@@ -122,27 +124,34 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
     )
 
 
-def solve_many_contacts(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+def solve_many_contacts(
+    surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
+) -> tuple[ContactState, int]:
     """The state in partial contact from a guess under its load, and the steps of Newton's method.
 
     tolerance : of the residual, over the height that the load needs
+    accepted : the tolerance by which the state is judged, where that is larger
 
     ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
     fails a check.
     """
     problem = Problem(surface.series(guess.dual), guess.load, guess.dual)
-    return _solve_to(problem, guess, tolerance, _scale(problem))
+    return _solve_to(problem, guess, tolerance, _scale(problem), accepted or tolerance)
 
 
 def _solve_to(
-    problem: Problem, guess: ContactState, tolerance: float, scale: float, follows: bool = False
+    problem: Problem, guess: ContactState, tolerance: float, scale: float, accepted: float, follows: bool = False
 ) -> tuple[ContactState, int]:
     """The state and the steps, with targets relative to the height `scale`, in g_0, through the stages of the module.
 
     With `follows`, the segments stay those of the guess, only stage 3 is used, and no inequality is judged.
     """
     load, wanted = problem.load, tolerance * scale
-    target = max(TARGET * wanted, ROUNDING * load * problem.series.period)
+    loaded = problem.series.period  # the width over which a residual is rounded
+    if problem.dual:
+        wanted *= min(1.0, MAX_SHARING / guess.segments.half_width.size)
+        loaded = 2 * float(guess.segments.half_width.max())
+    target = max(TARGET * wanted, ROUNDING * load * loaded)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
@@ -203,7 +212,7 @@ def _solve_to(
                     )
                 else:
                     state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
-                return certify(state, residual, minima, negative, problem.series, tolerance, margin), steps
+                return certify(state, residual, minima, negative, problem.series, accepted, margin), steps
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -215,7 +224,7 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
     They are followed tightly, whatever the tolerance of the states.
     """
     problem = Problem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), follows=True)[0]
+    return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), FOLLOWED_TOLERANCE, follows=True)[0]
 
 
 def _scale(problem: Problem) -> float:

@@ -34,7 +34,7 @@ from weier.surface.waves import Waves
 TOLERANCE = 1e-10
 # A load that fails, or whose bound exceeds the tolerance, is tried once more with a tolerance that is tighter by this
 # factor: the residual may exceed the target of the iteration by as much.
-TIGHTENING = 100.0
+TIGHTENING = 10.0
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
 
 
@@ -210,7 +210,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     second = max(first / TIGHTENING, LEAST_TOLERANCE)
     for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
         try:
-            state, more = solve_many_contacts(starts.surface, starts.guess(load), relative)
+            state, more = solve_many_contacts(starts.surface, starts.guess(load), relative, first)
         except ConvergenceError as error:
             failure = error
         else:
