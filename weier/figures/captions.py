@@ -64,7 +64,10 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
     if grouping.median_over:
         over = (f"the {PLURALS[name]}" if name in PLURALS else name for name in grouping.median_over)
-        sentences.append(f"Lines are medians over {' and '.join(dict.fromkeys(over))}, and bands hold all curves.")
+        line, band = f"{grouping.line_name}s over {' and '.join(dict.fromkeys(over))}", grouping.band_name
+        sentences.append(
+            f"Lines are {line}, and bands hold {'all curves' if band == 'all' else f'{band} of the curves'}."
+        )
     return " ".join(sentences)
 
 

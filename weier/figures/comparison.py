@@ -31,6 +31,7 @@ from weier.theory.conduction import Bodies
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
 MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.
+MAX_INSIDE = 6  # A legend of more entries would cover the curves.
 # The looks of bands around medians, of a solid line that dashed ones of its colour cover, and of bands of stated
 # errors.
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
@@ -354,7 +355,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
 
 def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) -> None:
     """The legend inside a single panel if it is short, else below all panels."""
-    if len(panels) == 1 and len(handles) <= MAX_NAMED:
+    if len(panels) == 1 and len(handles) <= MAX_INSIDE:
         panels[0].legend(handles=handles, loc="best")
         return
     columns = 2 if len(panels) == 1 else 3

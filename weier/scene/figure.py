@@ -54,7 +54,7 @@ class Grouping(NamedTuple):
     def band_name(self) -> str:
         """What the band holds, in words."""
         if self.band == MEAN:
-            return "standard error of the mean"
+            return "the standard error"
         low, high = self.band
         return "all" if self.band == ALL else f"{low:g} to {high:g} %"
 
