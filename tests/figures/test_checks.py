@@ -128,4 +128,4 @@ def test_a_scene_names_the_parameters(tmp_path):
     assert loaded.figures["f"].grouping == Grouping("gamma", ("method",), ("seed",))
     text = caption(loaded, "f").text
     assert "Each panel has one method. Colours show gamma." in text
-    assert "Lines are medians over the phases, and bands hold all curves." in text
+    assert "Lines are medians over the phases, and bands hold 10 to 90 % of the curves." in text

@@ -162,7 +162,7 @@ SENTENCES = {
     "both": "A solid line shows contact patches. Markers show boundary elements.",
     "all": "Colours show the estimates. A solid line shows contact patches. Markers show boundary elements.",
     "many": "A solid line shows contact patches. Markers show boundary elements. Lines are medians over the phases, "
-    "and bands hold all curves.",
+    "and bands hold 10 to 90 % of the curves.",
 }
 
 
