@@ -40,12 +40,12 @@ def checkout(tmp_path_factory):
     return folder
 
 
-def call(checkout, *arguments, scene="test", cores=("--cores", "2")):
+def call(checkout, *arguments, scene="test", cores=("--cores", "2"), config=()):
     # Plain Python takes seconds for these few loads, compiling in a new folder would take a minute.
     # One date makes the bytes of two runs the same. Bytecode is kept in the copy, or each run would make it anew.
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "SOURCE_DATE_EPOCH": "1000000000"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    command = ["snakemake", *cores, *arguments, "--config", f"scenes={scene}"]
+    command = ["snakemake", *cores, *arguments, "--config", f"scenes={scene}", *config]
     return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
 
 
@@ -257,8 +257,8 @@ def test_a_changed_solver_runs_its_own_method(finished):
     new = {path.name for path in curves.iterdir()} - old
     assert {name.partition("-")[0] for name in new} == {"bem"}
     assert old < {path.name for path in curves.iterdir()}  # what nobody needs any more stays until it is pruned
-    command = ["snakemake", "--cores", "2", "--config", "scenes=test", "prune=1"]
-    done = subprocess.run(command, cwd=finished, capture_output=True, text=True, check=True)
+    done = call(finished, config=["prune=1"])
+    assert done.returncode == 0, done.stderr
     assert re.search(r"^2 of 6 batches are of no scene: removed, which frees \d\.\d MB$", done.stderr, re.M)
     assert {path.name for path in curves.glob("bem-*")} == new
 

@@ -164,6 +164,7 @@ class Solutions:
         """Describe batches of curves of one kind."""
         surfaces = np.concatenate([part.surfaces[lacking] for part, lacking in parts])
         first = distinct(surfaces)[0]  # of curves that two cases with other methods beside this one have in common
+        surfaces = surfaces[first]
         seconds = np.concatenate([part.seconds()[lacking] for part, lacking in parts])[first]
         owner = np.repeat(np.arange(len(parts)), [len(lacking) for _, lacking in parts])[first]
         number = np.concatenate([lacking for _, lacking in parts])[first]
@@ -174,7 +175,7 @@ class Solutions:
             homes = [names[each] for each in dict.fromkeys(home[case[piece]].tolist())]
             studies = list(dict.fromkeys(itertools.chain.from_iterable(homes)))
             kind = parts[0][0].kind
-            batch = Batch(kind, cases, surfaces[first][piece], studies, float(seconds[piece].sum()))
+            batch = Batch(kind, cases, surfaces[piece], studies, float(seconds[piece].sum()))
             self.to_solve[self.store.add(batch)] = batch
 
 
