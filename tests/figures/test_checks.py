@@ -80,7 +80,8 @@ def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
     checks.load_scene(write(tmp_path, **figure))
 
 
-CONDUCTORS = dict.fromkeys(["mu_1", "mu_2", "lambda_0", "g_0"], 1.0) | dict.fromkeys(["nu_1", "nu_2", "rho_1"], 0.3)
+CONDUCTORS = dict.fromkeys(["mu_1", "mu_2"], 1e11) | dict.fromkeys(["nu_1", "nu_2"], 0.3)
+CONDUCTORS |= {"rho_1": 1e-7, "lambda_0": 1e-3, "g_0": 1e-6}
 
 
 @pytest.mark.parametrize(
