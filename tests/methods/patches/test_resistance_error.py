@@ -126,18 +126,21 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-def test_a_contact_that_may_be_born_takes_part_of_an_increment(period):
-    """tau^2/(chi L), where tau is at most R + 2 L ln 2, and chi is that of a punch beside the other contact."""
-    wave = OneWave(period, 0.1 * period, 0.2 * period)
+@pytest.mark.parametrize(("part", "distance"), [(0.1, 0.5), (0.02, 0.025)])
+def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, distance):
+    """tau^2/(chi L), where tau is at most R + 2 L ln 2, and chi is that of a punch, less the relief by one nearby."""
+    wave = OneWave(period, part * period, 0.2 * period)
     gaps = np.zeros(1, MINIMUM)
-    gaps["position"], gaps["curvature"] = wave.crest + 0.5 * period, 50.0
+    gaps["position"], gaps["curvature"] = wave.crest + distance * period, 50.0
     depth = GAP_FACTOR * HEIGHT + GAP_ROUNDING
     b = np.sqrt(2 * depth / 50)
-    relief = -2 * np.log(np.pi * wave.half_width / period) + 4 * np.log(2.0)
+    relief = -2 * np.log(np.pi * part) + 4 * np.log(2 * np.sin(np.pi * distance))
+    assert (relief < 0) == (distance < 0.1)
     chi = -2 * np.log(np.pi * b / period) + min(relief, 0.0)
     expected = (wave.resistance + 2 * np.log(2) * period) ** 2 / (chi * period)
+    assert expected < wave.resistance
     born = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
-    assert born == pytest.approx(min(expected, wave.resistance), rel=1e-9)
+    assert born == pytest.approx(expected, rel=1e-9)
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
