@@ -11,7 +11,7 @@ act on each other as dipoles only, so that the first part is enough.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
@@ -116,9 +116,34 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = rule_of(segments.first_node, segments.half_width, period, dual)
+        rule = Rule(*fields_of_rule(segments.first_node, segments.half_width, period, dual))
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
     return Punches(segments, gap, offset, rule, matrix, period, kind_of(dual))
+
+
+@kernel
+def fields_of_rule(first_node: Indices, half_width: Array, period: float, dual: bool) -> tuple[Any, ...]:
+    """Return the fields of `rule_of`: for a NamedTuple numba runs Python, and crashes where Ctrl-C comes there."""
+    rule = rule_of(first_node, half_width, period, dual)
+    return (
+        rule.offset,
+        rule.left,
+        rule.own,
+        rule.own_scale,
+        rule.at_node,
+        rule.inverse,
+        rule.inverse_left,
+        rule.inverse_scale,
+        rule.wave,
+        rule.step,
+        rule.turn,
+        rule.degree_scale,
+        rule.angles,
+        rule.sign,
+        rule.shift,
+        rule.factor,
+        rule.dipoles,
+    )
 
 
 @kernel

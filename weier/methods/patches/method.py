@@ -11,10 +11,17 @@ from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.methods.patches import many_contacts
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
-from weier.methods.patches.given_edges import Bounds, make_punches, solve_forces_on_contacts
+from weier.methods.patches.given_edges import (
+    Bounds,
+    make_punches,
+    moved_expansion,
+    solve_forces_on_contacts,
+    transfer_forces,
+)
 from weier.methods.patches.solver import TOLERANCE, curve
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
+from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
@@ -42,6 +49,12 @@ def run_kernels() -> None:
         state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
         punches, none = make_punches(state.segments, series.period, state.dual, most=0), np.zeros(state.phi.size)
         solve_forces_on_contacts(punches, none + state.dual, guess.load, none, Bounds(1.0, 0.0, np.inf))
+        segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
+        still = np.zeros_like(segments.half_width)
+        moved_expansion(segments.first_node, segments.half_width, b, b, still, still)
+        transfer_forces(segments, b, first, punches)
+        for singular in (False, True):
+            densities_on_contacts(segments.first_node, state.coefficient, first, np.zeros((1, 1)), singular)
         _, crest, y = sample_points(state.segments, True)
         residuals_one_by_one(state, series, crest, y)
         residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)

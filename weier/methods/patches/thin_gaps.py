@@ -119,8 +119,8 @@ def cracks_on_contacts(
     some = negative[is_certain]
     segment = np.asarray(some["segment"], np.int64)
     cracks, found = find_thin_gaps(
-        lambda contact, t: _densities(first, state.coefficient, contact, t, False),
-        lambda contact, t: _densities(first, psi, contact, t, True),
+        lambda contact, t: densities_on_contacts(first, state.coefficient, contact, t, False),
+        lambda contact, t: densities_on_contacts(first, psi, contact, t, True),
         segment,
         np.asarray(0.5 * (some["start"] + some["end"])),
         np.asarray(0.5 * (some["end"] - some["start"])),
@@ -172,7 +172,7 @@ def _with_cracks(state: ContactState, cracks: Cracks) -> ContactState:
 
 
 @kernel
-def _densities(
+def densities_on_contacts(
     first_node: Indices, coefficient: Array, contact: Indices, t: NDArray[np.float64], singular: bool
 ) -> NDArray[np.float64]:
     """sqrt(1-t^2) sum a_k U_k or, singular, sum b_k T_k/sqrt(1-t^2) on contacts, where T_k = U_k - t U_(k-1)."""
