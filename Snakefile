@@ -80,7 +80,8 @@ rule solve:
 
 rule claims:
     input:
-        batches=ancient(scenes.batches),
+        settled=ancient(scenes.settled_batches),
+        unsettled=scenes.unsettled_batches,
         outdated=scenes.outdated_data,
     output:
         data="results/{scene}/contact.nc",
@@ -109,7 +110,8 @@ rule claims:
 
 rule figure:
     input:
-        batches=ancient(scenes.batches_of_figure),
+        settled=ancient(scenes.settled_batches),
+        unsettled=scenes.unsettled_batches,
         outdated=scenes.outdated_figure,
     output:
         pdf="results/{scene}/figures/{figure}.pdf",

@@ -152,13 +152,13 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
     made = folder / "results/test"
     (made / "figures").mkdir(parents=True)
     now = scenes()
-    one, two, page, data = digests(now)
+    one, two, page, inputs_of_data = digests(now)
     for name, inputs in (("one", one), ("two", two)):
         for suffix in ("pdf", "svg", "png"):
             (made / f"figures/{name}.{suffix}").write_text(f"a figure, {mark(inputs)}")
     (made / "page.html").write_text(mark(page))
-    (made / "claims.md").write_text(mark(data))
-    dataset.write(xr.Dataset(), made / "contact.nc", "data", name=data)
+    (made / "claims.md").write_text(mark(inputs_of_data))
+    dataset.write(xr.Dataset(), made / "contact.nc", "data", name=inputs_of_data)
 
     def outdated():
         run = scenes()
@@ -170,8 +170,14 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
         return [Path(path).stat().st_mtime > 0 for (path,) in found]
 
     assert outdated() == [False, False, False, False]
+    data, figure = of(), of(figure="one")
+    for wanted in (data, figure):
+        assert scenes().settled_batches(wanted)
+        assert not scenes().unsettled_batches(wanted)
     (made / "figures/one.svg").write_bytes((made / "figures/two.svg").read_bytes())
     assert outdated() == [True, False, False, False]
+    assert scenes().settled_batches(figure) == []
+    assert scenes().unsettled_batches(figure) == scenes().batches_of_figure(figure)
     (made / "figures/one.svg").unlink()  # Snakemake makes what is missing
     assert outdated() == [False, False, False, False]
     before = sorted(folder.rglob("*"))

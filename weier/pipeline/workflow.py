@@ -36,6 +36,7 @@ from weier.scene import Scene
 
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats.
+DATA = ("contact.nc", "claims.md")
 LOCKS = Path(".snakemake/locks")
 LOCKED = (
     "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
@@ -138,6 +139,25 @@ class Scenes:
             figure = self.scene(wildcards.scene).figure(wildcards.figure)
         return self._batches(wildcards.scene, figure.all_studies)
 
+    def settled_batches(self, wildcards: Any) -> list[str]:
+        """The batches of the data or a figure that are fresh, and stay so if a batch is made again."""
+        return self._batches_where(wildcards, fresh=True)
+
+    def unsettled_batches(self, wildcards: Any) -> list[str]:
+        """The batches of the data or a figure that are missing or stale.
+
+        Snakemake does not make a product all of whose inputs are ancient while one of them is made again.
+        """
+        return self._batches_where(wildcards, fresh=False)
+
+    def _batches_where(self, wildcards: Any, fresh: bool) -> list[str]:
+        figure = getattr(wildcards, "figure", "")
+        paths = self.batches_of_figure(wildcards) if figure else self.batches(wildcards)
+        files = [self.results / wildcards.scene / file for file in (_files(figure) if figure else DATA)]
+        with ending_in_one_sentence():
+            found = {made_of(path) for path in files}
+        return paths if (found == {self._inputs(wildcards.scene, figure)}) == fresh else []
+
     def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
         """The batches of these studies of a scene, or of all.
 
@@ -202,12 +222,11 @@ class Scenes:
 
     def outdated_data(self, wildcards: Any) -> list[str]:
         """An input of the data and claims that makes them stale if they were made of something else."""
-        return self._outdated(wildcards.scene, "", "contact.nc", "claims.md")
+        return self._outdated(wildcards.scene, "", *DATA)
 
     def outdated_figure(self, wildcards: Any) -> list[str]:
         """The same for a figure."""
-        files = [f"figures/{wildcards.figure}.{suffix}" for suffix in FORMATS]
-        return self._outdated(wildcards.scene, wildcards.figure, *files)
+        return self._outdated(wildcards.scene, wildcards.figure, *_files(wildcards.figure))
 
     def outdated_page(self, wildcards: Any) -> list[str]:
         """The same for the page of a scene."""
@@ -272,6 +291,11 @@ class Scenes:
                     path.with_suffix(".nc").unlink(missing_ok=True)
                     path.unlink()
             self.store = Store(self.store.folder)
+
+
+def _files(figure: str) -> list[str]:
+    """The files of a figure in the folder of its scene."""
+    return [f"figures/{figure}.{suffix}" for suffix in FORMATS]
 
 
 def _is_newer(path: Path, other: Path) -> bool:
