@@ -93,6 +93,7 @@ REDUCTION = 1e-3  # The conjugate gradients of a step reduce the residual by so 
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
+MAX_LEFT_BY_NODES = 0.5  # More nodes must leave less than this part of the residual; else it is rounding.
 MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
 # The last moves of edges over the tolerance, in half-widths: a contact whose force is below the target may take
 # a large part of an increment of the load.
@@ -157,7 +158,8 @@ def _solve_to(
     stage, last_move = fine if follows else rough, np.inf
     # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
     # segments that the last one has added are guesses.
-    moved, corrections = False, 0
+    moved, corrections, last_height = False, 0, np.inf
+    coarser: tuple[Step, ContactState, Array, Records, Records] | None = None  # before nodes were added
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
@@ -191,7 +193,7 @@ def _solve_to(
         )
         added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
         if not np.all(remaining) or len(added) > 0:
-            moved, corrections = False, corrections + 1
+            moved, corrections, last_height = False, corrections + 1, np.inf
             counts = state.segments.node_count if stage.fine else None
             now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
         elif not stage.fine:
@@ -201,7 +203,11 @@ def _solve_to(
             residual = contact_residual(state, problem.series)
             height = problem.kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
-            if not np.any(short := (height > allowed) & (count < MAX_NODES)):
+            short, largest = (height > allowed) & (count < MAX_NODES), float(height.max())
+            # More nodes do not help against rounding, and in gaps they add to it.
+            if not np.any(short) or largest > MAX_LEFT_BY_NODES * last_height:
+                if coarser is not None and largest > last_height:
+                    step, state, residual, minima, negative = coarser
                 route = guess.route._replace(steps=steps, corrections=corrections)
                 tangent = solve_tangent(step.punches, step.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
                 state = state._replace(edge_move=step.moves.outward, route=route)
@@ -213,6 +219,7 @@ def _solve_to(
                 else:
                     state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
                 return certify(state, residual, minima, negative, problem.series, accepted, margin), steps
+            last_height, coarser = largest, (step, state, residual, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
