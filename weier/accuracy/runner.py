@@ -70,11 +70,11 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     """The curve of a variant; raises what `weier.solve` raises."""
     method, start = find_method(variant.method), process_time()
     method.check_applies(profile)
-    values = method.solve(profile, loads, **variant.settings)._asdict()
-    seconds = process_time() - start
+    solved = method.solve(profile, loads, **variant.settings)
+    seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
-    solution_error = values.get(STATED[0], values.get("distance_to_bounds", 0.0))
+    solution_error = values.get(STATED[0], getattr(solved, "distance_to_bounds", 0.0))
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
     return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, seconds, values)
 
