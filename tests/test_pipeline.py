@@ -88,13 +88,15 @@ def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
 
 def test_only_the_mistakes_of_a_faulty_scene_are_reported(checkout):
     """By the jobs of its scene, and by those of one file."""
-    (checkout / "config/scenes/faulty.yaml").write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
+    path = checkout / "config/scenes/faulty.yaml"
+    path.write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
     for target in ((), ("results/faulty/contact.nc",)):
         done = call(checkout, *target, scene="test" if target else "faulty")
         lines = done.stderr.partition("weier: ")[2].splitlines()
         assert done.returncode == 1
         assert lines[0].endswith("faulty.yaml has 3 mistakes:")
         assert len(lines) == 4
+    path.unlink()  # later tests look at all scenes
 
 
 def test_a_scene_that_takes_longer_than_it_allows_is_not_begun(checkout):

@@ -10,9 +10,12 @@ from weier.data import dataset
 from weier.data.variables import Status
 from weier.pipeline import batch
 from weier.pipeline import gather as gathering
+from weier.pipeline.batches import Solutions
 from weier.pipeline.curves import numerics
 from weier.pipeline.gather import gather, read_study
 
+WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
+OF_ONE = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
 VERSIONS = ("numpy", "scipy", "numba", "rocket_fft")
 
 
@@ -36,6 +39,19 @@ def test_a_study_keeps_its_order(waves):
     assert waves.m.values.tolist() == [1, 2, np.inf]
     assert waves.phases.values[1].tolist() == [0, 0]
     assert np.isnan(waves.phases.values[0, 1])
+
+
+def test_a_study_is_read_while_others_are_not_solved(tmp_path):
+    """As a figure of it is drawn while their batches run."""
+    one = scene_in(tmp_path, {**OF_ONE, "studies": {"one": WAVE}})
+    solve_scene(one, tmp_path / "curves")
+    both = scene_in(
+        tmp_path, {**OF_ONE, "studies": {"one": WAVE, "other": {"product": {"D": 1.5, "gamma": 5, "m": 2}}}}
+    )
+    solutions = Solutions(both, tmp_path / "curves")
+    assert read_study(solutions, "one").D.values.tolist() == [1.25]
+    with pytest.raises(ValueError, match=r"D = 1\.5, .* is not solved by demelio in .*: run snakemake again"):
+        read_study(solutions, "other")
 
 
 def without_studies(data):

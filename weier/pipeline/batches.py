@@ -100,7 +100,9 @@ class Solutions:
         """The key of each case, as files have it."""
         return [short_key(key) for key in self.scene.keys_of_cases]
 
-    def places(self, method: str) -> tuple[Indices, Indices, NDArray[np.object_]]:
+    def places(
+        self, method: str, studies: Collection[str] | None = None
+    ) -> tuple[Indices, Indices, NDArray[np.object_]]:
         """Return the batch and the row of the curve of each case by a method, and its code.
 
         The batch is a number in `store.batches`, and -1 for cases that the method is not to solve.
@@ -108,15 +110,16 @@ class Solutions:
         Raises
         ------
         ValueError
-            If a curve is not solved.
+            If a curve of these studies, or of any if none are named, is not solved.
         """
+        wanted = self._cases_of(studies)
         batch, row = np.full((2, len(self.scene.distinct)), -1)
         code = np.full(len(batch), "", object)
         for part in self.parts:
             if part.kind.method == method:
                 batch[part.cases], row[part.cases] = self.store.find(part.kind, part.surfaces)
                 code[part.cases] = part.kind.numerics["code"]
-                if (missing := np.flatnonzero(batch[part.cases] < 0)).size:
+                if (missing := np.flatnonzero((batch[part.cases] < 0) & wanted[part.cases])).size:
                     case = part.batch_case(int(missing[0]))
                     raise ValueError(
                         f"{case.profile.describe()} is not solved by {method} in {self.store.folder}: "

@@ -32,7 +32,7 @@ def read_study(solutions: Solutions, study: str) -> xr.Dataset:
     """The cases of a study in memory; ValueError if one is not solved."""
     scene = solutions.scene
     cases = scene.cases_of_study(study)
-    return Reader(solutions, scene.layout_of(study)).read(cases)
+    return Reader(solutions, scene.layout_of(study), (study,)).read(cases)
 
 
 def gather(
@@ -131,11 +131,13 @@ class Reader:
         The scene with its solved curves.
     layout : Layout
         Of the arrays to read into.
+    studies : tuple of str, optional
+        The studies whose cases are read; others need not be solved yet. By default, all.
     """
 
-    def __init__(self, solutions: Solutions, layout: Layout) -> None:
+    def __init__(self, solutions: Solutions, layout: Layout, studies: tuple[str, ...] | None = None) -> None:
         self.solutions, self.layout, self.keys = solutions, layout, solutions.keys
-        self._places = {method: solutions.places(method) for method in layout.methods}
+        self._places = {method: solutions.places(method, studies) for method in layout.methods}
         self._verified = set[int]()
 
     def read(self, cases: Indices) -> xr.Dataset:
