@@ -77,8 +77,14 @@ def test_what_cannot_be_solved_is_refused_in_a_sentence():
     for surface in ([], "line.csv", None):
         with pytest.raises(ValueError, match=r"surface must be a weier.Profile, a weier.Trace, or a list of some"):
             BODIES.solve(surface, 1e7)
-    with pytest.raises(ValueError, match="surface must be"):
+    with pytest.raises(ValueError, match=r"must be a weier.Profile or a weier.Trace, got None"):
         BODIES.solve([LINE, None], 1e7)
+
+
+def test_processes_side_by_side_give_the_same_bits():
+    surfaces = [LINE, SERIES, weier.Trace(2 * HEIGHTS[:150], 0.75, x_unit="mm", height_unit="um", source="other")]
+    alone, both = (SCALED.solve(surfaces, [1e6, 1e7], workers=count).drop_vars("seconds") for count in (1, 2))
+    xr.testing.assert_identical(alone, both)
 
 
 def test_pressures_may_have_a_unit():
@@ -99,6 +105,8 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         SCALED.find_pressure(surface, resistance=curve.compliance)
     with pytest.raises(ValueError, match="give one of resistance, compliance, contact_fraction, got none"):
         SCALED.find_pressure(surface)
+    with pytest.raises(ValueError, match=r"resistance, compliance, contact_fraction, got 'resistanc': did you mean"):
+        SCALED.find_pressure(surface, resistanc=1e-10)
     perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)
     with pytest.raises(ValueError, match="two perfect conductors"):
         perfect.find_pressure(surface, resistance=1e-10)

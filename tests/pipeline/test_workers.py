@@ -44,7 +44,7 @@ def test_curves_of_another_process_have_the_same_bits():
 
 def test_progress_counts_the_loads_of_all_processes():
     said = []
-    outcomes = solve_curves([CurveTask(profile, "demelio", {}) for profile in SERIES], LOADS, 2, 0.0, said.append)
+    outcomes = solve_curves([CurveTask(profile, "demelio", {}, LOADS) for profile in SERIES], 2, 0.0, said.append)
     assert len(list(outcomes)) == len(SERIES)
     done = [int(re.match(r"(\d+) of 9 loads, about \d+ s left", line)[1]) for line in said]
     assert done == sorted(done)

@@ -23,6 +23,7 @@ from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
 from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
+from weier.units import NORMALISED_PRESSURE
 
 
 def curve(
@@ -51,11 +52,17 @@ def curve(
 
 
 def blank(
-    cases: int, methods: Sequence[str], loads: Array, terms: int, edges: int = 0, returned: Collection[str] = ()
+    cases: int,
+    methods: Sequence[str],
+    loads: Array,
+    terms: int,
+    edges: int = 0,
+    returned: Collection[str] = (),
+    unit: str = NORMALISED_PRESSURE,
 ) -> xr.Dataset:
     """An empty dataset of all variables of the table, for so many cases, terms and edges of contact.
 
-    It has those optional variables whose names the methods return.
+    It has those optional variables whose names the methods return. `unit` is that of the loads, p_0* or Pa.
     """
     sizes = {
         "case": cases,
@@ -70,7 +77,7 @@ def blank(
     data["status"].values[:] = Status.not_requested
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
-        mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure")),
+        mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure", unit=unit)),
         term=("term", np.arange(terms, dtype="i4"), variables.attributes("term")),
     )
 

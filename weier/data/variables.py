@@ -29,7 +29,7 @@ COMPLIANCE_ERROR = (
     "bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
-PHYSICAL = ("rad", "s", "m")  # These units of the table are units of UDUNITS, which CF requires.
+PHYSICAL = ("rad", "s", "m", "Pa")  # These units of the table are units of UDUNITS, which CF requires.
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Files of measurements of the methods, which have some of the variables.
@@ -288,9 +288,9 @@ def blank(
     return entry.dims, values, attributes(name, table)
 
 
-def attributes(name: str, table: Mapping[str, Variable] = VARIABLES) -> dict[str, Any]:
-    """The attributes of a variable in a file, by the CF conventions."""
-    entry = table[name]
+def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:
+    """The attributes of a variable in a file, by the CF conventions; with a `unit` other than that of the table."""
+    entry = table[name] if not unit else table[name]._replace(unit=unit)
     known: dict[str, Any] = {"long_name": entry.long_name, "coverage_content_type": entry.content}
     if entry.unit in PHYSICAL:
         known["units"] = entry.unit  # of UDUNITS, as CF requires; dimensionless variables need none

@@ -20,11 +20,13 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
+from weier.pipeline.solve import LoadsOf
 from weier.pipeline.workers import CurveTask, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.surface.limits import resolvable
 from weier.theory.bounds import first_contact, infinite_series_bounds
+from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Arrays = Mapping[str, NDArray[Any]]
 Report = Callable[[str], None]
@@ -42,15 +44,16 @@ def solve_batch(
     failed: Report = _report,
     pause: float = LOG_SECONDS,
     workers: int = 1,
+    loads_of: LoadsOf | None = None,
 ) -> xr.Dataset:
-    """Solve cases under the same loads, and report the progress every few seconds.
+    """Solve cases under common loads, and report the progress every few seconds.
 
     Parameters
     ----------
     cases : iterable of Case
         The rows of the result, in their order.
     mean_pressure : array_like, shape (loads,)
-        Increasing loads, in p_0*.
+        Increasing loads, in p_0*, or in Pa with `loads_of`.
     contact_edges : bool
         Whether to keep the edges of contact.
     done, failed : callable
@@ -59,6 +62,8 @@ def solve_batch(
         Seconds between two lines of progress.
     workers : int
         Number of processes.
+    loads_of : callable, optional
+        From a surface to its loads in p_0*, for loads in Pa.
 
     Returns
     -------
@@ -69,14 +74,20 @@ def solve_batch(
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     methods, terms, edges, optional = layout_of(cases, contact_edges)
-    data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"})
+    unit = NORMALISED_PRESSURE if loads_of is None else PASCAL
+    data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"}, unit)
     rows = arrays(data)
-    curves = [CurveTask(case.profile, name, case.settings.get(name, {})) for case in cases for name in case.methods]
-    outcomes = iter(solve_curves(curves, loads, workers, pause, done))
+    own = [loads if loads_of is None else loads_of(case.profile) for case in cases]
+    curves = [
+        CurveTask(case.profile, name, case.settings.get(name, {}), loads)
+        for case, loads in zip(cases, own, strict=True)
+        for name in case.methods
+    ]
+    outcomes = iter(solve_curves(curves, workers, pause, done))
     for number, case in enumerate(cases):
         describe_case(rows, number, case)
         for name in case.methods:
-            found = _found(case, name, next(outcomes), loads, failed)
+            found = _found(case, name, next(outcomes), own[number], failed)
             _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
     return data
 

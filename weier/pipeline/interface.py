@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -11,15 +11,12 @@ from numpy.typing import ArrayLike
 
 from weier import units
 from weier.checks import checked_numbers, hinting, shown
-from weier.data.selection import as_cases, name_cases
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.pipeline.inverse import find_load
-from weier.pipeline.solve import solve
+from weier.pipeline.inverse import Wanted, checked_wanted, find_load
+from weier.pipeline.solve import LoadsOf, in_order, solve_under
 from weier.surface.waves import Waves
-from weier.theory.conduction import LOADS, Bodies, to_normalised
-
-PRESSURE = {"units": units.PASCAL, "long_name": VARIABLES[LOADS].long_name, "symbol": VARIABLES[LOADS].symbol}
+from weier.theory.conduction import Bodies, to_normalised
 
 
 class Interface(Bodies):
@@ -104,37 +101,27 @@ class Interface(Bodies):
         [8.27e-11 6.21e-11] ohm m^2
         """
         pressures = np.atleast_1d(checked_numbers("pressure", pressure, "be positive", _positive, units.PASCAL))
-        if isinstance(surface, Waves):
-            curves = solve(surface, self.at(surface).normalised_pressure(pressures), method, **options)
-        elif isinstance(surface, list | tuple) and surface:
-            loads = [self.at(one).normalised_pressure(pressures) for one in surface]
-            curves = joined([solve([one], own, method, **options) for one, own in zip(surface, loads, strict=True)])
-        else:
+        if not isinstance(surface, Waves) and not (isinstance(surface, list | tuple) and surface):
             raise ValueError(
                 f"surface must be a weier.Profile, a weier.Trace, or a list of some of these, got {shown(surface)}"
             )
-        found = self.in_si(curves)
-        if LOADS not in found.dims:  # but a dimension for loads that depend on the case
-            found = found.drop_vars(LOADS).rename_dims(load=LOADS)
-        return found.assign_coords({LOADS: (LOADS, pressures, PRESSURE)})
+        loads, position = np.unique(pressures, return_inverse=True)
+        return self.in_si(in_order(solve_under(surface, loads, self._loads(loads), method, **options), position))
+
+    def _loads(self, pressures: Array) -> LoadsOf:
+        """The function from a surface to its loads in p_0* under pressures in Pa."""
+        return lambda surface: self.at(surface).normalised_pressure(pressures)
 
     @hinting
-    def find_pressure(
-        self,
-        surface: Waves,
-        *,
-        resistance: ArrayLike | None = None,
-        compliance: ArrayLike | None = None,
-        contact_fraction: ArrayLike | None = None,
-    ) -> xr.Dataset:
+    def find_pressure(self, surface: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
         """Mean pressure in Pa at which one quantity has a given value.
 
         Parameters
         ----------
         surface : Profile or Trace
             A series needs lambda_0 and g_0 of this interface; a trace has its own.
-        resistance, compliance, contact_fraction : array_like
-            One of them: the wanted value, or several, in ohm m^2, in m, or as a fraction.
+        **wanted : array_like
+            One of resistance, in ohm m^2, compliance, in m, and contact_fraction: the wanted value, or several.
 
         Returns
         -------
@@ -155,41 +142,9 @@ class Interface(Bodies):
         >>> print(f"{found.mean_pressure.item():.4g} {found.mean_pressure.units}")
         4.305e+07 Pa
         """
-        own = self.at(surface)
-        wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
-        given = {name: value for name, value in wanted.items() if value is not None}
-        normalised = {name: to_normalised(own, name, VARIABLES[name].unit, value) for name, value in given.items()}
-        return own.in_si(find_load(surface, **normalised))
+        own, (name, value) = self.at(surface), checked_wanted(wanted)
+        return own.in_si(find_load(surface, **{name: to_normalised(own, name, VARIABLES[name].unit, value)}))
 
 
 def _positive(pressures: Array) -> Any:
     return (pressures > 0) & np.isfinite(pressures)
-
-
-def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Curves of several cases, each with loads of its own, over case and the number of the load."""
-    cases = [as_cases(part).assign_coords({LOADS: (LOADS, np.arange(part.sizes[LOADS]))}) for part in parts]
-    longest = {dim: max(part.sizes.get(dim, 0) for part in cases) for dim in ("term", "edge")}
-    labels = {name: values for part in cases for name, values in part.coords.items() if values.dims == ("case",)}
-    padded = []
-    for case in cases:
-        part = case.reindex(term=np.arange(longest["term"]))
-        if "edge" in part.dims:
-            part = part.pad(edge=(0, longest["edge"] - part.sizes["edge"]))
-        blank = {
-            name: ("case", [np.nan if values.dtype.kind == "f" else ""], values.attrs)
-            for name, values in labels.items()
-            if name not in part.coords
-        }
-        padded.append(part.assign_coords(blank))
-    return name_cases(
-        xr.concat(
-            padded,
-            dim="case",
-            data_vars="minimal",
-            coords="minimal",
-            combine_attrs="override",
-            join="outer",
-            compat="override",
-        )
-    )

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_numbers, hinting
+from weier.checks import checked_numbers, checked_word, hinting
 from weier.data import variables
 from weier.data.variables import VARIABLES
 from weier.methods import patches
@@ -28,7 +28,6 @@ from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
 
-QUANTITIES = ("resistance", "compliance", "contact_fraction")
 ERROR = "mean_pressure_error"
 # Brent's method ends within this of ln p, some roundings.
 LOG_ACCURACY = 1e-14
@@ -37,6 +36,27 @@ WIDER = 10.0  # The distance to a load that is certain to lie on one side is fou
 # A load that misses a tolerance of patches is solved with a looser one; the error of the load follows.
 LOOSER, MAX_TOLERANCE = 100.0, 1e-4
 JUMP = 1e-6  # A quantity that differs by more than this from its target, relative, drops past it.
+
+
+class Wanted(TypedDict, total=False):
+    """The value of one quantity, whose load is wanted."""
+
+    resistance: ArrayLike
+    compliance: ArrayLike
+    contact_fraction: ArrayLike
+
+
+QUANTITIES = tuple(Wanted.__annotations__)
+
+
+def checked_wanted(wanted: Mapping[str, Any]) -> tuple[str, ArrayLike]:
+    """The name and the value of the quantity whose load is wanted."""
+    for name in wanted:
+        checked_word("the quantity", name, QUANTITIES)
+    if len(wanted) != 1:
+        raise ValueError(f"give one of {', '.join(QUANTITIES)}, got {' and '.join(wanted) or 'none'}")
+    ((name, value),) = wanted.items()
+    return name, value
 
 
 class Value(NamedTuple):
@@ -49,21 +69,15 @@ class Value(NamedTuple):
 
 
 @hinting
-def find_load(
-    profile: Waves,
-    *,
-    resistance: ArrayLike | None = None,
-    compliance: ArrayLike | None = None,
-    contact_fraction: ArrayLike | None = None,
-) -> xr.Dataset:
+def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
     """Mean pressure at which one quantity has a given value.
 
     Parameters
     ----------
     profile : Profile or Trace
         With a finite number of terms.
-    resistance, compliance, contact_fraction : array_like
-        One of them: the wanted value, or several, in g_0/p_0*, in g_0, or as a fraction.
+    **wanted : array_like
+        One of resistance, in g_0/p_0*, compliance, in g_0, and contact_fraction: the wanted value, or several.
 
     Returns
     -------
@@ -91,11 +105,7 @@ def find_load(
     [0.199413] [1.5]
     """
     check_resolvable(checked_surface(profile))
-    given = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
-    wanted = {name: value for name, value in given.items() if value is not None}
-    if len(wanted) != 1:
-        raise ValueError(f"give one of {', '.join(QUANTITIES)}, got {' and '.join(wanted) or 'none'}")
-    ((name, target),) = wanted.items()
+    name, target = checked_wanted(wanted)
     targets = np.atleast_1d(checked_numbers(name, target, unit=VARIABLES[name].unit))
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")

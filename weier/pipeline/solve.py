@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,18 @@ from numpy.typing import ArrayLike
 from weier.checks import checked_flag, checked_number, checked_workers, hinting, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
-from weier.kernels.arrays import Array
+from weier.data.variables import attributes
+from weier.kernels.arrays import Array, Indices
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.pipeline.progress import clock, watching
 from weier.surface.loads import listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
+from weier.theory.conduction import LOADS
+from weier.units import PASCAL
+
+LoadsOf = Callable[[Waves], Array]
 
 
 @hinting
@@ -103,27 +108,58 @@ def solve(
     ('case', 'solution_method', 'mean_pressure') [1.25 1.5 ]
 
     """
-    (loads, position), edges = listed_loads(mean_pressure), checked_flag("contact_edges", contact_edges)
-    workers = checked_workers(workers)
+    loads, position = listed_loads(mean_pressure)
+    options = {"contact_edges": contact_edges, "workers": workers, "max_seconds": max_seconds, **settings}
+    return in_order(solve_under(profile, loads, None, method, **options), position)
+
+
+def in_order(curves: xr.Dataset, position: Indices) -> xr.Dataset:
+    """Return the curves under loads in the order given, from those under increasing loads."""
+    return curves if np.array_equal(position, range(curves.sizes[LOADS])) else curves.isel({LOADS: position})
+
+
+def solve_under(
+    profile: Waves | Sequence[Waves],
+    loads: Array,
+    loads_of: LoadsOf | None,
+    method: str | Sequence[str] | None = None,
+    *,
+    contact_edges: bool = False,
+    workers: int = 1,
+    max_seconds: float | None = None,
+    **settings: Any,
+) -> xr.Dataset:
+    """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which gives those of a surface in p_0*.
+
+    The other arguments are those of `solve`.
+    """
+    edges, workers = checked_flag("contact_edges", contact_edges), checked_workers(workers)
     profiles = _list("profile", profile)
-    for surface in profiles:
-        if doubt := unit_doubt(checked_surface(surface), loads):
-            warnings.warn(doubt, stacklevel=3)  # at the call of `solve`, which `hinting` hands on
+    own_loads = [loads if loads_of is None else loads_of(surface) for surface in map(checked_surface, profiles)]
+    for surface, own in zip(profiles, own_loads, strict=True):
+        if doubt := unit_doubt(surface, own):
+            warnings.warn(doubt, stacklevel=4)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = _list("method", method)
     solvers = [find_method(name) for name in methods]
     if max_seconds is not None:
         max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
-    own = settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
-    pairs = [(surface, solver) for surface in profiles for solver in solvers if solver.takes(surface)]
-    expected = sum(solver.seconds(surface, loads, **own.get(solver.name, {})) for surface, solver in pairs)
+    of_methods = (
+        settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
+    )
+    pairs = [
+        (surface, own, solver)
+        for surface, own in zip(profiles, own_loads, strict=True)
+        for solver in solvers
+        if solver.takes(surface)
+    ]
+    expected = sum(solver.seconds(surface, own, **of_methods.get(solver.name, {})) for surface, own, solver in pairs)
     with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
         if several:
-            curves = _solve_all(profiles, loads, methods, settings, edges, workers)
-        else:
-            curves = _solve_one(profiles[0], loads, solvers[0], settings, edges)
-    return curves if np.array_equal(position, range(loads.size)) else curves.isel(mean_pressure=position)
+            return _solve_all(profiles, loads, loads_of, methods, settings, edges, workers)
+        curve = _solve_one(profiles[0], own_loads[0], solvers[0], settings, edges)
+    return curve if loads_of is None else curve.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
 
 
 def _list(name: str, given: Any) -> list[Any]:
@@ -145,7 +181,13 @@ def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[s
 
 
 def _solve_all(
-    profiles: list[Waves], loads: Array, methods: list[str], settings: Mapping[str, Any], edges: bool, workers: int
+    profiles: list[Waves],
+    loads: Array,
+    loads_of: LoadsOf | None,
+    methods: list[str],
+    settings: Mapping[str, Any],
+    edges: bool,
+    workers: int,
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes, which one curve does not need
     from weier.scene.case import Case
@@ -154,9 +196,9 @@ def _solve_all(
     cases = tuple(Case.of(surface, tuple(methods), checked) for surface in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
-    data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers)
+    data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of)
     for failure in failures:
-        warnings.warn(failure, stacklevel=4)  # at the call of `solve`
+        warnings.warn(failure, stacklevel=5)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 

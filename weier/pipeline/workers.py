@@ -1,4 +1,4 @@
-"""Solution of curves under the same loads, one after another or in several processes.
+"""Solution of curves under as many loads each, one after another or in several processes.
 
 A solver runs Python code between its kernels, so that threads would wait for the interpreter lock. Other processes
 receive tasks and return arrays instead.
@@ -33,11 +33,12 @@ LOST = (
 
 
 class CurveTask(NamedTuple):
-    """A curve to be solved: the surface, the name of the method, and its settings, which are checked."""
+    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*."""
 
     profile: Waves
     method: str
     settings: Mapping[str, Any]
+    loads: Array
 
 
 # The solution of a method and the seconds that it took, or the error.
@@ -45,14 +46,14 @@ Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
 
 
 class Solver:
-    """Solves curves one after another under increasing loads of shape (loads,), and counts the loads.
+    """Solves curves one after another, and counts their loads.
 
     Curves that do not depend on the phases are solved once for all profiles of an ensemble.
     """
 
-    def __init__(self, loads: Array, add: Callable[[int], object]) -> None:
-        """For these loads; `add` is called with the number of loads that are done."""
-        self.loads, self.count, self.known = loads, Loads(loads.size, add), dict[object, tuple[Any, float]]()
+    def __init__(self, loads: int, add: Callable[[int], object]) -> None:
+        """For this number of loads a curve; `add` is called with the number of loads that are done."""
+        self.count, self.known = Loads(loads, add), dict[object, tuple[Any, float]]()
 
     def __call__(self, curve: CurveTask) -> Outcome:
         """The solution of a curve, or the error."""
@@ -65,29 +66,28 @@ class Solver:
         self.count.end_curve()
         return outcome
 
-    def _solve(self, profile: Any, name: str, settings: Mapping[str, Any]) -> tuple[Any, float]:
+    def _solve(self, profile: Any, name: str, settings: Mapping[str, Any], loads: Array) -> tuple[Any, float]:
         method = find_method(name)
         method.check_applies(profile)
         start = clock()
         if method.uses_phases:
-            return method.solve(profile, self.loads, **settings), clock() - start
-        same = name, *(getattr(profile, parameter) for parameter in PARAMETERS), json.dumps(settings, sort_keys=True)
+            return method.solve(profile, loads, **settings), clock() - start
+        series = (getattr(profile, parameter) for parameter in PARAMETERS)
+        same = name, *series, json.dumps(settings, sort_keys=True), loads.tobytes()
         if same not in self.known:
-            self.known[same] = method.solve(profile, self.loads, **settings), clock() - start
+            self.known[same] = method.solve(profile, loads, **settings), clock() - start
         return self.known[same]
 
 
 def solve_curves(
-    curves: Sequence[CurveTask], loads: Array, workers: int, pause: float, say: Callable[[str], None]
+    curves: Sequence[CurveTask], workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
     """The outcome of each curve, in their order.
 
     Parameters
     ----------
     curves : sequence of CurveTask
-        Curves of the same profile are adjacent.
-    loads : ndarray, shape (loads,)
-        Increasing, in p_0*.
+        Curves of the same profile are adjacent, and all have the same number of loads.
     workers : int
         Number of processes: this one alone for 1, and in a daemonic process, as of `multiprocessing.Pool`, which may
         start no others. The results do not depend on it, to the last bit.
@@ -101,13 +101,14 @@ def solve_curves(
     ChildProcessError
         If a process ends unexpectedly.
     """
-    progress = Progress(len(curves) * loads.size, pause, say)
+    loads = curves[0].loads.size if curves else 0
+    progress = Progress(len(curves) * loads, pause, say)
     if (workers := min(workers, len(curves))) > 1 and not current_process().daemon:
         return _side_by_side(curves, loads, workers, progress)
     return map(Solver(loads, progress.add), curves)
 
 
-def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progress: Progress) -> Iterator[Outcome]:
+def _side_by_side(curves: Sequence[CurveTask], loads: int, workers: int, progress: Progress) -> Iterator[Outcome]:
     """The outcomes by other processes.
 
     They are spawned, since a forked process could wait for ever for locks that threads of this one hold.
@@ -115,13 +116,13 @@ def _side_by_side(curves: Sequence[CurveTask], loads: Array, workers: int, progr
     try:
         with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (loads,)) as pool:
             for outcome in pool.map(_solve, curves):
-                progress.add(loads.size)
+                progress.add(loads)
                 yield outcome
     except BrokenProcessPool:
         raise ChildProcessError(LOST) from None
 
 
-def _begin(loads: Array) -> None:
+def _begin(loads: int) -> None:
     """Prepare a process that solves curves: it ends with its parent, and silently by Ctrl-C."""
     global _solver
     signal.signal(signal.SIGINT, signal.SIG_DFL)

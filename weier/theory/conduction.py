@@ -317,7 +317,8 @@ class Bodies:
             raise ValueError(f"unit must be left out for a Dataset, whose variables have units, got {shown(unit)}")
         _check_normalised(data)
         scale = self._scale_of(data)
-        found = _over_loads(data) if _varies(scale) and LOADS in data.dims else data
+        own_loads = LOADS in data.dims and units.unit_of(data[LOADS]) in units.NORMALISED
+        found = _over_loads(data) if _varies(scale) and own_loads else data
         known = self._scales(*scale)
         # By methods of the dataset itself, so that nothing of xarray has to be imported here.
         values = {name: _converted(variable, known) for name, variable in found.variables.items()}
