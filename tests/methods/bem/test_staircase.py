@@ -58,13 +58,13 @@ def test_the_edge_of_a_punch_is_that_of_wiener_and_hopf():
     def integrand(kappa):
         return np.log(symbol(kappa) * np.sin(np.pi * kappa) / np.pi) / np.sin(np.pi * kappa) ** 2
 
-    assert pytest.approx(0.25 - quad(integrand, 1e-6, 0.5)[0] / 2, abs=1e-6) == staircase.EDGE
+    assert pytest.approx(0.25 - quad(integrand, 1e-6, 0.5)[0] / 2, abs=1e-6) == staircase.EDGE_OFFSET
 
 
 def test_constants_of_single_nodes_are_those_of_the_influence_matrix():
     points = 2**14
     stiffness = np.fft.irfft(np.concatenate([[0], 1 / eigenvalues(points, points)[1:]]), points)
-    assert -stiffness[1] / stiffness[0] == pytest.approx(staircase.NEIGHBOUR_STIFFNESS, abs=1e-7)
+    assert -stiffness[1] / stiffness[0] == pytest.approx(staircase.TRANSFERRED_FRACTION, abs=1e-7)
     influence = influence_coefficients(points) * points  # of a unit force on the nodes of a period
     assert 2 / (influence[0] - influence[1]) == pytest.approx(staircase.SINGLE_NODE_SQUARE, abs=1e-6)
 

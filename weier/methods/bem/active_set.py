@@ -30,7 +30,7 @@ from weier.kernels.arrays import Array, Flags, Indices, Record, Records, Spectru
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nested_grids, refine
-from weier.methods.bem.staircase import EDGE, NodalSolution
+from weier.methods.bem.staircase import EDGE_OFFSET, NodalSolution
 from weier.surface.waves import Waves
 
 # The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
@@ -275,7 +275,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> bool:
 def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
     """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside.
 
-    The edges are `EDGE` beyond the last nodes, where they are in the continuum. The sum is scaled by the caller.
+    The edges are `EDGE_OFFSET` beyond the last nodes, as in the continuum. The sum is scaled by the caller.
     """
     shape[:] = 0.0
     points = contact.size
@@ -283,7 +283,7 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
         start, nodes = edge[run], edge[run + 1] - edge[run]
         if contact[start]:
             for i in range(nodes):
-                shape[(start + i) % points] = points / np.sqrt((i + EDGE) * (nodes - 1 - i + EDGE))
+                shape[(start + i) % points] = points / np.sqrt((i + EDGE_OFFSET) * (nodes - 1 - i + EDGE_OFFSET))
     if edge.size == 2:
         shape[:] = 1.0
 
