@@ -77,8 +77,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
     else:
         gap = np.append(left[1:], left[0] + 1) - right
         left, right = left + 0.3 * gap, right + 0.3 * gap
-    force = np.full(left.size, load / left.size)
-    guess = contacts_guess(surface, load, np.stack([0.5 * (left + right), 0.5 * (right - left), force]))
+    guess = contacts_guess(surface, load, np.stack([0.5 * (left + right), 0.5 * (right - left)]))
     again, _ = solve_many_contacts(surface, guess, TOLERANCE)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
@@ -97,8 +96,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     profile, fewer = Profile(1.25, 5, 5, 1.0), Profile(1.25, 5, 4, 1.0)
     surface = surface_of(profile)
     coarse = patches.solve_load(fewer, min(load, 5.0))
-    force = np.full(coarse.centre.size, load / coarse.centre.size)
-    guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width, force]))
+    guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width]))
     state, steps = solve_many_contacts(surface, guess, TOLERANCE)
     expected = patches.solve_load(profile, load).state
     assert steps < 30

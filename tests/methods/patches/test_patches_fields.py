@@ -8,7 +8,6 @@ from tests.methods.patches.westergaard_states import WAVES
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
-from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import fields
 from weier.methods.patches.segments import ContactState, from_crests, make_segments
 from weier.methods.patches.surface import evaluate_series, make_series, nearest_crests
@@ -25,7 +24,9 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
     assert segments.centre.size == 1
     assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
     curvature = -evaluate_series(series, crest, 0.0)[2]
-    for t in np.cosh(fields.FAR_FIELD_EXPONENT / (segments.node.size + 1)) * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
+    for t in np.cosh(fields.FAR_FIELD_EXPONENT / (state.coefficient.size + 1)) * np.array(
+        [0.5, 0.95, 1.05, 2.0, 5.0]
+    ):
         root = np.sqrt(t * t - 1)
         expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
         y = segments.centre[0] + segments.half_width[0] * t
@@ -66,10 +67,8 @@ def states_of_two_segments(period, dual):
     coefficient = np.random.default_rng(int(period)).normal(size=15) + 0.5
     if dual:
         coefficient[[0, 6]] = 0.0  # the gaps close
-    values = [gauss_rule(count, True).polynomial.T for count in counts]
-    phi = np.concatenate([value @ part for value, part in zip(values, np.split(coefficient, [6]), strict=True)])
     segments = make_segments(crest, origin, centre, half_width, counts)
-    return ContactState(dual, 0.7, 0.3, segments, phi, coefficient)
+    return ContactState(dual, 0.7, 0.3, segments, coefficient)
 
 
 SERIES = {

@@ -98,7 +98,7 @@ class OneWave(NamedTuple):
         )
         approach = self.compliance - 1 if dual else self.compliance
         strength = np.full((1, 2), self.tangent_strength)
-        state = ContactState(dual, self.load, approach, segments, phi, rule.expansion @ phi)
+        state = ContactState(dual, self.load, approach, segments, rule.expansion @ phi)
         return state._replace(resistance=self.resistance, tangent_strength=strength, edge_move=np.zeros((1, 2)))
 
 

@@ -9,11 +9,12 @@ and the violated inequalities, refuses a state that violates too much, and bound
 
 from __future__ import annotations
 
+from math import log
+
 import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
-from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
@@ -61,12 +62,11 @@ def error_bound(
     The pressures on the width W_i can be taken off instead, which changes the mean pressure by sigma_i W_i/L at most
     and moves the surface (`largest_displacement`). That is done wherever it gives less.
     """
-    taken_off = np.array(
-        [largest_displacement(p, w, period) if w > 0 else np.inf for p, w in zip(pressure, width, strict=True)]
-    )
-    is_less = taken_off < pressure * (1 - width / period) * indentation / load
-    eps = gap + float(taken_off[is_less].sum())
-    sigma = missing + float(np.where(is_less, pressure * width / period, pressure).sum())
+    eps, sigma = gap, missing
+    for p, w in zip(pressure.tolist(), width.tolist(), strict=True):
+        taken_off = largest_displacement(p, w, period) if w > 0 else np.inf
+        is_less = taken_off < p * (1 - w / period) * indentation / load
+        eps, sigma = (eps + taken_off, sigma + p * w / period) if is_less else (eps, sigma + p)
     return eps + sigma * (indentation + eps) / (load - sigma) if sigma < load else np.inf
 
 
@@ -78,7 +78,7 @@ def largest_displacement(pressure: float, width: float, period: float) -> float:
     2 sigma W [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 sigma W ln 2 at most. Both signs
     together move it by 2 sigma W [1 + max(ln(L/2W), ln 2)] at most, however they share W.
     """
-    return float(2 * pressure * width * (1 + max(np.log(0.5 * period / width), np.log(2.0))))
+    return 2 * pressure * width * (1 + max(log(0.5 * period / width), log(2.0)))
 
 
 def _indentation(state: ContactState, series: CosineSeries) -> float:
@@ -87,15 +87,12 @@ def _indentation(state: ContactState, series: CosineSeries) -> float:
     return float(heights.sum()) + state.approach if state.dual else state.approach
 
 
-@kernel
 def carried_load(state: ContactState, period: float) -> float:
     """The mean pressure that contacts carry, (pi/2) sum r a_0 / L; gaps are solved for under the load itself."""
     if state.dual:
         return state.load
-    segments, force = state.segments, 0.0
-    for j in range(segments.half_width.size):
-        force += 0.5 * np.pi * segments.half_width[j] * state.coefficient[segments.first_node[j]]
-    return force / period
+    of_each = state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
+    return float(0.5 * np.pi * of_each.sum()) / period
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> Array:
@@ -118,25 +115,18 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     return np.asarray(np.maximum.reduceat(residual, first[:-1]))
 
 
-@kernel
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
     """Points for the residual: the first of each segment and, last, their number; their crests and distances.
 
     They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
     2 of them among K nodes, which serve for fast sums; else they are so many that the factor `SAMPLED_FACTOR` holds.
     """
-    first, n = np.zeros_like(segments.first_node), segments.centre.size
-    for j in range(n):
-        nodes = segments.first_node[j + 1] - segments.first_node[j]
-        count = 2 * (nodes + 1) if apart else int(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)))
-        first[j + 1] = first[j] + count
-    crest, y = np.empty(first[n], np.int64), np.empty(first[n])
-    for j in range(n):
-        count = first[j + 1] - first[j]
-        for i in range(count):
-            crest[first[j] + i] = segments.crest[j]
-            y[first[j] + i] = segments.centre[j] - segments.half_width[j] * np.cos((i + 0.5) * (np.pi / count))
-    return first, crest, y
+    nodes = segments.node_count
+    count = 2 * (nodes + 1) if apart else np.asarray(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)), np.int64)
+    first = np.append(0, np.cumsum(count))
+    of = np.repeat(np.arange(count.size), count)
+    angle = (np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of]
+    return first, segments.crest[of], segments.centre[of] - segments.half_width[of] * np.cos(angle)
 
 
 def certify(
@@ -229,6 +219,8 @@ def pressure_beside_cracks(state: ContactState, period: float) -> tuple[Array, A
     moves, the mean gap rises by the mean of w.
     """
     cracks = state.cracks
+    if cracks.contact.size == 0:
+        return np.empty(0), np.empty(0), 0.0
     r = contacts_of(state.segments.extent, state.dual, period)[2][cracks.contact]
     angle = np.pi / period * np.minimum(np.stack([1 + cracks.middle, 1 - cracks.middle]) * r, 0.5 * period)
     largest = 0.5 / np.sin(angle.min(axis=0)) ** 2

@@ -49,7 +49,6 @@ from weier.methods.patches.segments import (
     count_nodes,
     estimate_node_count,
     from_crests,
-    gauss_nodes,
     in_order,
     make_segments,
     node_factors,
@@ -366,10 +365,10 @@ def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices |
     old, series = step.punches.segments, problem.series
     more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
     factors = node_factors(stage.tolerance), float(series.wavenumber[-1])
-    centre, half_width, first_node, node, weight = _moved_segments(
+    centre, half_width, first_node = _moved_segments(
         *old.extent, step.moves.outward, step.punches.gap, step.tight, more, series.period, *factors
     )
-    moved, b = Segments(old.crest, old.origin, centre, half_width, first_node, node, weight), step.b
+    moved, b = Segments(old.crest, old.origin, centre, half_width, first_node), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
         shift, growth = centre - old.centre, half_width - old.half_width
         b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
@@ -393,8 +392,8 @@ def _moved_segments(
     period: float,
     factors: tuple[float, ...],
     finest: float,
-) -> tuple[Array, Array, Indices, Array, Array]:
-    """Return centres, half-widths, first nodes, nodes and weights of segments after the moves of their edges.
+) -> tuple[Array, Array, Indices]:
+    """Return centres, half-widths and first nodes of segments after the moves of their edges.
 
     No tight gap loses more than `MAX_GAP_LOSS` of itself. Nodes are as many as wanted or, where that is 0, as the
     extent needs, rounded up.
@@ -411,11 +410,13 @@ def _moved_segments(
     for j in range(n):
         new_centre[j] = centre[j] + 0.5 * (limited[j, 1] - limited[j, 0])
         new_half_width[j] = half_width[j] + 0.5 * (limited[j, 1] + limited[j, 0])
-    count = count_nodes(origin, new_centre, new_half_width, period, finest, factors)
+    count, first_node = (
+        count_nodes(origin, new_centre, new_half_width, period, finest, factors),
+        np.zeros(n + 1, np.int64),
+    )
     for j in range(n):
-        count[j] = round_up(wanted[j] if wanted[j] > 0 else count[j] + UNRESOLVED)
-    first_node, node, weight = gauss_nodes(count)
-    return new_centre, new_half_width, first_node, node, weight
+        first_node[j + 1] = first_node[j] + round_up(wanted[j] if wanted[j] > 0 else count[j] + UNRESOLVED)
+    return new_centre, new_half_width, first_node
 
 
 @kernel

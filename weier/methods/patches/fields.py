@@ -19,7 +19,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
 from weier.methods.patches.pair_sums import make_tree, potential
-from weier.methods.patches.segments import ContactState
+from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
@@ -54,22 +54,46 @@ def _local_coordinate(segment: float, centre: float, r: float, period: float, or
     return (d - period * np.rint(d / period)) / r
 
 
-@kernel
 def density_integrals(state: ContactState, period: float, origin: Array, y: Array, which: int) -> Array:
+    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds."""
+    return _integrals(state.segments, state.coefficient, period, origin, y, which)
+
+
+@kernel
+def gauss_nodes(count: int) -> tuple[Array, Array]:
+    """Return the zeros of U_K, ascending, and the weights there for int sqrt(1-t^2) phi dt."""
+    node, weight, step = np.empty(count), np.empty(count), np.pi / (count + 1)
+    for i in range(count):
+        node[i], weight[i] = -np.cos((i + 1) * step), step * np.sin((i + 1) * step) ** 2
+    return node, weight
+
+
+@kernel
+def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
+    """Return the density sqrt(1-t^2) sum a_k U_k at the nodes times their weights in an integral over the segment."""
+    force = np.empty(a.size)
+    for q in range(a.size):
+        force[q] = r * weight[q] * evaluate_expansion(a, node[q])
+    return force
+
+
+@kernel
+def _integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, which: int) -> Array:
     """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
 
     Far from a segment, quadrature serves. There sin(pi (x-s)/L) follows by the addition theorem: from the angle
     between x and the segment's centre where that is small, so that no digit of a short distance is lost, and else
     from the angles of both.
     """
-    segments, integral, factor = state.segments, np.zeros(y.size), np.pi / period
+    integral, factor = np.zeros(y.size), np.pi / period
     sine_of_x, cosine_of_x = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
     s, c, far = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int64)
     for j in range(segments.centre.size):
-        r, here, count = segments.half_width[j], slice(segments.first_node[j], segments.first_node[j + 1]), 0
+        r, a, count = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]], 0
         angle_of_c = factor * (segments.origin[j] + segments.centre[j])
         sine_of_c, cosine_of_c = np.sin(angle_of_c), np.cos(angle_of_c)
-        a, node, force = state.coefficient[here], segments.node[here], r * segments.weight[here] * state.phi[here]
+        node, weight = gauss_nodes(a.size)
+        force = _forces_at(a, r, node, weight)
         sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
         reach = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
         for i in range(y.size):
@@ -169,7 +193,6 @@ def at_point(value: float, t: float, r: float, of_gap: bool) -> float:
     return value * np.sqrt(end_distance) * (r * end_distance if of_gap else 1.0)
 
 
-@kernel
 def values_on_segments(
     state: ContactState, period: float, origin: Array, y: Array, integrated: bool
 ) -> tuple[Flags, Array]:
@@ -177,7 +200,16 @@ def values_on_segments(
 
     rho is the pressure on a contact or, dual, the slope of a gap, whose integral is the gap.
     """
-    segments, inside, value = state.segments, np.zeros(y.size, np.bool_), np.zeros(y.size)
+    inside, value = _values_on_segments(state.segments, state.coefficient, period, origin, y, integrated)
+    return inside, value
+
+
+@kernel
+def _values_on_segments(
+    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, integrated: bool
+) -> tuple[Flags, Array]:
+    """Return the values of `values_on_segments`."""
+    inside, value = np.zeros(y.size, np.bool_), np.zeros(y.size)
     middle = segments.origin + segments.centre
     for i in range(y.size):
         x = origin[i] + y[i]
@@ -187,7 +219,7 @@ def values_on_segments(
             r = segments.half_width[j]
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
             if abs(t) < 1:
-                a = smooth_part(state.coefficient[segments.first_node[j] : segments.first_node[j + 1]], integrated)
+                a = smooth_part(coefficient[segments.first_node[j] : segments.first_node[j + 1]], integrated)
                 inside[i], value[i] = True, at_point(evaluate_expansion(a, t), t, r, integrated)
                 break
     return inside, value
@@ -205,16 +237,30 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
     return residuals_by_sums(state, series, crest, y, origin, y)
 
 
-@kernel
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """`complementary_residuals`, each from closed forms and quadrature over all segments."""
     which = CAUCHY if state.dual else POTENTIAL
-    integral = density_integrals(state, series.period, series.crest_position[crest], y, which)
     constant = state.load - series.maximum if state.dual else -state.approach
     factor = 0.5 / (np.pi * series.period) if state.dual else -2.0
+    return _residuals(state.segments, state.coefficient, series, crest, y, which, constant, factor)
+
+
+@kernel
+def _residuals(
+    segments: Segments,
+    coefficient: Array,
+    series: CosineSeries,
+    crest: Indices,
+    y: Array,
+    which: int,
+    constant: float,
+    factor: float,
+) -> Array:
+    """Return a constant less the series, plus a factor times an integral over the density."""
+    value = _integrals(segments, coefficient, series.period, series.crest_position[crest], y, which)
     for i in range(y.size):
-        integral[i] = constant - evaluate_series(series, crest[i], y[i])[0] + factor * integral[i]
-    return integral
+        value[i] = constant - evaluate_series(series, crest[i], y[i])[0] + factor * value[i]
+    return value
 
 
 def residuals_by_sums(
@@ -231,11 +277,11 @@ def residuals_by_sums(
     segments, period = state.segments, series.period
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
-    count, force = segments.node_count, _node_forces(state)
-    middle = np.repeat(segments.middle, count)
-    tree = make_tree(middle, np.repeat(segments.half_width, count) * segments.node)
+    at_node, force = _node_forces(segments, state.coefficient, state.dual)
+    tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
     total = potential(tree, force, make_tree(origin, offset), period, state.dual)
-    value[order] = _correct_near_segments(state, force, origin, offset, period, total)
+    known = segments, state.coefficient, state.dual
+    value[order] = _correct_near_segments(*known, force, origin, offset, period, total)
     forcing = evaluate_at(series, crest, y, 0)
     if state.dual:
         return state.load - series.maximum - forcing - 0.5 / period**2 * value
@@ -243,31 +289,38 @@ def residuals_by_sums(
 
 
 @kernel
-def _node_forces(state: ContactState) -> Array:
-    """The weight in Gauss's quadrature times the density or, dual, the gap."""
-    segments, force = state.segments, state.phi * state.segments.weight
+def _node_forces(segments: Segments, coefficient: Array, dual: bool) -> tuple[Array, Array]:
+    """Return the offsets of nodes, and the weight in Gauss's quadrature times the density or, dual, the gap."""
+    offset, force = np.empty(coefficient.size), np.empty(coefficient.size)
     for j in range(segments.centre.size):
         start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
-        gap = gap_expansion(state.coefficient[start:end])
-        for q in range(start, end):
-            if state.dual:
-                t = segments.node[q]
-                force[q] = segments.weight[q] * r * (1 - t) * (1 + t) * evaluate_expansion(gap, t)
-            force[q] *= r
-    return force
+        node, weight = gauss_nodes(end - start)
+        a = smooth_part(coefficient[start:end], dual)
+        of_nodes = _forces_at(a, r, node, weight)
+        for q in range(end - start):
+            offset[start + q] = r * node[q]
+            force[start + q] = of_nodes[q] * (r * (1 - node[q]) * (1 + node[q]) if dual else 1.0)
+    return offset, force
 
 
 @kernel
 def _correct_near_segments(
-    state: ContactState, force: Array, origin: Array, offset: Array, period: float, total: Array
+    segments: Segments,
+    coefficient: Array,
+    dual: bool,
+    force: Array,
+    origin: Array,
+    offset: Array,
+    period: float,
+    total: Array,
 ) -> Array:
     """The sums over all nodes, with closed forms where a segment is near."""
-    segments, x, which = state.segments, origin + offset, CAUCHY if state.dual else POTENTIAL
-    factor = -period / np.pi if state.dual else 1.0
+    x, which, factor = origin + offset, CAUCHY if dual else POTENTIAL, -period / np.pi if dual else 1.0
     for j in range(segments.centre.size):
         here = slice(segments.first_node[j], segments.first_node[j + 1])
         centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
-        a, node, density = state.coefficient[here], segments.node[here], r * segments.weight[here] * state.phi[here]
+        a, (node, weight) = coefficient[here], gauss_nodes(segments.first_node[j + 1] - segments.first_node[j])
+        density = _forces_at(a, r, node, weight)
         far = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
         reach = min(far * r, 0.5 * period)
         for image in range(-1, 2):
@@ -275,7 +328,7 @@ def _correct_near_segments(
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
                 of_nodes = r * (t - node)
-                replace_by_influence(of_nodes, period, state.dual)
+                replace_by_influence(of_nodes, period, dual)
                 near = _near_field(a, node, density, r, far, t, period, which)
                 total[i] += factor * near - (force[here] * of_nodes).sum()
     return total

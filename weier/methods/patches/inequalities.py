@@ -76,21 +76,27 @@ Brackets = tuple[Array, Array, Array, Indices]
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest relative height", np.float64, ()))
 
 
+def _probes(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
+    """Return the points of `_probe_points`."""
+    return _probe_points(*segments.extent, series.crest_position, series.period, float(series.wavenumber[-1]))
+
+
 @kernel
-def _probe_points(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
+def _probe_points(
+    origin: Array, centre: Array, half_width: Array, crest: Array, period: float, finest: float
+) -> tuple[Array, Indices]:
     """Points in the intervals between segments, ascending in each, and the index of the interval of each point.
 
     In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
     The crests of the series and the middles between them are added: two crests side by side would else look like one.
     """
-    crest, period, n = series.crest_position, series.period, 2 * series.crest_position.size
-    left = segments.origin + (segments.centre + segments.half_width)
-    length = distances_between(segments.origin, segments.centre, segments.half_width, period)
+    left, n = origin + (centre + half_width), 2 * crest.size
+    length = distances_between(origin, centre, half_width, period)
     turning, count, total = np.empty(n), np.empty(left.size, np.int64), n
     for k in range(crest.size):
         following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
         turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
-    per_length = PROBES_PER_WAVE * series.wavenumber[-1] / (2 * np.pi)
+    per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
     for j in range(left.size):
         count[j] = MIN_PROBES + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
         total += count[j]
@@ -111,13 +117,18 @@ def _probe_points(segments: Segments, series: CosineSeries) -> tuple[Array, Indi
     return point[: last + 1], interval[: last + 1]
 
 
-@kernel
 def find_negative_intervals(state: ContactState) -> Records:
     """Intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
-    first = state.segments.first_node
+    segments = state.segments
+    return _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.dual)
+
+
+@kernel
+def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, dual: bool) -> Records:
+    """Return the intervals of `find_negative_intervals`."""
     found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
     for j in range(first.size - 1):
-        r, a = state.segments.half_width[j], smooth_part(state.coefficient[first[j] : first[j + 1]], state.dual)
+        r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], dual)
         t, value = _sample_expansion(a)
         largest, i = np.abs(value).max(), 0
         while i < t.size:
@@ -126,13 +137,13 @@ def find_negative_intervals(state: ContactState) -> Records:
                 here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
                 while i < t.size and value[i] < 0:
                     here.relative = min(here.relative, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
-                    here.lowest = min(here.lowest, at_point(value[i], t[i], r, state.dual))
+                    here.lowest = min(here.lowest, at_point(value[i], t[i], r, dual))
                     i += 1
                 if i < t.size:
                     here.end = _find_zero(a, t[i - 1], t[i])
                 middle = 0.5 * (here.start + here.end)
-                here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, state.dual))
-                if not state.dual:  # a crack of half-width b under the tension p opens by 2 pi b p
+                here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, dual))
+                if not dual:  # a crack of half-width b under the tension p opens by 2 pi b p
                     here.height *= np.pi * r * (here.end - here.start)
                 count += 1
             i += 1
@@ -182,20 +193,25 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
-    x, interval = _probe_points(state.segments, series)
+    x, interval = _probes(state.segments, series)
     minima = _negative_minima(_brackets(x, interval, residual(x), 0.0), residual)
     minima["value"] += margin
     return minima
 
 
-@kernel
 def minima_of_gaps(state: ContactState) -> Records:
     """Minima of the gap within gaps (dual), as `MINIMUM`, each by the parabola through three samples."""
-    first = state.segments.first_node
+    segments = state.segments
+    return _minima_of_gaps(segments.first_node, segments.half_width, segments.middle, state.coefficient)
+
+
+@kernel
+def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficient: Array) -> Records:
+    """Return the minima of `minima_of_gaps`."""
     found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, MINIMUM), 0
     for j in range(first.size - 1):
-        r = state.segments.half_width[j]
-        t, value = _sample_expansion(smooth_part(state.coefficient[first[j] : first[j + 1]], True))
+        r = half_width[j]
+        t, value = _sample_expansion(smooth_part(coefficient[first[j] : first[j + 1]], True))
         for i in range(t.size):
             value[i] = at_point(value[i], t[i], r, True)
         for i in range(1, t.size - 1):
@@ -205,7 +221,7 @@ def minima_of_gaps(state: ContactState) -> Records:
                 curvature = 2 * (before + after) / (t[i + 1] - t[i - 1])
                 slope = (after * (t[i] - t[i - 1]) - before * (t[i + 1] - t[i])) / (t[i + 1] - t[i - 1])
                 here = found[count]
-                here.interval, here.position = j, state.segments.origin[j] + state.segments.centre[j] + r * t[i]
+                here.interval, here.position = j, middle[j] + r * t[i]
                 here.value, here.curvature = value[i] - 0.5 * slope * slope / curvature, curvature / (r * r)
                 count += 1
     return found[:count]
@@ -281,7 +297,7 @@ def find_missing(
         plane = 0.0 if dual else step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
-    x, interval = _probe_points(punches.segments, problem.series)
+    x, interval = _probes(punches.segments, problem.series)
     found = _negative_minima(_brackets(x, interval, residual(x), tolerance + margin), residual)
     if found.size == 0:
         return np.empty((0, 2)), found

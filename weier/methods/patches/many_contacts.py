@@ -65,7 +65,6 @@ from weier.methods.patches.segments import (
     coefficient_tails,
     end_sums,
     more_nodes,
-    values_at_nodes,
 )
 from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, cracks_between_gaps, cracks_on_contacts
@@ -187,12 +186,13 @@ def _solve_to(
         # be.
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
-        is_open = (wrong["height"] > stage.opening) & (problem.dual | ~are_thin(wrong))
+        if wrong.size > 0:
+            wrong = wrong[(wrong["height"] > stage.opening) & (problem.dual | ~are_thin(wrong))]
         margin = (
             gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
         )
-        added, remaining, minima = _corrections(problem, step, state, stage, wrong[is_open], margin)
-        if not np.all(remaining) or len(added) > 0:
+        added, remaining, minima = _corrections(problem, step, state, stage, wrong, margin)
+        if len(added) > 0 or not remaining.all():
             moved, corrections, last_height = False, corrections + 1, np.inf
             counts = state.segments.node_count if stage.fine else None
             now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
@@ -274,6 +274,8 @@ def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Re
 
     In the rough set, those that end at an edge are left out: the edge has not settled yet, and its move may end them.
     """
+    if negative.size == 0:
+        return negative
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
     negative = negative[negative["relative"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
     return negative if stage.fine else negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
@@ -287,21 +289,24 @@ def _corrections(
     A segment in which an interval is negative is removed, and the pieces of it that are left over are added. Contacts
     beside a thin gap become one.
     """
+    missing, minima = find_missing(problem, step, stage.outside, margin)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
-    missing, minima = find_missing(problem, step, stage.outside, margin)
-    merging = np.zeros_like(remaining) if problem.dual else _thin_gaps(state, step.punches.gap) & remaining
-    merging &= np.roll(remaining, -1)
-    merged = np.zeros((0, 2))
-    if not np.all(merging):
+    merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))
+    if not (merging.any() or negative.size > 0):
+        return missing, remaining, minima
+    merging &= remaining & np.roll(remaining, -1)
+    if not merging.all():
         merged = np.array(merged_intervals(problem, state.segments, merging)).reshape(-1, 2)
         remaining &= ~(merging | np.roll(merging, 1))
     return np.concatenate([_cut_segments(state, negative), missing, merged]), remaining, minima
 
 
-def _thin_gaps(state: ContactState, gap: Array) -> Flags:
+def _thin_gaps(problem: Problem, state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is thin: less than half of what would be cut in again."""
     r = state.segments.half_width
+    if problem.dual or gap.min() >= 2 * MAX_THINNESS * r.max():
+        return np.zeros(r.size, bool)
     return np.asarray(gap < 2 * MAX_THINNESS * np.minimum(r, np.roll(r, -1)))
 
 
@@ -336,13 +341,12 @@ def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
         a = regular_part(
             segments.first_node, vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
         )
-    phi = values_at_nodes(segments.first_node, segments.node, a)
-    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, phi, a)
+    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, a)
 
 
 def _with_resistance(state: ContactState, punches: Punches, tangent: Forces) -> ContactState:
     """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges."""
     segments, kind = punches.segments, punches.kind
-    psi = end_sums(segments.first_node, expansion(punches, tangent.force))
+    psi = end_sums(segments.first_node, expansion(punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
     return state._replace(resistance=kind.sign_of_plane * tangent.plane, tangent_strength=strength)

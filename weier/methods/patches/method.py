@@ -47,7 +47,10 @@ def run_kernels() -> None:
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
         state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
-        punches, none = make_punches(state.segments, series.period, state.dual, most=0), np.zeros(state.phi.size)
+        punches, none = (
+            make_punches(state.segments, series.period, state.dual, most=0),
+            np.zeros_like(state.coefficient),
+        )
         solve_forces_on_contacts(punches, none + state.dual, guess.load, none, Bounds(1.0, 0.0, np.inf))
         segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
         still = np.zeros_like(segments.half_width)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.patches.certificate import gap_uncertainty
 from weier.methods.patches.inequalities import NEW_GAP_WIDTH
 from weier.methods.patches.segments import (
     ContactState,
+    Sides,
     at_contacts,
     contacts_of,
     distances_between,
@@ -106,7 +108,6 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     return min(float(np.sum(advance**2 / (np.maximum(compliance, 1.0) * period))), state.resistance)
 
 
-@kernel
 def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     """The error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
 
@@ -123,31 +124,32 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
     a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
     """
-    L, segments, total, strength = series.period, state.segments, 0.0, segment_strengths(state)
-    for j in range(len(strength)):
-        strength[j, 0], strength[j, 1] = max(abs(strength[j, 0]), 1e-300), max(abs(strength[j, 1]), 1e-300)
-    contacts = contacts_of((segments.origin, segments.centre, segments.half_width), state.dual, L)
-    origin, centre, r = contacts
-    distance = distances_between(origin, centre, r, L)
-    A, B = at_contacts(strength, state.dual), at_contacts(state.tangent_strength, state.dual)
-    middle, of_curvature = np.empty_like(centre), 0.0
+    L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
+    contacts = contacts_of(state.segments.extent, state.dual, L)
+    crest, _ = nearest_crests(series, contacts[0] + contacts[1])
+    is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
+    of_heights = np.where(is_lower, state.height_error + EPS * series.total_amplitude, state.height_error)
+    of_curvature = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    A, B = at_contacts(A, state.dual), at_contacts(state.tangent_strength, state.dual)
+    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, of_heights, of_curvature)
+
+
+@kernel
+def _releases(
+    origin: Array, centre: Array, r: Array, L: float, A: Sides, B: Sides, of_heights: Array, of_curvature: float
+) -> float:
+    """Return the sum of B^2 delta over all edges, where heights and curvatures are off by these."""
+    distance, total = distances_between(origin, centre, r, L), 0.0
     for j in range(r.size):
-        middle[j] = origin[j] + centre[j]
-    crest, _ = nearest_crests(series, middle)
-    for k in range(series.amplitude.size):
-        of_curvature += EPS * abs(series.amplitude[k]) * series.wavenumber[k] ** 2
-    for j in range(r.size):
-        is_lower = series.crest_offset[crest[j]] < -TWIN_HEIGHT * series.total_amplitude
-        of_heights = state.height_error + (EPS * series.total_amplitude if is_lower else 0.0)
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
         chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
-        by_force = 2 * r[j] * of_heights / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
+        by_force = 2 * r[j] * of_heights[j] / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
         for side in range(2):
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
-            move = np.sqrt(2.0) / np.pi * of_heights / (A[j, side] * np.sqrt(scale)) + by_force
+            move = np.sqrt(2.0) / np.pi * of_heights[j] / (A[j, side] * np.sqrt(scale)) + by_force
             # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
             if not move < scale:
                 move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)
             total += (EDGE_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
-    return 2 * np.pi**2 / L * total
+    return total

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.chebyshev import evaluate_expansion
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
@@ -41,16 +40,19 @@ COARSE_TOLERANCE = 1e-3  # The set of segments is corrected on nodes that resolv
 
 
 @kernel
-def end_sums(first_node: Indices, coefficient: Array) -> NDArray[np.float64]:
-    """The sums of the coefficients of each segment, shape (segments, 2): with the sign (-1)^k, and without.
+def end_sums(first_node: Indices, coefficient: Array, kind: int) -> NDArray[np.float64]:
+    """Return expansions in T_k (kind 0) or U_k (kind 1) at -1 and 1, shape (segments, 2).
 
-    They are the values at -1 and 1 of an expansion in T_k or, where the coefficients have the factor k + 1, in U_k.
+    T_k(+-1) = (+-1)^k, U_k(+-1) = (+-1)^k (k + 1).
     """
     total = np.zeros((first_node.size - 1, 2))
     for j in range(first_node.size - 1):
-        for k in range(first_node[j], first_node[j + 1]):
-            total[j, 0] += coefficient[k] if (k - first_node[j]) % 2 == 0 else -coefficient[k]
-            total[j, 1] += coefficient[k]
+        sign = 1.0
+        for q in range(first_node[j], first_node[j + 1]):
+            value = coefficient[q] * (1 + kind * (q - first_node[j]))
+            total[j, 0] += sign * value
+            total[j, 1] += value
+            sign = -sign
     return total
 
 
@@ -61,8 +63,6 @@ class Segments(NamedTuple):
     origin : position of that crest, or of its image next to the segment, in lambda_0, shape (segments,)
     centre, half_width : c from the origin, and r, in lambda_0, shape (segments,)
     first_node : index of each segment's first node and, last, the number of all nodes, shape (segments + 1,)
-    node : Gauss nodes t in (-1, 1), ascending within a segment, shape (nodes,)
-    weight : for int sqrt(1-t^2) phi dt over a segment, shape (nodes,)
     """
 
     crest: Indices
@@ -70,8 +70,6 @@ class Segments(NamedTuple):
     centre: Array
     half_width: Array
     first_node: Indices
-    node: Array
-    weight: Array
 
     @property
     def node_count(self) -> Indices:
@@ -149,9 +147,8 @@ class ContactState(NamedTuple):
     load : mean pressure, in p_0*
     approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
     segments : the contacts or, dual, the gaps
-    phi : at the nodes, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the slope of the gap, in
-        g_0/lambda_0
-    coefficient : of phi in U_k, segment by segment, shape (nodes,)
+    coefficient : of phi in U_k, segment by segment, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the
+        slope of the gap, in g_0/lambda_0
     resistance : dh/dp, in g_0/p_0*
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
         derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
@@ -173,7 +170,6 @@ class ContactState(NamedTuple):
     load: float
     approach: float
     segments: Segments
-    phi: Array
     coefficient: Array = np.empty(0)
     resistance: float = np.nan
     tangent_strength: NDArray[np.float64] = np.empty((0, 2))
@@ -187,18 +183,14 @@ class ContactState(NamedTuple):
     route: Route = Route(GRID)
 
 
-@kernel
 def segment_strengths(state: ContactState) -> Sides:
     """A of the pressure A s^(1/2) at the distance s from the left and right edges, shape (segments, 2), from U_k(1).
 
     In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
     """
-    segments, coefficient = state.segments, state.coefficient.copy()
-    for j in range(segments.half_width.size):
-        factor = np.sqrt(2 / segments.half_width[j]) / (2 * np.pi if state.dual else 1.0)
-        for q in range(segments.first_node[j], segments.first_node[j + 1]):
-            coefficient[q] *= factor * (q - segments.first_node[j] + 1)
-    return end_sums(segments.first_node, coefficient)
+    segments, factor = state.segments, 0.5 / np.pi if state.dual else 1.0
+    at_ends = end_sums(segments.first_node, state.coefficient, 1)
+    return np.asarray(factor * np.sqrt(2 / segments.half_width)[:, None] * at_ends)
 
 
 def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
@@ -221,47 +213,14 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
     return (origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)), strength
 
 
-@kernel
 def at_contacts(at_segments: Sides, dual: bool) -> Sides:
     """Values at the edges of the contacts, shape (contacts, 2): contact j is segment j, or follows gap j (dual)."""
-    if not dual:
-        return at_segments
-    value, n = np.empty_like(at_segments), len(at_segments)
-    for j in range(n):
-        value[j, 0], value[j, 1] = at_segments[j, 1], at_segments[(j + 1) % n, 0]
-    return value
+    return np.stack([at_segments[:, 1], np.roll(at_segments[:, 0], -1)], axis=1) if dual else at_segments
 
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Segments, already in order, with so many nodes each."""
-    first_node, node, weight = gauss_nodes(node_count)
-    return Segments(crest, origin, centre, half_width, first_node, node, weight)
-
-
-@kernel
-def gauss_nodes(node_count: Indices) -> tuple[Indices, Array, Array]:
-    """Return the first nodes of segments, and their nodes and weights for int sqrt(1-t^2) phi dt."""
-    first = np.zeros(node_count.size + 1, np.int64)
-    for j in range(node_count.size):
-        first[j + 1] = first[j] + node_count[j]
-    node, weight = np.empty(first[-1]), np.empty(first[-1])
-    for j in range(node_count.size):
-        step = np.pi / (node_count[j] + 1)
-        for i in range(node_count[j]):
-            node[first[j] + i] = -np.cos((i + 1) * step)
-            weight[first[j] + i] = step * np.sin((i + 1) * step) ** 2
-    return first, node, weight
-
-
-@kernel
-def values_at_nodes(first_node: Indices, node: Array, a: Array) -> Array:
-    """Return phi = sum a_k U_k at the nodes, segment by segment."""
-    value = np.empty(a.size)
-    for j in range(first_node.size - 1):
-        own = a[first_node[j] : first_node[j + 1]]
-        for i in range(first_node[j], first_node[j + 1]):
-            value[i] = evaluate_expansion(own, node[i])
-    return value
+    return Segments(crest, origin, centre, half_width, np.append(0, np.cumsum(node_count)))
 
 
 def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
@@ -271,17 +230,13 @@ def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Ar
     return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
-@kernel
 def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
     """The contacts in order, which are the segments or, dual, lie between them and follow them."""
-    origin, centre, half_width = extent
     if not dual:
         return extent
-    between, middle = distances_between(origin, centre, half_width, period), np.empty_like(centre)
-    for j in range(centre.size):
-        between[j] *= 0.5
-        middle[j] = centre[j] + half_width[j] + between[j]
-    return origin, middle, between
+    origin, centre, half_width = extent
+    half_gap = 0.5 * distances_between(origin, centre, half_width, period)
+    return origin, centre + half_width + half_gap, half_gap
 
 
 def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
@@ -333,14 +288,11 @@ def node_factors(tolerance: float) -> tuple[float, ...]:
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
 
-@kernel
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
     """Size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
-    tail = np.empty(segments.centre.size)
-    for j in range(tail.size):
-        size = np.abs(coefficient[segments.first_node[j] : segments.first_node[j + 1]])
-        tail[j] = size[size.size - skipped - 2 : size.size - skipped].max() / max(size.max(), 1e-300)
-    return tail
+    size, last = np.abs(coefficient), segments.first_node[1:] - skipped
+    largest = np.maximum.reduceat(size, segments.first_node[:-1])
+    return np.asarray(np.maximum(size[last - 1], size[last - 2]) / np.maximum(largest, 1e-300))
 
 
 @kernel

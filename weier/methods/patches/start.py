@@ -22,7 +22,6 @@ from weier.methods.bem.staircase import NodalSolution, in_continuum
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.inequalities import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
-    COARSE_TOLERANCE,
     CRESTS,
     GRID,
     TENSIONS,
@@ -67,8 +66,7 @@ MAX_NODE_RATIO = 0.7
 # contacts that took up to three times as long as their gaps.
 COMPARED_TOLERANCE = 1e-10
 
-# Middle and half-width of contacts or gaps, in lambda_0, and the force that each contact carries, in p_0* lambda_0,
-# shape (3, segments)
+# Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
 Places = NDArray[np.float64]
 
 
@@ -117,28 +115,27 @@ class Starts:
 
 @kernel
 def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
-    """The contacts of a grid, whose force is that of their nodes, and those that stand above the plane between nodes.
+    """The contacts of a grid that carry a force, and those that stand above the plane between its nodes.
 
     There are none where no gap is left.
     """
     plane, _, first, last, edge = in_continuum(solution)
     n, count, gap = first.size, 0, solution.gap.copy()
     if n == 0:
-        return np.empty((3, 0))
+        return np.empty((2, 0))
     for i in range(gap.size):
         gap[i] += plane - solution.plane
     missed = _contacts_between_nodes(gap, solution.contact, spacing)
-    found = np.empty((3, n + missed.shape[1]))
+    found = np.empty((2, n + missed.shape[1]))
     for j in range(n):
         left, right, force = edge[2 * j], edge[2 * j + 1], 0.0
         for i in range(first[j], last[j] + 1):
             force += solution.pressure[i % solution.pressure.size]
         if force > 0 and right > left:
             found[0, count], found[1, count] = 0.5 * spacing * (left + right), 0.5 * spacing * (right - left)
-            found[2, count] = spacing * force
             count += 1
     for j in range(missed.shape[1]):
-        found[0, count], found[1, count], found[2, count] = missed[0, j], missed[1, j], missed[2, j]
+        found[0, count], found[1, count] = missed[0, j], missed[1, j]
         count += 1
     return found[:, :count]
 
@@ -149,7 +146,7 @@ def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Place
 
     A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
     """
-    n, count, found = gap.size, 0, np.empty((3, gap.size // 2 + 1))
+    n, count, found = gap.size, 0, np.empty((2, gap.size // 2 + 1))
     for i in range(n):
         after = (i + 1) % n
         if contact[i - 1] or contact[i] or contact[after] or not gap[i - 1] >= gap[i] < gap[after]:
@@ -159,39 +156,35 @@ def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Place
         if overlap > 0:
             half_width = NEW_CONTACT_WIDTH * np.sqrt(2 * overlap / curvature)
             found[0, count], found[1, count] = spacing * (i - slope / curvature), spacing * half_width
-            found[2, count] = half_width**2 * curvature / 4  # by Hertz, of the curvature in g_0 per squared spacing
             count += 1
     return found[:, :count]
 
 
 def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -> ContactState:
-    """Segments in any order, on as few nodes as a guess has, with Hertz's largest pressure.
-
-    Gaps are given without a force, as Newton's method finds their slope.
-    """
+    """Return segments, given in any order, without nodes."""
     order, turns = in_order(places[0], series.period)
-    half_width, force = places[1:, order]
-    crest, origin, centre = from_crests(series, (places[0] - turns)[order])
-    count = estimate_node_count((origin, centre, half_width), series, COARSE_TOLERANCE)
-    segments = make_segments(crest, origin, centre, half_width, count)
-    return ContactState(dual, load, 0.0, segments, np.repeat(2 / np.pi * force / half_width, count))
+    placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
+    return ContactState(dual, load, 0.0, make_segments(*placed, np.zeros(order.size, np.int64)))
 
 
 def merge_overlaps(places: Places, period: float) -> Places:
     """Return places in order, with those that overlap as one, since the edges of a grid are not exact."""
     order, turns = in_order(places[0], period)
-    middle, half_width, force = (places - np.stack([turns, 0 * turns, 0 * turns]))[:, order]
-    merged = [(middle[0] - half_width[0], middle[0] + half_width[0], force[0])]
-    for left, right, carried in zip(middle[1:] - half_width[1:], middle[1:] + half_width[1:], force[1:], strict=True):
-        if left > merged[-1][1]:
-            merged.append((left, right, carried))
+    middle, half_width = (places[0] - turns)[order], places[1, order]
+    left, right = middle - half_width, middle + half_width
+    if (left[1:] > right[:-1]).all() and left[0] + period > right[-1]:
+        return np.stack([middle, half_width])
+    merged = [(left[0], right[0])]
+    for start, end in zip(left[1:], right[1:], strict=True):
+        if start > merged[-1][1]:
+            merged.append((start, end))
         else:
-            merged[-1] = (merged[-1][0], max(right, merged[-1][1]), carried + merged[-1][2])
+            merged[-1] = (merged[-1][0], max(end, merged[-1][1]))
     if len(merged) > 1 and merged[0][0] + period <= merged[-1][1]:
-        _, right, carried = merged.pop(0)
-        merged[-1] = (merged[-1][0], max(right + period, merged[-1][1]), carried + merged[-1][2])
-    left, right, force = np.transpose(merged)
-    return np.stack([0.5 * (left + right), 0.5 * (right - left), force])
+        _, end = merged.pop(0)
+        merged[-1] = (merged[-1][0], max(end + period, merged[-1][1]))
+    left, right = np.transpose(merged)
+    return np.stack([0.5 * (left + right), 0.5 * (right - left)])
 
 
 def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactState:
@@ -208,7 +201,7 @@ def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactSt
 def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
     """A guess on the gaps between contacts."""
     origin, centre, half_width = contacts_of(contacts.segments.extent, True, surface.heights.period)
-    gaps = np.stack([origin + centre, half_width, np.zeros_like(centre)])
+    gaps = np.stack([origin + centre, half_width])
     return _make_guess(surface.tensions, contacts.load, True, gaps)
 
 
@@ -230,13 +223,13 @@ def _hertz_contacts(series: CosineSeries, load: float) -> Places:
     curvature, total = series.crest_curvature, load * series.period
     # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return np.empty((3, 0))
+        return np.empty((2, 0))
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
     half_width = np.zeros(force.size)
     for k in range(force.size):
         if force[k] > 0:
             half_width[k] = 2 * np.sqrt(force[k] / curvature[k])
-    return _isolated(series, half_width, force)
+    return _isolated(series, half_width)
 
 
 @kernel
@@ -245,24 +238,24 @@ def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
     most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
     # The widest gap is no narrower than one under this tension on the sharpest crest.
     if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return np.empty((3, 0))
+        return np.empty((2, 0))
     half_width = np.zeros(curvature.size)
     for k in range(curvature.size):
         if most + series.crest_offset[k] > 0:
             half_width[k] = 2 * np.sqrt((most + series.crest_offset[k]) / curvature[k])
-    return _isolated(series, half_width, np.zeros(curvature.size))
+    return _isolated(series, half_width)
 
 
 @kernel
-def _isolated(series: CosineSeries, half_width: Array, force: Array) -> Places:
+def _isolated(series: CosineSeries, half_width: Array) -> Places:
     """Segments on the crests where the half-width is positive.
 
     None are found if one is wider than its parabola, or so wide that they act on each other.
     """
-    position, found, count = series.crest_position, np.empty((3, force.size)), 0
-    for k in range(force.size):
+    position, found, count = series.crest_position, np.empty((2, half_width.size)), 0
+    for k in range(half_width.size):
         if half_width[k] > 0:
-            found[0, count], found[1, count], found[2, count] = position[k], half_width[k], force[k]
+            found[0, count], found[1, count] = position[k], half_width[k]
             count += 1
     widest, nearest = half_width.max(), np.inf
     for j in range(count):

@@ -170,10 +170,15 @@ def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int)
     return value
 
 
-@kernel
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
     """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
-    period, crest, nearest, y = series.period, series.crest_position, np.zeros(x.size, np.int64), np.empty(x.size)
+    nearest, y = _nearest_crests(series.crest_position, series.period, x)
+    return nearest, y
+
+
+@kernel
+def _nearest_crests(crest: Array, period: float, x: Array) -> tuple[Indices, Array]:
+    nearest, y = np.zeros(x.size, np.int64), np.empty(x.size)
     for i in range(x.size):
         after, y[i] = np.searchsorted(crest, x[i] - period * np.floor(x[i] / period)), np.inf
         for neighbour in ((after - 1) % crest.size, after % crest.size):

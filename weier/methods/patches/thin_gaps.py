@@ -113,6 +113,8 @@ def cracks_on_contacts(
     Intervals in which the coefficients do not resolve a tension are left, too; the last ones of these, `unresolved`,
     are 0.
     """
+    if negative.size == 0:
+        return state, negative
     first, psi = state.segments.first_node, expansion(punches, tangent.force)
     tail = coefficient_tails(state.segments, state.coefficient, unresolved)
     is_certain = negative["relative"] < -np.maximum(tail, MIN_TENSION)[negative["segment"]]
