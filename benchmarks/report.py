@@ -88,16 +88,17 @@ def _preface(data: xr.Dataset) -> list[str]:
         f"in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, D = {attributes['D']:g}, gamma = {attributes['gamma']}, "
         f"m = {attributes['m']}. {attributes['machine']}; one thread; {attributes['packages']}.",
         "",
-        f"Seconds are processor time for the whole curve, the least of {data.sizes['repeat']} runs taken in turn on "
-        "a busy machine. The other programs and the dense inversion start each load from the next heavier one; weier "
-        "solves each load by itself. With the staircase kept, the edges of contact are on nodes and the compliance "
-        "is the only result, as with the other programs. With the staircase removed, weier's default, the resistance "
-        "and bounds on both errors are results, too.",
+        f"Seconds are processor time for the whole curve, the least of {data.sizes['repeat']} runs taken in turn. "
+        "The other programs and the dense inversion start each load from the next heavier one; weier solves each "
+        "load independently. With the staircase kept, edges of contact are on nodes and the compliance is the only "
+        "result, as with the other programs. With the staircase removed, the default, the results include the "
+        "resistance and bounds on both errors.",
         "",
         f"Every program must reach a residual of {attributes['tolerance']:.0e} g_0: the largest |gap| under pressure "
-        f"or penetration elsewhere, from the pressure it returns and a freshly applied operator. "
+        f"or penetration elsewhere, from the returned pressure and a freshly applied operator. "
         f"{attributes['discretisation']} The tolerances of the other programs are, load by load, the loosest that "
-        "leave this residual. Work counts pairs of FFTs, those of coarser grids by their size, or dense solutions.",
+        "reach this residual. Work is counted in pairs of FFTs, weighted by size on coarser grids, or in dense "
+        "solutions.",
         "",
         f"Errors of h, in g_0, are the largest over the loads, against the method `{attributes['reference_method']}` "
         f"at a tolerance of {REFERENCE_TOLERANCE:g} g_0, "

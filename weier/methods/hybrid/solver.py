@@ -1,6 +1,6 @@
 """The best estimate of the infinite series from its first terms, with bounds beside it.
 
-The formulas are those of docs/hybrid.md: "The equations" and "Bounds"; "The error, and where it stops" has the grid.
+The formulas are those of docs/hybrid.md: "The equations" and "Bounds"; "Error and limits" has the grid.
 """
 
 from __future__ import annotations

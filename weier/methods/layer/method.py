@@ -1,4 +1,4 @@
-"""The non-linear layer as one of the methods (docs/layer.md, "The error, and where it stops")."""
+"""The non-linear layer as one of the methods (docs/layer.md, "Error and limits")."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Checks of measured heights: missing values, jumps that are not roughness, tilt and form.
 
-docs/measured.rst, "What an instrument leaves", says what is refused and what is filled. Each height is judged by the
+docs/measured.rst, "Artefacts of measurements", says what is refused and what is filled. Each height is judged by the
 rest of the line. Standard deviations are estimated from medians and quartiles, as those of a normal distribution
 would be, so that a few spoilt heights do not change what they are judged by. The limits are tested on roughness of
 many kinds, which no check may refuse, and on steps and spikes in it (`tests/theory/test_heights.py`).

@@ -1,6 +1,6 @@
 """A measured surface: heights at equal steps, as the finite sum of waves that the numerical methods take.
 
-docs/measured.rst says what becomes of heights ("The trace") and which are refused ("What an instrument leaves"). The
+docs/measured.rst says what becomes of heights ("The trace") and which are refused ("Artefacts of measurements"). The
 waves are those of the discrete Fourier transform of one period of N heights: a_k exp(i phi_k) = (2/N) sum_j z_j
 exp(-2 pi i j k/N). Their root mean square is sqrt(sum a_k^2/2).
 
