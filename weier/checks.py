@@ -57,7 +57,7 @@ def hinting(function: Callable[Parameters, Result]) -> Callable[Parameters, Resu
 def checked_number(
     name: str, value: Any, condition: str = "be a number", holds: Condition = np.isreal, unit: str = units.NONE
 ) -> float:
-    """A number as a float; a quantity with a unit of its own is converted to `unit`.
+    """Return a number as a float; a quantity with a unit of its own is converted to `unit`.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def checked_number(
 def checked_numbers(
     name: str, values: Any, condition: str = "be numbers", holds: Condition = np.isreal, unit: str = units.NONE
 ) -> Array:
-    """A number, or an array or nested list of numbers, as an array of floats of the same shape; see `checked_number`.
+    """Return numbers, an array or a nested list, as an array of floats of the same shape (`checked_number`).
 
     NaN counts as a number unless `holds`, which takes the whole array, refuses it.
     """
@@ -99,7 +99,7 @@ def checked_numbers(
 
 
 def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> int:
-    """A whole number from `least` to `most`."""
+    """Return a whole number from `least` to `most`."""
     within = f"at least {least}" if math.isinf(most) else f"from {least} to {most:.10g}"
 
     def holds(number: float) -> bool:
@@ -109,7 +109,7 @@ def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> 
 
 
 def checked_workers(workers: Any) -> int:
-    """The number of processes; `ALL_CORES` stands for as many as this process has cores."""
+    """Return the number of processes; `ALL_CORES` stands for as many as this process has cores."""
     number = checked_number(
         "workers",
         workers,
@@ -120,12 +120,12 @@ def checked_workers(workers: Any) -> int:
 
 
 def _cores() -> int:
-    """The cores that this process may use, which a cluster or `taskset` may have limited."""
+    """Return the cores that this process may use, which a cluster or `taskset` may have limited."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def checked_word(name: str, value: Any, choices: Collection[str], where: str = "") -> str:
-    """One of some words."""
+    """Return one of some words."""
     if not isinstance(value, str) or value not in choices:
         what = f"{name} must be one of {', '.join(choices)}{where and ' '}{where}"
         raise ValueError(f"{what}, got {shown(value)}{suggestion(value, choices)}")
@@ -133,13 +133,13 @@ def checked_word(name: str, value: Any, choices: Collection[str], where: str = "
 
 
 def suggestion(value: Any, choices: Iterable[str]) -> str:
-    """The end of a message that suggests the choice nearest to a mistyped word; empty if none is near."""
+    """Return the end of a message that suggests the choice nearest to a mistyped word; empty if none is near."""
     near = nearest(value, choices)
     return f": did you mean {near!r}?" if near else ""
 
 
 def nearest(value: Any, choices: Iterable[str], similarity: float = 0.6) -> str:
-    """The choice nearest to a mistyped word, regardless of case; empty if none has this similarity (of difflib)."""
+    """Return the choice nearest to a mistyped word, ignoring case; empty below this similarity (of difflib)."""
     if not isinstance(value, str):
         return ""
     folded = {choice.casefold(): choice for choice in choices}
@@ -148,14 +148,14 @@ def nearest(value: Any, choices: Iterable[str], similarity: float = 0.6) -> str:
 
 
 def checked_flag(name: str, value: Any) -> bool:
-    """A flag as a bool; words, numbers and None are refused, although Python converts them."""
+    """Return a flag as a bool; words, numbers and None are refused, although Python converts them."""
     if not isinstance(value, bool | np.bool_):
         raise ValueError(f"{name} must be true or false, got {shown(value)}")
     return bool(value)
 
 
 def shown(value: Any) -> str:
-    """A value in one short line."""
+    """Return a value in one short line."""
     if isinstance(value, np.ma.core.MaskedConstant):
         return "a masked value"
     if isinstance(value, np.generic):
@@ -172,7 +172,7 @@ def shown(value: Any) -> str:
 
 
 def checked_file(path: Any) -> Path:
-    """The path of a file that is there; a FileNotFoundError names one that is not."""
+    """Return the path of a file that is there; a FileNotFoundError names one that is not."""
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
     file = Path(path)
@@ -188,12 +188,12 @@ def readable(name: str) -> str:
 
 
 def _described(value: Any) -> str:
-    """A value in a message about a number: a text that looks like a number is named as a text."""
+    """Return a value in a message about a number: a text that looks like a number is named as a text."""
     return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
 
 
 def _number(value: Any) -> float | None:
-    """A number as a float; None for other types, and for an integer or fraction too large for a float."""
+    """Return a number as a float; None for other types, and for an integer or fraction too large for a float."""
     if hasattr(value, "__array__") and getattr(value, "shape", None) == ():
         value = np.asanyarray(value)
         value = None if np.ma.is_masked(value) or value.dtype.kind not in "iufO" else value.item()
@@ -206,7 +206,7 @@ def _number(value: Any) -> float | None:
 
 
 def _numbers(name: str, values: Any, unit: str) -> Array:
-    """The values as an array of floats of the same shape, in the unit."""
+    """Return the values as an array of floats of the same shape, in the unit."""
     array = _array(units.in_unit(name, values, unit))
     if array is None or array.dtype.kind not in "iufO":
         raise ValueError(f"{name} must be a number or an array of numbers, got {_described(values)}")
@@ -225,7 +225,7 @@ def _numbers(name: str, values: Any, unit: str) -> Array:
 
 
 def _array(values: Any) -> np.ndarray[Any, Any] | None:
-    """The values as an array that keeps the types of its elements; None if they form none, or hold bytes."""
+    """Return the values as an array that keeps the types of its elements; None if they form none, or hold bytes."""
     try:
         if hasattr(values, "__array__"):
             return np.asanyarray(values)
@@ -235,7 +235,7 @@ def _array(values: Any) -> np.ndarray[Any, Any] | None:
 
 
 def _holds_bytes(values: Any) -> bool:
-    """Whether these are bytes or a nested list with some, which NumPy would take for a list of integers."""
+    """Return whether these are bytes or a nested list with some, which NumPy would take for a list of integers."""
     if isinstance(values, list | tuple):
         return any(map(_holds_bytes, values))
     return isinstance(values, bytearray | memoryview)

@@ -7,19 +7,19 @@ from html import escape
 
 
 def significant(value: float, count: int) -> str:
-    """A number with so many significant digits, in full if it is not too long: 430 and not 4.3e+02."""
+    """Return a number with so many significant digits, in full if it is not too long: 430 and not 4.3e+02."""
     return f"{float(f'{value:.{count}g}'):g}"
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
-    """Lines with columns of equal width; the last column is as wide as its text."""
+    """Return lines with columns of equal width; the last column is as wide as its text."""
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)][:-1]
     lines = ([cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True)] for row in (header, *rows))
     return "\n".join(indent + "  ".join(line).rstrip() for line in lines)
 
 
 def html_table(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]], footer: str = "") -> str:
-    """A table as notebooks show it."""
+    """Return a table as notebooks show it."""
     head = "".join(f'<th style="text-align: left">{escape(cell)}</th>' for cell in header)
     lines = ("".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) for row in rows)
     body = "".join(f"<tr>{line}</tr>" for line in lines)

@@ -24,7 +24,7 @@ INTERFACE = "interface"  # The key of a scene with its bodies.
 
 
 def read_bodies(path: Path) -> Interface:
-    """The bodies of a YAML file, of the key `interface` of a scene, or of a data file, which has its scene.
+    """Return the bodies of a YAML file, of the key `interface` of a scene, or of a data file, which has its scene.
 
     Values may have units, as in "210 GPa".
     """
@@ -44,7 +44,7 @@ def read_bodies(path: Path) -> Interface:
 
 
 def _given(path: Path) -> dict[str, Any]:
-    """The values of a file of bodies, as they are written."""
+    """Return the values of a file of bodies, as they are written."""
     if path.suffix == ".nc":
         from weier.data import dataset
 
@@ -63,7 +63,7 @@ def _given(path: Path) -> dict[str, Any]:
 
 
 def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
-    """The table of curves, or of their mean; if they are in SI units, the headings name them."""
+    """Return the table of curves, or of their mean; if they are in SI units, the headings name them."""
     table = data.weier.ensemble() if ensemble else data.weier.table()
     if "mu_1" not in data.attrs:
         return table

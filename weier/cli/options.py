@@ -32,7 +32,7 @@ STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 
 def parse_loads(text: str) -> Array:
-    """Mean pressures in the order given, from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
+    """Return mean pressures in the order given, from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
     try:
         if ":" not in text:
             return positive_loads([float(part) for part in text.split(",")])
@@ -49,7 +49,7 @@ def parse_loads(text: str) -> Array:
 
 
 def parse_phases(text: str) -> float | list[float]:
-    """Phases from "1", which is of every wave but the first, or from "0,1,2", which are of all."""
+    """Return phases from "1", which is of every wave but the first, or from "0,1,2", which are of all."""
     try:
         phases = [float(part) for part in text.split(",")]
     except ValueError:
@@ -58,7 +58,7 @@ def parse_phases(text: str) -> float | list[float]:
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Settings of methods from texts such as "bem.points=512"."""
+    """Return settings of methods from texts such as "bem.points=512"."""
     settings: dict[str, dict[str, Any]] = {}
     for text in texts:
         name, _, value = text.partition("=")
@@ -73,7 +73,7 @@ def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Parameter, Any], Any]:
-    """A callback that parses the text of an option; a ValueError becomes an error of usage."""
+    """Return a callback that parses the text of an option; a ValueError becomes an error of usage."""
 
     def callback(context: click.Context, option: click.Parameter, text: Any) -> Any:
         try:
@@ -85,7 +85,7 @@ def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Paramete
 
 
 def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
-    """A callback that checks, before anything is computed, that a file can be written."""
+    """Return a callback that checks, before anything is computed, that a file can be written."""
 
     def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
         if path is None or str(path) == STDOUT:
@@ -119,14 +119,14 @@ INTO = click.option(
 
 
 def output(name: str, *suffixes: str, default: str | None = None, required: bool = True) -> Option:
-    """An argument for an output file, with one of these suffixes if any are given."""
+    """Return an argument for an output file, with one of these suffixes if any are given."""
     return click.argument(
         name, type=FILE, default=default, required=required and default is None, callback=_writable(*suffixes)
     )
 
 
 def loads_option(default: str | None, help: str) -> click.Option:
-    """The option for mean pressures."""
+    """Return the option for mean pressures."""
     return click.Option(["--loads"], default=default, show_default=True, callback=_read(parse_loads), help=help)
 
 
@@ -178,7 +178,7 @@ OF_SOLUTION = (
 
 
 def setting_names() -> list[str]:
-    """The settings of all methods, as they are given before a value."""
+    """Return the settings of all methods, as they are given before a value."""
     return [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
 
 
@@ -210,7 +210,7 @@ UNIT = click.Choice(list(UNITS))
 
 
 def _columns(context: click.Context, option: click.Parameter, text: str | None) -> list[int] | None:
-    """The numbers of columns in a text."""
+    """Return the numbers of columns in a text."""
     try:
         return None if text is None else [int(column) for column in text.split(",")]
     except ValueError:
@@ -271,7 +271,7 @@ OF_TRACE = (
 
 
 def parse_pressures(text: str) -> Array:
-    """Pressures in Pa from "1e6,1e7", "1,10MPa" or, in equal ratios, "1:100:20MPa"."""
+    """Return pressures in Pa from "1e6,1e7", "1,10MPa" or, in equal ratios, "1:100:20MPa"."""
     return checked_numbers("pressures", units.listed("pressures", text, units.PASCAL), "be positive", lambda p: p > 0)
 
 
@@ -286,13 +286,13 @@ OF_BODIES = (
 
 
 def of_one_profile(default_loads: str) -> list[click.Parameter]:
-    """The options of a profile, its loads and the methods."""
+    """Return the options of a profile, its loads and the methods."""
     pressures = loads_option(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
     return [*OF_SERIES, *OF_TRACE, pressures, *OF_BODIES, *OF_SOLUTION]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
-    """The parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
+    """Return the parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
     series = {name: options.pop(name) for name in SERIES}
     given = {name: list(v) if isinstance(v, tuple) else v for name, v in options.items() if v not in (None, ())}
     if trace_file is None and given:
@@ -307,7 +307,7 @@ def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
 
 
 def parameters(series: Mapping[str, Any], instead: str = "") -> dict[str, Any]:
-    """The parameters of a profile, as in a scene, from its options.
+    """Return the parameters of a profile, as in a scene, from its options.
 
     A message about missing options adds `instead`, which names alternative options.
     """

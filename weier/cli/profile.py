@@ -44,7 +44,7 @@ class Request(NamedTuple):
     found: xr.Dataset | None
 
     def with_units(self, data: xr.Dataset) -> xr.Dataset:
-        """The curves of some or all of the loads, in SI units where there are bodies."""
+        """Return the curves of some or all of the loads, in SI units where there are bodies."""
         if self.found is not None:
             errors = dict(zip(self.loads.tolist(), self.found[ERROR].values.tolist(), strict=True))
             own = [errors[load] for load in data["mean_pressure"].values.tolist()]
@@ -62,7 +62,7 @@ class Request(NamedTuple):
 def _request(
     loads: Array, bodies: Path | None, pressures: Array | None, wanted: Mapping[str, Any], **series: Any
 ) -> Request:
-    """The profile and its loads, by the options of a command."""
+    """Return the profile and its loads, by the options of a command."""
     from weier.pipeline import inverse, single  # xarray, as in `solve`
 
     profile, given = profile_or_trace(**series), click.get_current_context().get_parameter_source

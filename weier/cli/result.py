@@ -45,12 +45,12 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 
 def as_csv(data: xr.Dataset) -> str:
-    """The curves as comma-separated values, one row for each method and load; missing values are empty."""
+    """Return the curves as comma-separated values, one row for each method and load; missing values are empty."""
     return str(table_of(data).to_csv(index=False)).rstrip("\n")
 
 
 def as_json(data: xr.Dataset) -> str:
-    """The curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
+    """Return the curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
     parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
@@ -67,7 +67,7 @@ def as_json(data: xr.Dataset) -> str:
 
 
 def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
-    """The variables of one method that have values, without those of the profile and those of other methods."""
+    """Return the variables of one method that have values, without those of the profile and other methods."""
     run, returned = case.sel(solution_method=method), {*find_method(method).returns, "seconds"}
     own = {
         str(name): _plain(values.values)
@@ -79,7 +79,7 @@ def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
 
 
 def _plain(values: Array) -> Any:
-    """Numbers and texts for JSON, which has no nan and no inf."""
+    """Return numbers and texts for JSON, which has no nan and no inf."""
     if values.dtype.kind in "UO":
         return values.tolist()
     plain = values.astype(object)
@@ -108,7 +108,7 @@ def check_same_profile(path: Path, profile: Mapping[str, Any]) -> None:
 
 
 def _labels_of(path: Path) -> dict[str, Any]:
-    """What identifies the profile of a file that `write` wrote."""
+    """Return what identifies the profile of a file that `write` wrote."""
     if path.suffix == ".json":
         found = json.loads(path.read_text(encoding="utf-8"))
         return found | {"m": math.inf if found["m"] == "inf" else found["m"]}
@@ -121,7 +121,7 @@ def _labels_of(path: Path) -> dict[str, Any]:
 
 
 def _alike(own: Any, other: Any) -> bool:
-    """Whether two labels are equal; texts keep fewer digits, and missing ones are NaN, None or empty."""
+    """Return whether two labels are equal; texts keep fewer digits, and missing ones are NaN, None or empty."""
     if isinstance(own, list):
         known = [value for value in own if math.isfinite(value)]
         found = [value for value in other if value is not None] if isinstance(other, list) else None

@@ -62,14 +62,14 @@ class FigureKind(NamedTuple):
 
 
 def kinds() -> dict[str, FigureKind]:
-    """All kinds of figures by the names of their modules."""
+    """Return all kinds of figures by the names of their modules."""
     texts = {path.stem: path.read_text(encoding="utf-8") for folder in __path__ for path in Path(folder).glob("*.py")}
     return {name: kind for name, text in sorted(texts.items()) if (kind := _kind(text))}
 
 
 @cache  # A scene needs the captions of all its figures.
 def _kind(module: str) -> FigureKind | None:
-    """The kind of figure of a module with this text; None if it is no kind of figure."""
+    """Return the kind of figure of a module with this text; None if it is no kind of figure."""
     tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")
     assigned = {
         ast.unparse(statement.targets[0]): statement.value
@@ -139,7 +139,7 @@ def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
 
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
-    """The figure in the current style; ValueError with the reason if it cannot be drawn."""
+    """Return the figure in the current style; ValueError with the reason if it cannot be drawn."""
     known = kinds()
     if wanted.draw not in known:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")

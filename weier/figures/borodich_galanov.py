@@ -20,7 +20,7 @@ MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis, since the upper bound tends
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Both bounds on kappa = k/k_H over the roughness epsilon: the curve of (B.16), (B.19) for a parameter x."""
+    """Draw both bounds on kappa = k/k_H over the roughness epsilon, by the parameter x of (B.16) and (B.19)."""
     figure, (axes,) = style.column(title, [""])
     # With x = 1/(2 sin t), even steps of t are fine where the bounds are steep. The bounds meet at t = pi/6.
     lower, upper = (0.5 / np.sin(np.linspace(np.pi / 6, end, 400)) for end in (1e-6, np.pi / 3 - 1e-6))

@@ -30,7 +30,7 @@ class Caption(NamedTuple):
 
 
 def caption(scene: Scene, name: str) -> Caption:
-    """The caption of a figure of a scene, as plain text with the paper's symbols."""
+    """Return the caption of a figure of a scene, as plain text with the paper's symbols."""
     figure = scene.figure(name)
     products = [product for study in figure.studies for product in scene.study(study).products]
     methods = {method for product in products for method in product.methods}
@@ -45,7 +45,7 @@ def caption(scene: Scene, name: str) -> Caption:
 
 
 def _describe_tolerance(drawn: str, chosen: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A sentence with the tolerance of a quantity, by the settings of "auto"; none without it."""
+    """Return a sentence with the tolerance of a quantity, by the settings of "auto"; none without it."""
     settings = [all_settings(auto.METHOD, own) for own in chosen]
     tolerances = [own["tolerance"] for own in settings if own["quantity"] == drawn]
     unit = "g_0" if drawn == COMPLIANCE else "of the larger of itself and 1 g_0/p_0*"
@@ -53,7 +53,7 @@ def _describe_tolerance(drawn: str, chosen: Sequence[Mapping[str, Any]]) -> list
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
-    """Sentences that describe panels, colours, lines and bands."""
+    """Return sentences that describe panels, colours, lines and bands."""
     facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet if name in NOUNS]
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
@@ -72,7 +72,7 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
 
 
 def _describe_methods(methods: Collection[str]) -> list[str]:
-    """Sentences that distinguish the curves of methods."""
+    """Return sentences that distinguish the curves of methods."""
     estimates = ["Colours show the estimates."] if set(methods).difference(numerical_names()) else []
     numerical = [find_method(method).label for method in numerical_names() if method in methods]
     looks = ("A solid line shows", *["Markers show"] * len(numerical))

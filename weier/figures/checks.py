@@ -46,19 +46,19 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
-    """The scene of this name in a folder of scenes, all of it checked."""
+    """Return the scene of this name in a folder of scenes, all of it checked."""
     return scene.load_by_name(name, folder, CHECKS)
 
 
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
-    """Mistakes in the figures of a scene, including curves that could not be distinguished."""
+    """Yield mistakes in the figures of a scene, including curves that could not be distinguished."""
     for name, figure in loaded.figures.items():
         for key, text in [*_wrong_keys(figure, loaded), *_wrong_formula(figure.title)]:
             yield Mistake(("figures", name, *([key] if key else [])), text)
 
 
 def check_claims(loaded: Scene) -> Iterator[Mistake]:
-    """Claims of traces: all claims are about the series."""
+    """Yield claims of traces: all claims are about the series."""
     traces = {name for name, study in loaded.studies.items() for product in study.products if "trace" in product.axes}
     for name, studies in loaded.claims.items():
         for study in traces.intersection(studies):
@@ -70,7 +70,7 @@ CHECKS = check_figures, claims.check_names, check_claims
 
 
 def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
-    """Mistakes of a figure, each with its key, which is empty for the whole figure."""
+    """Yield mistakes of a figure, each with its key, which is empty for the whole figure."""
     known = {name: kind for name, kind in kinds().items() if not kind.command}
     if figure.draw not in known:
         if figure.draw:  # else that is a mistake of its own
@@ -103,7 +103,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
-    """Messages on parameters that vary between the curves of a figure without being shown."""
+    """Yield messages on parameters that vary between the curves of a figure without being shown."""
     grouping = figure.grouping.of(sum(product.count for product in products))
     if hidden := grouping.hidden(_varying(products)):
         yield grouping.proposal(hidden)
@@ -114,7 +114,7 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
 
 
 def _varying(products: Sequence[CaseProduct]) -> list[str]:
-    """The parameters with several values among the profiles of some products; phases are compared for equal m."""
+    """Return the parameters that vary among the profiles of some products; phases are compared for equal m."""
     found = {name: set[object]() for name in (*PARAMETERS, "trace")}
     phases: dict[float, set[str]] = {}
     for product in products:
@@ -133,7 +133,7 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
 
 
 def _wrong_formula(title: str) -> Iterator[tuple[str, str]]:
-    """The reason why matplotlib cannot typeset a title, if there is one."""
+    """Yield the reason why matplotlib cannot typeset a title, if there is one."""
     if "$" in title:
         # The import takes as long as all other checks, and few titles need it.
         from matplotlib.mathtext import MathTextParser

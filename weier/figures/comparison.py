@@ -80,7 +80,7 @@ class Members(NamedTuple):
         return sum(rows.size for _, rows, _ in self.rows)
 
     def column(self, name: str) -> Array:
-        """The codes of a parameter, or another column of the tables, of all curves."""
+        """Return the codes of a parameter, or another column of the tables, of all curves."""
         return np.concatenate([table.columns[name][rows] for table, rows, _ in self.rows])
 
 
@@ -92,7 +92,7 @@ def compare(
     interface: Bodies | None = None,
     behind: Sequence[xr.Dataset] = (),
 ) -> tuple[Figure, Sequence[Axes], Extent]:
-    """A figure of a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
+    """Draw a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def compare(
 
 
 def _curves(tables: Sequence[Table], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
-    """All lines, in the order in which they are drawn."""
+    """Return all lines, in the order in which they are drawn."""
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
     numerical = numerical_names()
     estimates = [name for name in names() if name not in numerical]
@@ -169,7 +169,7 @@ def _curves(tables: Sequence[Table], quantity: str, grouping: Grouping) -> list[
 
 
 def _groups(tables: Sequence[Table], grouping: Grouping) -> list[Members]:
-    """The curves that have the same colour, panel and method."""
+    """Return the curves that have the same colour, panel and method."""
     shown = [name for name in (grouping.colour, *grouping.facet) if name not in ("", "method")]
     found: dict[tuple[Any, ...], Members] = {}
     for table in tables:
@@ -186,7 +186,7 @@ def _groups(tables: Sequence[Table], grouping: Grouping) -> list[Members]:
 
 
 def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
-    """The median or mean of curves that look alike, and their band, or the single curve."""
+    """Return the median or mean of curves that look alike, and their band, or the single curve."""
     table, rows, column = same.rows[0]
     row = int(rows[0])
     differing = _differing(same)
@@ -203,7 +203,7 @@ def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
 
 
 def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
-    """Loads, and the line and both ends of the band there, shape (3, loads)."""
+    """Return loads, and the line and both ends of the band there, shape (3, loads)."""
     units = np.unique(np.stack([same.column("pressure_unit"), same.column("unit")]), axis=1)
     first = same.rows[0][0].loads
     if units.shape[1] > 1 or any(not np.array_equal(table.loads, first) for table, _, _ in same.rows):
@@ -224,13 +224,13 @@ def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Ar
 
 
 def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:
-    """The distinct values of a parameter: numbers are sorted, others in order of appearance."""
+    """Return the distinct values of a parameter: numbers are sorted, others in order of appearance."""
     values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
     return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]  # all are floats
 
 
 def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
-    """A value of a parameter as a legend writes it."""
+    """Return a value of a parameter as a legend writes it."""
     first = next(curve for curve in drawn if curve.parameters[name] == value)
     if name == "method":
         return str(style.line(first.method)["label"])
@@ -248,12 +248,12 @@ def _join(labels: Iterable[str]) -> str:
 
 
 def _by_dash(drawn: Sequence[PlottedCurve], grouping: Grouping) -> bool:
-    """Whether dashes distinguish the methods, since colours and panels do not."""
+    """Return whether dashes distinguish the methods, since colours and panels do not."""
     return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 
 def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping) -> dict[str, Any]:
-    """The look of a curve: that of its method, or the colour of a parameter, with dashes for several methods."""
+    """Return the style of a curve: that of its method, or the colour of a parameter with dashes for methods."""
     look = style.points(curve.method) if curve.points else style.line(curve.method)
     if grouping.colour in ("", "method"):
         return look
@@ -300,7 +300,7 @@ def _draw_behind(
 
 
 def _differing(same: Members) -> list[str]:
-    """The parameters in which some curves differ; phases where they have several waves, as many each."""
+    """Return the parameters in which some curves differ; phases where they have several waves, as many each."""
     differing = [name for name in SURFACES if np.ptp(same.column(name)) > 0]
     several = same.column("waves") != 1
     phases = same.column("phases")[several]
@@ -326,7 +326,7 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
 
 
 def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
-    """Legend entries for colours, dashes and bands."""
+    """Return legend entries for colours, dashes and bands."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     values = _values(drawn, colour)
     shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, MAX_NAMED).round().astype(int))]
@@ -354,7 +354,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
 
 
 def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) -> None:
-    """The legend inside a single panel if it is short, else below all panels."""
+    """Place the legend inside a single panel if it is short, otherwise below all panels."""
     if len(panels) == 1 and len(handles) <= MAX_INSIDE:
         panels[0].legend(handles=handles, loc="best")
         return

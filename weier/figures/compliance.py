@@ -25,7 +25,7 @@ def draw(
     interface: Bodies | None = None,
     behind: Sequence[xr.Dataset] = (),
 ) -> Figure:
-    """Compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
+    """Draw compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
     figure, panels, extent = compare(studies, title, "compliance", grouping, interface, behind)
     style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
     panels[0].set_ylim(bottom=0)

@@ -25,7 +25,7 @@ SAMPLES = 2000  # The height of the profile is drawn at so many points, more tha
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """The profile of the first case with contact edges, and below it its contacts over all mean pressures."""
+    """Draw the profile of the first case with contact edges, and below it its contacts over all mean pressures."""
     cases = (case for case in curves.cases(studies) if "contact_edge" in case)
     known = [case for case in cases if case["contact_edge"].notnull().any()]
     title, (case,) = style.limit_panels(title, known, "cases with contact edges", most=1)
@@ -59,7 +59,7 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
 
 
 def _rectangles(edges: Array, loads: Array, period: float) -> list[Array]:
-    """A rectangle for each contact, up and down to the middle between neighbouring loads.
+    """Return a rectangle for each contact, up and down to the middle between neighbouring loads.
 
     A contact that reaches over the end of the period is drawn at both of its ends.
     """

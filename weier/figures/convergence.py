@@ -31,7 +31,7 @@ COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # The colours
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """A panel for each case with its best estimate within bounds, and one with the convergence of all cases."""
+    """Draw the best estimate within bounds, a panel per case, and the convergence of all cases in one more."""
     found = [case for case in curves.cases(studies) if _rows_of_estimates(case).size > 1]
     title, cases = style.limit_panels(title, found, "cases with several estimates")
     names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
@@ -47,7 +47,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _rows_of_estimates(case: xr.Dataset) -> np.ndarray:
-    """Rows that have an estimate."""
+    """Return rows that have an estimate."""
     return np.flatnonzero(np.isfinite(case["compliance"].values).all(axis=1))
 
 

@@ -34,7 +34,7 @@ OTHER_ALGORITHM = style.PURPLE  # The colour of algorithms other than the defaul
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Correct digits of h over all loads, and condition numbers against the number of nodes."""
+    """Draw correct digits of h over all loads, and condition numbers against the number of nodes."""
     (data,) = studies
     if not np.isfinite(data["compliance_digits"]).any():
         raise ValueError("there are no digits to draw in these data")
@@ -46,7 +46,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _widest(data: xr.Dataset) -> int:
-    """The case with the most methods times decades of known digits, preferably of several waves."""
+    """Return the case with the most methods times decades of known digits, preferably of several waves."""
     known, decade = np.isfinite(data["compliance_digits"].values), np.log10(data["mean_pressure"].values)
     loads = known.any(axis=1)
     span = np.where(loads, decade, -np.inf).max(axis=1) - np.where(loads, decade, np.inf).min(axis=1)
@@ -70,7 +70,7 @@ def _digits(axes: Axes, case: xr.Dataset) -> None:
 
 
 def _look(variant: str, name: str) -> dict[str, Any]:
-    """The line of a method, with markers on the most accurate one, which elsewhere coincides with the other one."""
+    """Return the line style of a method, with markers on the most accurate one to separate coinciding lines."""
     look = style.line(name)
     if name == registry.numerical_names()[0]:
         look |= {"marker": "o", "markersize": 2}

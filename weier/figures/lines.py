@@ -19,7 +19,7 @@ DECADES = 4  # A resistance that falls to 0 is drawn over so many decades, more 
 
 
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
-    """Loads and values of a curve to draw, at the loads of the case and between them; None if there is no curve."""
+    """Return loads and values of a curve, at the loads of the case and between them; None without a curve."""
     found = points(case, quantity, method)
     h, slope = (curves.curve(case, name, method) for name in ("compliance", "resistance"))
     if found is None or h is None or slope is None or h.size < 2:
@@ -29,32 +29,32 @@ def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Ar
 
 
 def points(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
-    """The loads and values of a curve as they are; None if there is no curve."""
+    """Return the loads and values of a curve as they are; None if there is no curve."""
     values = curves.curve(case, quantity, method)
     return None if values is None else (case["mean_pressure"].values, values)
 
 
 def on_common_loads(drawn: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """The loads of all lines, where each of them has values, and these values, shape (lines, loads)."""
+    """Return the loads of all lines, where each of them has values, and these values, shape (lines, loads)."""
     loads = np.unique(np.concatenate([loads for loads, _ in drawn]))
     loads = loads[(loads >= max(own[0] for own, _ in drawn)) & (loads <= min(own[-1] for own, _ in drawn))]
     return loads, np.array([np.interp(loads, own, values) for own, values in drawn])
 
 
 def between(loads: Array) -> Array:
-    """The loads and others between them, in equal ratios, shape (PIECES (loads - 1) + 1,)."""
+    """Return the loads and others between them, in equal ratios, shape (PIECES (loads - 1) + 1,)."""
     ratio = (loads[1:] / loads[:-1])[:, None] ** (np.arange(PIECES) / PIECES)
     return np.append((loads[:-1, None] * ratio).ravel(), loads[-1])
 
 
 def compliance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
-    """The compliance between the loads, as cubics with its slopes (Hermite), shape (PIECES (loads - 1) + 1,)."""
+    """Interpolate the compliance by cubic Hermite polynomials, shape (PIECES (loads - 1) + 1,)."""
     fine = between(loads)
     return fine, compliance_at(fine, loads, h, slope)
 
 
 def compliance_at(fine: Array, loads: Array, h: Array, slope: Array) -> Array:
-    """The compliances of one or several curves, shape (..., loads), at loads between theirs."""
+    """Return the compliances of one or several curves, shape (..., loads), at loads between theirs."""
     piece = np.minimum(np.searchsorted(loads, fine, side="right") - 1, loads.size - 2)
     width = (loads[1:] - loads[:-1])[piece]
     t = (fine - loads[piece]) / width
@@ -68,7 +68,7 @@ def compliance_at(fine: Array, loads: Array, h: Array, slope: Array) -> Array:
 
 
 def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
-    """The resistance at the loads and, where it falls to 0, between the last two of them.
+    """Return the resistance at the loads and, where it falls to 0, between the last two of them.
 
     Notes
     -----
@@ -90,5 +90,5 @@ def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
 
 
 def zero_load(loads: Array, h: Array, slope: Array, last: int) -> float:
-    """The load at which the resistance is 0, after the load of this number and not after the next."""
+    """Return the load at which the resistance is 0, after the load of this number and not after the next."""
     return float(min(loads[last] + 2 * (h[last + 1] - h[last]) / slope[last], loads[last + 1]))

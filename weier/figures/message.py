@@ -32,7 +32,7 @@ LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "s"), (style.BLACK, "^"))  # of t
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Contact fraction and resistance over the number of terms: a column of panels for each D and gamma."""
+    """Draw contact fraction and resistance over the number of terms: a column of panels for each D and gamma."""
     tables = [_table(study) for study in studies]
     series = sorted({(D, gamma) for table in tables for D, gamma in zip(table["D"], table["gamma"], strict=True)})
     if not series:
@@ -56,7 +56,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _table(study: xr.Dataset) -> dict[str, Array]:
-    """The cases that a numerical method solved, with the values of the most accurate one over the loads."""
+    """Return the cases that a numerical method solved, with the values of the most accurate one over the loads."""
     names = ("contact_fraction", "resistance", "resistance_lower", "resistance_upper")
     solved, best = curves.most_accurate(study)
     solved &= np.isfinite(study["m"].values)
@@ -70,7 +70,7 @@ def _table(study: xr.Dataset) -> dict[str, Array]:
 
 
 def _members(table: dict[str, Array], series: tuple[float, float], load: float) -> dict[str, Array]:
-    """The cases of a series at the load closest to a given one."""
+    """Return the cases of a series at the load closest to a given one."""
     here = (table["D"] == series[0]) & (table["gamma"] == series[1])
     column = int(np.argmin(np.abs(np.log(table["mean_pressure"] / load))))
     return {
@@ -113,7 +113,7 @@ def _draw(
 
 
 def _legend(tables: Sequence[dict[str, Array]]) -> list[Any]:
-    """Entries for the loads, the band with the number of its members, Persson's theory, and the bounds."""
+    """Return entries for the loads, the band with the number of its members, Persson's theory, and the bounds."""
     count = max(
         np.unique(np.stack([table[name] for name in ("D", "gamma", "m")]), axis=1, return_counts=True)[1].max()
         for table in tables

@@ -23,7 +23,7 @@ CAPTION = (
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
+    """Draw compliance over mean pressure for each phase, one panel a series, with the average as a solid line."""
     figure, panels = style.column_of_series(studies, title, "compliance", *PARAMETERS)
     for axes, cases in panels:
         _draw_phases(axes, cases)

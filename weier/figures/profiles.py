@@ -20,7 +20,7 @@ MAX_SAMPLES = 2**13  # The printed line has four samples for each dot, so that f
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Heights of each profile, in g_0, over x, in lambda_0, to one scale."""
+    """Draw heights of each profile, in g_0, over x, in lambda_0, to one scale."""
     finite = [case for case in curves.cases(studies) if np.isfinite(case["m"])]
     title, cases = style.limit_panels(title, finite, "profiles")
     figure, panels = style.column(title, list(map(style.describe, cases)), 1.35, sharex=True, sharey=True)

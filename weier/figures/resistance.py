@@ -25,7 +25,7 @@ def draw(
     interface: Bodies | None = None,
     behind: Sequence[xr.Dataset] = (),
 ) -> Figure:
-    """Resistance over mean pressure by every method, on logarithmic axes."""
+    """Draw resistance over mean pressure by every method, on logarithmic axes."""
     figure, panels, extent = compare(studies, title, "resistance", grouping, interface, behind)
     style.set_logarithmic_axes(panels[0], *extent)
     return figure

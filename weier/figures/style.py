@@ -76,13 +76,13 @@ BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 
 
 
 def line(method: str) -> dict[str, Any]:
-    """Keywords of Axes.plot for the curve of a method, or of a variant that is not listed as a method."""
+    """Return keywords of Axes.plot for the curve of a method, or of a variant that is not listed as a method."""
     label, look = _label_and_style(method)
     return {"label": label, "color": look.color, "linestyle": (0, look.dashes) if look.dashes else "-"}
 
 
 def points(method: str) -> dict[str, Any]:
-    """Keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
+    """Return keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
     _, look = _label_and_style(method)
     return line(method) | POINTS | {"marker": look.marker}
 
@@ -117,20 +117,20 @@ def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Datase
 
 
 def family(count: int) -> list[dict[str, Any]]:
-    """Keywords of Axes.plot for a family of so many curves, from light to dark."""
+    """Return keywords of Axes.plot for a family of so many curves, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])
     dashes = [DASHES[(count - 1 - number) % len(DASHES)] for number in range(count)]  # the last, darkest is solid
     return [{"color": color, "linestyle": dash} for color, dash in zip(colors, dashes, strict=True)]
 
 
 def shade(fractions: Iterable[float]) -> list[Color]:
-    """Colours from light (0) to dark (1), distinct in grey print, and without yellow, which fades on white paper."""
+    """Return colours from light (0) to dark (1), distinct in grey print and without yellow."""
     colormap = matplotlib.colormaps["viridis_r"]
     return [colormap(0.2 + 0.75 * fraction) for fraction in fractions]
 
 
 def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure of one column with a title: panels with these names below each other, each of a height in inches.
+    """Return a single-column figure with a title and named panels below each other; heights in inches.
 
     It does not go through pyplot, which would keep it in memory.
     """
@@ -145,7 +145,7 @@ def column(title: str, names: Sequence[str], height: float = HEIGHT, **options: 
 def column_of_series(
     studies: Sequence[xr.Dataset], title: str, quantity: str, *names: str
 ) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """A figure of one column over the load, with a panel for the solved cases of each value of these parameters."""
+    """Return a single-column figure over the load, with a panel for each value of these parameters."""
     solved = [case for case in curves.cases(studies) if curves.numerical_method(case)]
     title, series = limit_panels(title, curves.groups(solved, *names), "series")
     figure, panels = column(title, [describe(cases[0], *names) for cases in series])
@@ -156,7 +156,7 @@ def column_of_series(
 
 
 def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figure, list[Axes]]:
-    """A figure with panels in rows and common axes. Without `columns`, a row has two or three panels."""
+    """Return a figure with panels in rows and common axes. Without `columns`, a row has two or three panels."""
     columns = columns or {1: 1, 2: 2, 4: 2}.get(panels, 3)
     width, height = GRID_PANELS[min(columns, 3)]
     rows = -(-panels // columns)
@@ -177,7 +177,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
 def limit_panels(
     title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
 ) -> tuple[str, Sequence[Group]]:
-    """The groups that fit, with a title that notes their number if some are left out; ValueError without groups."""
+    """Return the groups that fit and a title that states how many are omitted; ValueError without groups."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
     note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""
@@ -235,7 +235,7 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
 
 
 def describe(case: xr.Dataset, *names: str) -> str:
-    """The labels of a case in the symbols of the paper: the given coordinates, or all."""
+    """Return the labels of a case in the symbols of the paper: the given coordinates, or all."""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
     phase = case["phases"].values[1:]
     phase = phase[np.isfinite(phase)]
@@ -248,13 +248,13 @@ def describe(case: xr.Dataset, *names: str) -> str:
 
 
 def symbol(name: str) -> str:
-    """The symbol of a parameter in mathtext, where Greek letters have names."""
+    """Return the symbol of a parameter in mathtext, where Greek letters have names."""
     letter = VARIABLES[name].symbol
     return letter if len(letter) == 1 else f"\\{letter}"
 
 
 def _parameter(case: xr.Dataset, name: str) -> str:
-    """The value of a parameter in mathtext: gamma as a ratio."""
+    """Return the value of a parameter in mathtext: gamma as a ratio."""
     value = float(case[name])
     if name == "gamma":
         return str(Fraction(value).limit_denominator(MAX_DENOMINATOR))

@@ -59,12 +59,12 @@ class Table:
         self.columns: dict[str, NDArray[Any]] = {}
 
     def case(self, row: int) -> xr.Dataset:
-        """One case, in the units of the figure."""
+        """Return one case, in the units of the figure."""
         case = self.study.isel(case=row)
         return self._interface.at(case).in_si(case) if self._interface else case
 
     def line(self, row: int, method: str, quantity: str, points: bool = False) -> tuple[Array, Array]:
-        """One curve, in the units of the figure: at its loads and between them, or as points."""
+        """Return one curve, in the units of the figure: at its loads and between them, or as points."""
         # The line between the loads uses both quantities before their conversion to SI units.
         found = (lines.points if points else lines.line)(self.study.isel(case=row), quantity, method)
         assert found is not None  # `known` has said so
@@ -72,7 +72,7 @@ class Table:
         return loads * self.columns["pressure_unit"][row], values * self.columns["unit"][row]
 
     def parameters(self, row: int) -> dict[str, Hashable]:
-        """The values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
+        """Return the values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
         phase = self.phases[row]
         phase = phase[phase != MISSING]
         phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())
@@ -95,7 +95,7 @@ class Table:
 
 
 def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | None = None) -> list[Table]:
-    """The tables of some studies, with codes of parameters that they have in common."""
+    """Return the tables of some studies, with codes of parameters that they have in common."""
     named = _names_of_traces(studies)
     tables = [Table(study, quantity, names, interface) for study, names in zip(studies, named, strict=True)]
     if not tables:
@@ -130,7 +130,7 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
 
 
 def extent(tables: Sequence[Table], quantity: str) -> Extent:
-    """The loads and values of all cases that have a curve, in the units of the figure."""
+    """Return the loads and values of all cases that have a curve, in the units of the figure."""
     first, full = np.inf, -np.inf
     drawn = [(table, table.known.any(axis=1)) for table in tables]
     for table, rows in drawn:
@@ -153,7 +153,7 @@ def extent(tables: Sequence[Table], quantity: str) -> Extent:
 
 
 def _units(study: xr.Dataset, quantity: str, interface: Bodies | None) -> dict[str, Array]:
-    """The units of the loads and values of each case, in SI units, or 1 without an interface."""
+    """Return the units of the loads and values of each case, in SI units, or 1 without an interface."""
     if interface is None:
         return dict.fromkeys(("pressure_unit", "unit"), np.ones(study.sizes["case"]))
     digests = _digests(study)
@@ -166,7 +166,7 @@ def _units(study: xr.Dataset, quantity: str, interface: Bodies | None) -> dict[s
 
 
 def _names_of_traces(studies: Sequence[xr.Dataset]) -> list[list[str]]:
-    """A name for the trace of each case of each study, empty for a series."""
+    """Return a name for the trace of each case of each study, empty for a series."""
     first: dict[str, xr.Dataset] = {}
     for study in studies:
         for digest, row in zip(*np.unique(_digests(study), return_index=True), strict=True):
@@ -176,6 +176,6 @@ def _names_of_traces(studies: Sequence[xr.Dataset]) -> list[list[str]]:
 
 
 def _digests(study: xr.Dataset) -> NDArray[Any]:
-    """The digest of the trace of each case, empty for a series."""
+    """Return the digest of the trace of each case, empty for a series."""
     given = study["trace_digest"].values if "trace_digest" in study.variables else np.full(study.sizes["case"], "")
     return np.asarray(given, str)

@@ -19,7 +19,7 @@ DIFFERENCES: dict[str, Callable[[Any], str]] = {
 
 
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
-    """A name for the trace of each case, empty for a series: each trace has one of its own.
+    """Return a name for the trace of each case, empty for a series: each trace has one of its own.
 
     It is the path of the file, without folders that all have in common, and the differences between traces of this
     path: the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
@@ -38,7 +38,7 @@ def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
 
 
 def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
-    """The texts that distinguish a trace from others of the same name: as few as suffice, in order."""
+    """Return the texts that distinguish a trace from others of the same name: as few as suffice, in order."""
     found: list[str] = []
     for name, text in DIFFERENCES.items():
         if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
@@ -48,7 +48,7 @@ def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str
 
 
 def _shortened(paths: Iterable[str]) -> dict[str, str]:
-    """Each path with as few folders as distinguish all paths."""
+    """Return each path with as few folders as distinguish all paths."""
     known = list(dict.fromkeys(paths))
     for kept in range(1, max((path.count("/") for path in known), default=0) + 1):
         short = ["/".join(path.split("/")[-kept:]) for path in known]

@@ -27,7 +27,7 @@ INSET = 0.5, 0.51, 0.42, 0.31  # Left, bottom, width and height of the inset, be
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Compliance over mean pressure for each number of terms, all counted from the infinite series.
+    """Draw compliance over mean pressure for each number of terms, all counted from the infinite series.
 
     Notes
     -----

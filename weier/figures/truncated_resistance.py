@@ -18,7 +18,7 @@ CAPTION = (
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Resistance over mean pressure for each number of terms, with the bounds as a band."""
+    """Draw resistance over mean pressure for each number of terms, with the bounds as a band."""
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
         longest = tables_of([curves.as_study(cases[-1])], "resistance")

@@ -19,7 +19,7 @@ BESIDE_TERMS = [name for name in PARAMETERS if name != "m"]
 def compare(
     studies: Sequence[xr.Dataset], title: str, quantity: str
 ) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """The numerical curves of all m with the bounds from the longest series, one panel for each D and gamma.
+    """Return the numerical curves of all m with the bounds from the longest series, one panel for each D and gamma.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def compare(
 
 
 def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
-    """The curves of one panel, in order of m, and the bounds below them."""
+    """Draw the curves of one panel in order of m, and the bounds below them."""
     _draw_bounds(axes, cases[-1], quantity)
     by_terms = curves.groups(cases, "m")
     looks = style.family(len(by_terms))
@@ -52,7 +52,7 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:
-    """The datum that is added to values for all m: a compliance counts from the peaks of the infinite series."""
+    """Return the datum added to the values of all m: compliances count from the peaks of the infinite series."""
     return float(case["tail_amplitude"]) if quantity == "compliance" else 0.0
 
 

@@ -57,7 +57,7 @@ class Line(NamedTuple):
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """A column of panels for each number of terms: errors of the compliance above, of the resistance below."""
+    """Draw a column of panels for each number of terms: errors of the compliance above, of the resistance below."""
     (data,) = studies
     if not np.isfinite(data["seconds"]).any():
         raise ValueError("there are no times to draw in these data")
@@ -81,13 +81,13 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 
 def _series(data: xr.Dataset) -> list[xr.Dataset]:
-    """The cases of each number of terms and ratio of wavelengths, in increasing order."""
+    """Return the cases of each number of terms and ratio of wavelengths, in increasing order."""
     keys = np.column_stack([data["m"].values, data["gamma"].values])
     return [data.isel(case=(keys == key).all(axis=1)) for key in np.unique(keys, axis=0)]
 
 
 def _lines(cases: xr.Dataset, quantity: str) -> Iterator[Line]:
-    """A line for each method, through the settings that were run on all cases."""
+    """Yield a line for each method, through the settings that were run on all cases."""
     methods = cases["solution_method"].values
     milliseconds = 1e3 * seconds_per_load(cases).mean(axis=0)
     errors = [worst_over_loads(cases, quantity, kind).max(axis=0) for kind in (MEASURED, STATED)]
@@ -103,14 +103,14 @@ def _methods(data: xr.Dataset) -> list[str]:
 
 
 def _most_alike(variants: np.ndarray, settings: np.ndarray) -> np.ndarray:
-    """The variants that differ in the values of the same settings; the largest such group, or the last one."""
+    """Return the variants that differ in the values of the same settings; the largest such group, or the last one."""
     kinds = [sorted(json.loads(settings[at])) for at in variants]
     kind = max(reversed(kinds), key=kinds.count)
     return variants[[own == kind for own in kinds]]
 
 
 def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
-    """The lines on the colours of the fastest methods, with their names if wanted."""
+    """Draw the lines over the colours of the fastest methods, optionally with their names."""
     for method, low, high in _fastest(lines):
         color = _look(method)["color"]
         axes.axhspan(low, high, color=color, **BACKGROUND)
@@ -123,7 +123,7 @@ def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
 
 
 def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
-    """The fastest methods from large errors to small ones, each with the range of errors."""
+    """Yield the fastest methods from large errors to small ones, each with the range of errors."""
     cost, error = (np.concatenate([getattr(line, name) for line in lines]) for name in ("milliseconds", "measured"))
     methods, high = np.concatenate([[line.method] * line.measured.size for line in lines]), CEILING
     for method, members in groupby(pareto(cost, error), lambda at: str(methods[at])):
@@ -133,7 +133,7 @@ def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
 
 
 def _look(method: str) -> dict[str, Any]:
-    """Line and symbol of a method. Other figures have all numerical methods in black, on one curve."""
+    """Return line and symbol of a method. Other figures have all numerical methods in black, on one curve."""
     look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
     return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
 

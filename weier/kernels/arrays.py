@@ -14,6 +14,6 @@ Record = Any  # one of them, whose fields are attributes
 
 
 def record_type(*fields: tuple[str, type, tuple[int, ...]]) -> np.dtype[np.record]:
-    """The type of records of these fields: names with spaces between them, their type, and the shape of each."""
+    """Return the dtype of records with the given field names (separated by spaces), type and shape."""
     named = [(name, kind, shape) for names, kind, shape in fields for name in names.split()]
     return cast(np.dtype[np.record], np.dtype((np.record, named)))

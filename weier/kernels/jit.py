@@ -173,7 +173,7 @@ class Kernel:
         return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in files.items()}
 
     def _is_whole(self, folder: Path) -> bool:
-        """Whether a folder has the files that were written into it, so that numba reads no torn one."""
+        """Return whether a folder has the files that were written into it, so that numba reads no torn one."""
         with _ignoring_errors_of_disks(), suppress(json.JSONDecodeError, UnicodeDecodeError):
             known = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
             return bool(known == self._contents(folder))

@@ -33,7 +33,7 @@ MAX_MINUS_LOG = 750.0  # -ln of every positive double is smaller.
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
-    """Compliance h = sum h_n (19), (21).
+    """Return compliance h = sum h_n (19), (21).
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
-    """Specific contact resistance dh/dp by the chain rule through the recursion (2), (17).
+    """Return specific contact resistance dh/dp by the chain rule through the recursion (2), (17).
 
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
@@ -64,12 +64,12 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def _fixed_point(D: Array, gamma: Array) -> Array:
-    """The fixed point of xi = gamma^(1-D) (1 + xi) (18)."""
+    """Return the fixed point of xi = gamma^(1-D) (1 + xi) (18)."""
     return 1 / np.expm1((D - 1) * np.log(gamma))
 
 
 def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
-    """Sums of ratio^k xi_k (constant - ln xi_k) over the waves that are not flat, xi_{k+1} = shrink sqrt(xi_k).
+    """Return the sums of ratio^n xi_n (constant - ln xi_n) over the waves that are not flat.
 
     The first terms are summed one by one, until ln xi is close to its fixed point or all waves are flat again.
     """
@@ -91,9 +91,9 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
 
 
 def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array, constant: float) -> Array:
-    """Such a sum over so many more terms, at this distance of ln xi from its fixed point.
+    """Return the same sum over `terms` more terms, expanded about the fixed point of ln xi.
 
-    In docs/closed_forms.md `distance` is delta, `fixed` F, `terms` T, `log_ratio` ln rho and `constant` c.
+    docs/closed_forms.md, "Archard": `distance` is Delta y, `fixed` y_inf <= 0, `terms` k, `constant` iota.
     """
     # Order j of exp(x) (constant - x) has the coefficient exp(fixed) (constant - fixed - j)/j!, and the
     # powers of distance/2^k sum to geometric series.

@@ -61,7 +61,7 @@ class Choice:
     settings: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        """The choice in a sentence."""
+        """Return the choice in a sentence."""
         terms = f"the first {self.kept.m:g} terms" if self.left_out else "all terms"
         others = f"; the others change h by {self.left_out:.2g} g_0 at most" if self.left_out else ""
         settings = ", ".join(f"{name} {value:.2g}" for name, value in self.settings.items())
@@ -71,7 +71,7 @@ class Choice:
         )
 
     def seconds(self, loads: Array) -> float:
-        """Expected seconds of a curve on one core."""
+        """Return expected seconds of a curve on one core."""
         return self.method.seconds(self.kept, loads, **self.settings)
 
 
@@ -141,7 +141,7 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
 
 
 def _fewest_terms(surface: Waves, tolerance: float) -> tuple[Waves, float]:
-    """The first terms of a surface that leave out half of the tolerance at most, and what they leave out, in g_0.
+    """Return the first terms of a surface whose tail is at most half of the tolerance, and that tail, in g_0.
 
     Where these cannot be resolved, as many terms as can be.
     """

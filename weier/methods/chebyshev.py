@@ -42,7 +42,7 @@ class Rule(NamedTuple):
 
 @lru_cache(maxsize=256)
 def gauss_rule(count: int, of_second_kind: bool) -> Rule:
-    """The rule of so many nodes. Angles are reduced in integers, so that the highest degrees lose no digit."""
+    """Return the rule of so many nodes. Angles are reduced in integers, so that the highest degrees lose no digit."""
     if of_second_kind:
         degree, angle = np.arange(1, count + 1), np.arange(count, 0, -1)
         sine = np.sin(np.pi / (count + 1) * angle)
@@ -60,7 +60,7 @@ def gauss_rule(count: int, of_second_kind: bool) -> Rule:
 
 @kernel
 def evaluate_expansion(a: Array, t: float) -> float:
-    """phi(t) = sum a_k U_k(t), -1 <= t <= 1, by Clenshaw's recurrence."""
+    """Return phi(t) = sum a_k U_k(t), -1 <= t <= 1, by Clenshaw's recurrence."""
     b_after, b = 0.0, 0.0
     for k in range(a.size - 1, -1, -1):
         b, b_after = a[k] + 2 * t * b - b_after, b
@@ -69,13 +69,13 @@ def evaluate_expansion(a: Array, t: float) -> float:
 
 @kernel
 def _outer_radius(t: float) -> float:
-    """rho, of a point outside [-1, 1]."""
+    """Return rho, of a point outside [-1, 1]."""
     return t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
 
 
 @kernel
 def cauchy_integral(a: Array, t: float) -> float:
-    """int sqrt(1-s^2) phi(s)/(t-s) ds = pi sum a_k T_(k+1)(t) at any real t."""
+    """Return int sqrt(1-s^2) phi(s)/(t-s) ds = pi sum a_k T_(k+1)(t) at any real t."""
     if abs(t) > 1:
         total, w = 0.0, 1 / _outer_radius(t)
         for k in range(a.size - 1, -1, -1):
@@ -89,7 +89,7 @@ def cauchy_integral(a: Array, t: float) -> float:
 
 @kernel
 def log_integral(a: Array, t: float) -> float:
-    """int sqrt(1-s^2) phi(s) ln|t-s| ds at any real t: a sum of T_n/n with the factors (a_(n-2) - a_n)/2."""
+    """Return int sqrt(1-s^2) phi(s) ln|t-s| ds at any real t: a sum of T_n/n with the factors (a_(n-2) - a_n)/2."""
     outside = abs(t) > 1
     w = 1 / _outer_radius(t) if outside else 0.0
     double, back = (w, 0.0) if outside else (2 * t, 1.0)
@@ -103,7 +103,7 @@ def log_integral(a: Array, t: float) -> float:
 
 @kernel
 def gap_expansion(a: Array) -> Array:
-    """Coefficients in U_k of int_-1^t sqrt(1-s^2) phi(s) ds/(1-t^2)^(3/2), for a gap: as it closes at 1, a_0 = 0.
+    """Return the U_k coefficients of int_-1^t sqrt(1-s^2) phi(s) ds/(1-t^2)^(3/2), for a gap (a_0 = 0).
 
     The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)).
     """
@@ -113,7 +113,7 @@ def gap_expansion(a: Array) -> Array:
 
 @kernel
 def derivative_expansion(a: Array) -> Array:
-    """Coefficients in U_k of phi', from U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...)."""
+    """Return coefficients in U_k of phi', from U_k' = 2 (k U_(k-1) + (k-2) U_(k-3) + ...)."""
     b, total, total_of_next = np.zeros(a.size), 0.0, 0.0
     for k in range(a.size - 1, 0, -1):
         total, total_of_next = total_of_next + a[k], total

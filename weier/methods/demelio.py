@@ -18,7 +18,7 @@ from weier.methods.method import Method, Style
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
-    """Compliance h = sum h_n (24)-(26), continued beyond p_0* and to a finite number of terms.
+    """Return compliance h = sum h_n (24)-(26), continued beyond p_0* and to a finite number of terms.
 
     The arguments and the shape are those of `weier.methods.archard.compliance`. Compliances are in g_0.
     """
@@ -29,7 +29,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
-    """Specific contact resistance dh/dp: flattened terms do not contribute (2), (26).
+    """Return specific contact resistance dh/dp: flattened terms do not contribute (2), (26).
 
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
@@ -40,7 +40,7 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
 
 
 def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
-    """The sums S_0 and S_1 over m terms, of gamma^-n and of n gamma^-n."""
+    """Return the sums S_0 and S_1 over m terms, of gamma^-n and of n gamma^-n."""
     # sum n r^n = [sum of r^n over m - 1 terms - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
     fewer = np.maximum(m - 1, 0)
     last = fewer * np.exp(-np.log(gamma) * fewer)  # a power takes ten times as long where it vanishes

@@ -14,7 +14,7 @@ Formula = Callable[[ArrayLike, ArrayLike, ArrayLike, ArrayLike], Array]  # The a
 
 
 def solve_by(compliance: Formula, resistance: Formula) -> Callable[[Profile, Array], Estimate]:
-    """The solver of a method that has closed forms for compliance and resistance."""
+    """Return the solver of a method that has closed forms for compliance and resistance."""
 
     def solve(profile: Profile, loads: Array) -> Estimate:
         series = profile.D, float(profile.gamma), profile.m

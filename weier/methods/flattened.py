@@ -46,12 +46,12 @@ class Remaining(NamedTuple):
     gamma: Array
 
     def with_flat_waves(self, h: Array) -> Array:
-        """Compliance of all waves from that of those that remain."""
+        """Return compliance of all waves from that of those that remain."""
         flat = self.flat, self.D, self.gamma
         return np.asarray(leading_amplitude(*flat) + amplitude(*flat) * h)
 
     def behind_flat_waves(self, slope: Array) -> Array:
-        """Resistance of all waves from that of those that remain: flat waves have none."""
+        """Return resistance of all waves from that of those that remain: flat waves have none."""
         return np.asarray(self.gamma**-self.flat * slope)  # g_n/p_n* = gamma^-n
 
 
@@ -62,7 +62,7 @@ def remaining(
     m: ArrayLike,
     fixed_point: Callable[[Array, Array], Array] = lambda D, gamma: np.zeros_like(D),
 ) -> Remaining:
-    """The waves that are not flat under loads in p_0*; `fixed_point` is that of the loads handed on."""
+    """Return the waves that are not flat under loads in p_0*; `fixed_point` is that of the loads handed on."""
     p, D, gamma, m = (np.asarray(value, float) for value in (mean_pressure, D, gamma, m))
     m, fixed = np.asarray(np.minimum(m, INFINITE_TERMS)), fixed_point(D, gamma)
     with np.errstate(invalid="ignore", divide="ignore"):  # Loads below the fixed point and invalid ones have no log.

@@ -128,7 +128,7 @@ class Method:
         self.applies(profile)
 
     def takes(self, profile: Waves) -> bool:
-        """Whether the method applies to a surface."""
+        """Return whether the method applies to a surface."""
         try:
             self.check_applies(profile)
         except ValueError:

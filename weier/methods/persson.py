@@ -48,7 +48,7 @@ class Rates(NamedTuple):
         return min(saturation / self.growth, (MAX_EXPONENT + NEGLIGIBLE) / self.decay) + 2
 
     def terms_of(self, m: float) -> float:
-        """The same for m terms."""
+        """Return the same for m terms."""
         return min(self.terms + 1 / self.decay, m)
 
 

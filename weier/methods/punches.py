@@ -28,7 +28,7 @@ OFFSET = 2.0
 
 @kernel
 def invert_punches(which: Indices, centre: Array, compliance: Array, period: float) -> Inverse:
-    """The approximate inverse W' W of the influence of those punches on each other, which are in order.
+    """Return the approximate inverse W' W of the influence of those punches on each other, which are in order.
 
     The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
     one displacement from its mean for given displacements of its neighbours among the coarser, over its standard
@@ -65,7 +65,7 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
 def _fill_row(
     x: Array, compliance: Array, which: Indices, period: float, known: int, factor: Array, entry: Array
 ) -> None:
-    """The last row of the inverse of Cholesky's factor of the influence of these punches on each other.
+    """Compute the last row of the inverse Cholesky factor of the influence of these punches on each other.
 
     The first `known` rows of the factor are given; the others are written.
     """
@@ -86,7 +86,7 @@ def _fill_row(
 
 @kernel
 def solve_forces(inverse: Inverse, displacement: Array) -> Array:
-    """The approximate forces on those punches from their displacements, and 0 on others, shape (punches,)."""
+    """Return the approximate forces on those punches from their displacements, and 0 on others, shape (punches,)."""
     start, member, entry = inverse
     force = np.zeros(displacement.size)
     for row in range(start.size - 1):

@@ -31,7 +31,7 @@ PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, lay
 
 
 def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
-    """The method of some surfaces where none is given: contact patches, or "auto" once a tolerance is given.
+    """Return the method of some surfaces where none is given: contact patches, or "auto" once a tolerance is given.
 
     NotApplicableError is raised for the infinite series without a tolerance, which no method solves exactly.
     """
@@ -46,27 +46,27 @@ def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
 
 
 def names() -> list[str]:
-    """The names of all methods."""
+    """Return the names of all methods."""
     return [method.name for method in METHODS]
 
 
 def numerical_names() -> list[str]:
-    """The names of the methods that solve the truncated series itself, the most accurate first."""
+    """Return the names of the methods that solve the truncated series itself, the most accurate first."""
     return [method.name for method in reversed(METHODS) if method.numerical]
 
 
 def infinite_names() -> list[str]:
-    """The names of the methods that apply to the infinite series."""
+    """Return the names of the methods that apply to the infinite series."""
     infinite = Profile(D=1.5, gamma=2, m=math.inf)
     return [method.name for method in METHODS if method.takes(infinite)]
 
 
 def returned_by(methods: Iterable[str]) -> set[str]:
-    """The names of all values returned by these methods."""
+    """Return the names of all values returned by these methods."""
     return {name for method in methods for name in find_method(method).returns}
 
 
 def find_method(name: str) -> Method:
-    """The method of this name; ValueError is raised if there is none."""
+    """Return the method of this name; ValueError is raised if there is none."""
     by_name = {method.name: method for method in METHODS}
     return by_name[checked_word("method", name, by_name)]

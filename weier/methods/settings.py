@@ -49,7 +49,7 @@ def check_names(method: Method, settings: Iterable[str]) -> None:
 
 
 def _hint(method: Method, setting: str) -> str:
-    """The methods that have a setting, or a setting that is spelt alike, as the end of a message."""
+    """Return the methods that have a setting, or a setting that is spelt alike, as the end of a message."""
     if found := methods_with(setting):
         return f"; {setting!r} is a setting of {', '.join(found)}"
     near = nearest(setting, all_names())
@@ -59,17 +59,17 @@ def _hint(method: Method, setting: str) -> str:
 
 
 def methods_with(setting: str) -> list[str]:
-    """The names of the methods that have a setting of this name."""
+    """Return the names of the methods that have a setting of this name."""
     return [f'"{method.name}"' for method in METHODS if setting in defaults(method)]
 
 
 def all_names() -> list[str]:
-    """The names of the settings of all methods."""
+    """Return the names of the settings of all methods."""
     return [name for method in METHODS for name in defaults(method)]
 
 
 def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings, if the method takes them: of the right kind and within range."""
+    """Return the settings, if the method takes them: of the right kind and within range."""
     check_names(method, settings)
     return {name: _checked(method, name, value) for name, value in settings.items()}
 
@@ -84,7 +84,7 @@ def _checked(method: Method, name: str, value: Any) -> Any:
 def with_tolerance(
     methods: Iterable[str], settings: Mapping[str, Mapping[str, Any]], tolerance: float | None
 ) -> dict[str, dict[str, Any]]:
-    """Settings by method, where each of these methods that takes a tolerance has this one, unless it has its own.
+    """Return settings by method, with this tolerance for methods that take one and have none of their own.
 
     ValueError is raised if none takes one.
     """
@@ -103,17 +103,17 @@ def with_tolerance(
 
 
 def all_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a method: those given, and the others at their defaults."""
+    """Return the settings of a method: those given, and the others at their defaults."""
     return defaults(method) | dict(settings)
 
 
 def defaults(method: Method) -> dict[str, Any]:
-    """Every setting of a method at its default."""
+    """Return every setting of a method at its default."""
     return {name: keyword.default for name, keyword in _keywords(method.solve).items()}
 
 
 def described(methods: Iterable[Method]) -> list[tuple[str, str]]:
-    """Every setting of some methods with its default, such as `layer.points=16`, and what it means."""
+    """Return every setting of some methods with its default, such as `layer.points=16`, and its meaning."""
     return [
         (f"{method.name}.{name}" + ("" if default is None else f"={default}"), method.settings.get(name, ""))
         for method in methods

@@ -16,13 +16,13 @@ from weier.surface.profile import Profile
 
 
 def compliance(xi: ArrayLike) -> Array:
-    """Compliance h = xi (1 - ln xi), in g; h = g beyond full contact, xi >= 1 (12)."""
+    """Return compliance h = xi (1 - ln xi), in g; h = g beyond full contact, xi >= 1 (12)."""
     xi = np.minimum(xi, 1.0)
     return np.asarray(xi * (1 - np.log(xi)))
 
 
 def resistance(xi: ArrayLike) -> Array:
-    """Specific contact resistance dh/dxi = -ln xi, in g/p*; 0 beyond full contact (13), (14).
+    """Return specific contact resistance dh/dxi = -ln xi, in g/p*; 0 beyond full contact (13), (14).
 
     Notes
     -----
@@ -32,12 +32,12 @@ def resistance(xi: ArrayLike) -> Array:
 
 
 def contact_half_width(xi: ArrayLike) -> Array:
-    """Half-width a = arcsin(sqrt(xi))/pi of the contact around each crest, in lambda; 1/2 in full contact (8)."""
+    """Return the contact half-width a = arcsin(sqrt(xi))/pi, in lambda; 1/2 in full contact (8)."""
     return np.asarray(np.arcsin(np.sqrt(np.minimum(xi, 1.0))) / np.pi)
 
 
 def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
-    """Pressure at x, in p*; 0 outside the contact (10).
+    """Return pressure at x, in p*; 0 outside the contact (10).
 
     Notes
     -----
@@ -49,7 +49,7 @@ def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
 
 
 def gap(x: ArrayLike, xi: ArrayLike) -> Array:
-    """Gap at x for mean pressures xi > 0, in g; 0 in the contact.
+    """Return gap at x for mean pressures xi > 0, in g; 0 in the contact.
 
     Notes
     -----
@@ -62,7 +62,7 @@ def gap(x: ArrayLike, xi: ArrayLike) -> Array:
 
 
 def _wave(x: ArrayLike) -> tuple[Array, Array]:
-    """|sin(pi x)| and |cos(pi x)|, of period 1."""
+    """Return |sin(pi x)| and |cos(pi x)|, of period 1."""
     x = np.asarray(x, float)
     angle = np.pi * np.abs(x - np.rint(x))
     return np.sin(angle), np.cos(angle)

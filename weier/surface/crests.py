@@ -39,12 +39,12 @@ MAX_DIRECT_TERMS = 32  # A Fourier transform takes less time than a direct sum o
 
 
 def countable(waves: int) -> bool:
-    """Whether all crests of a series with so many of the finest waves in a period are located before a solution."""
+    """Return whether all crests are located in advance, by the number of the finest waves in a period."""
     return waves * SAMPLES_PER_WAVE <= MAX_SAMPLES
 
 
 def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, points: int) -> Array:
-    """The series at equal steps over one period, shape (points,).
+    """Return the series at equal steps over one period, shape (points,).
 
     The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
     """
@@ -71,7 +71,7 @@ class Crests(NamedTuple):
 
 
 def find_crests(amplitude: Array, waves_per_period: Sequence[int], expansion: Expansions) -> Crests:
-    """All crests of a series that is expanded about all nodes, as by `expand`.
+    """Return all crests of a series that is expanded about all nodes, as by `expand`.
 
     The steps of Newton's method are counted from a node: the slope at a crest is 0 to rounding, however fine the
     waves.
@@ -90,14 +90,14 @@ def find_crests(amplitude: Array, waves_per_period: Sequence[int], expansion: Ex
 
 
 def _sampled_tops(z: Array) -> Indices:
-    """Indices of the samples of a period that are higher than both neighbours."""
+    """Return indices of the samples of a period that are higher than both neighbours."""
     return np.flatnonzero((z >= np.roll(z, 1)) & (z > np.roll(z, -1)))
 
 
 def _crests_nearby(
     expansion: Expansions, t: Array, width: float, slope_scale: float, finest: float
 ) -> tuple[Indices, Array]:
-    """The crests within this width of each sampled maximum: the row of the maximum, and the position of each crest.
+    """Return the crests within a width of each sampled maximum: row of the maximum and position of each crest.
 
     t, width : in steps, shape (tops,)
     slope_scale, finest : sum |a_n| kappa_n and the largest kappa_n, in radians a step
@@ -117,7 +117,7 @@ def _crests_nearby(
 
 
 def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
-    """Starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
+    """Return starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
 
     Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
     Then the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
@@ -141,7 +141,7 @@ def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> 
 def highest_crest(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float
 ) -> tuple[float, float]:
-    """Position and height of the highest point of a series: the highest of the sampled maxima that may be it.
+    """Return position and height of the highest point of a series: the highest of the sampled maxima that may be it.
 
     A crest is half a step from the nearest sample at most, and so higher by an eighth of the largest curvature, in
     steps, at most. ValueError is raised if the samples would be more than a computer holds.
@@ -165,7 +165,7 @@ def highest_crest(
 def crest_heights(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float, position: Array
 ) -> list[Any]:
-    """Heights of the crests near these positions in 40 digits, for the parameters of the series as floats.
+    """Return heights of the crests near these positions in 40 digits, for the parameters of the series as floats.
 
     Twin crests may differ by so little that the heights of both, as floats, do not show it. A position that is off
     by slope/curvature, to rounding of a float, is corrected by slope^2/(2 curvature).

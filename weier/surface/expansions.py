@@ -30,17 +30,17 @@ Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^
 
 
 def count_nodes(waves: int) -> int:
-    """The power of 2 that is large enough for so many of the finest waves in a period."""
+    """Return the power of 2 that is large enough for so many of the finest waves in a period."""
     return 1 << (NODES_PER_WAVE * waves - 1).bit_length()
 
 
 def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
-    """The angle 2 pi k x/L of a wave at nodes, reduced in integers, so that no digit is lost to fine waves."""
+    """Return the angle 2 pi k x/L of a wave at nodes, reduced in integers, so that no digit is lost to fine waves."""
     return np.asarray((waves * node % nodes) * (2 * np.pi / nodes))
 
 
 def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> Expansions:
-    """The series about all nodes, as many as `count_nodes`.
+    """Return the series about all nodes, as many as `count_nodes`.
 
     By `irfft`, a wave of k_n in N nodes has the spectrum N/2 a_n exp(i phi_n) at k_n.
     """
@@ -54,13 +54,13 @@ def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> E
 def expand_at(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, node: Indices, nodes: int
 ) -> Expansions:
-    """The series about some of so many nodes, by direct sums."""
+    """Return the series about some of so many nodes, by direct sums."""
     angle = np.stack([phase_angle(k, node, nodes) for k in waves_per_period], axis=-1)
     return np.asarray((np.exp(1j * (angle + phase)) @ _of_waves(amplitude, waves_per_period, nodes)).real)
 
 
 def _of_waves(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
-    """The coefficients a (i kappa)^j/j! of each wave, shape (terms, ORDER + 1)."""
+    """Return the coefficients a (i kappa)^j/j! of each wave, shape (terms, ORDER + 1)."""
     factor = np.empty((len(waves_per_period), ORDER + 1), complex)
     factor[:, 0] = amplitude
     factor[:, 1:] = (2j * np.pi / nodes) * np.array(waves_per_period, float)[:, None] / DEGREE[1:]
@@ -68,12 +68,12 @@ def _of_waves(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> 
 
 
 def values(expansion: Expansions, t: Array) -> Array:
-    """The polynomial of each row at t, shape (rows,)."""
+    """Return the polynomial of each row at t, shape (rows,)."""
     return np.asarray(np.einsum("ij,ij->i", expansion, np.vander(t, ORDER + 1, increasing=True)))
 
 
 def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The first and second derivative of each row in t, at t of shape (..., rows)."""
+    """Return the first and second derivative of each row in t, at t of shape (..., rows)."""
     power = np.vander(t.ravel(), ORDER, increasing=True).reshape(*t.shape, ORDER)
     first = DEGREE[1:] * expansion[:, 1:]
     second = DEGREE[1:-1] * first[:, 1:]
@@ -82,7 +82,7 @@ def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[
 
 
 def move(expansion: Expansions, t: Array) -> Expansions:
-    """The same polynomials about the points t: the coefficient of order i is sum_j (j over i) c_j t^(j-i)."""
+    """Return the same polynomials about the points t: the coefficient of order i is sum_j (j over i) c_j t^(j-i)."""
     moved, power = np.empty_like(expansion), np.vander(t, ORDER + 1, increasing=True)
     for i in range(ORDER + 1):
         moved[:, i] = np.einsum("j,ij,ij->i", BINOMIAL[i, i:], expansion[:, i:], power[:, : ORDER + 1 - i])

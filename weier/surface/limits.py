@@ -16,7 +16,7 @@ MAX_DENSE_POINTS = 10_000  # A dense matrix of so many nodes takes 0.8 GB, and i
 
 
 def resolvable(profile: Waves) -> bool:
-    """Whether the waves of one period can be sampled."""
+    """Return whether the waves of one period can be sampled."""
     return profile.finest <= MAX_WAVES
 
 
@@ -37,7 +37,7 @@ def check_points(points: float, dense: bool = False) -> None:
 
 
 def _nearby_ratio(profile: Waves) -> str:
-    """Advice to take a rational gamma close to the given one, if its period is short enough."""
+    """Return advice to take a rational gamma close to the given one, if its period is short enough."""
     if not isinstance(profile, Profile):  # A trace has no gamma, and its waves are counted when it is made.
         return ""
     most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # of the numerator

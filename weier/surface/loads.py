@@ -19,7 +19,7 @@ FAR_BEYOND = 100.0  # Loads that all exceed full contact by this factor are prob
 
 
 def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
-    """The distinct loads in increasing order, and the position of each given load among them.
+    """Return the distinct loads in increasing order, and the position of each given load among them.
 
     ValueError is raised unless the loads, in any order, are positive and finite.
     """
@@ -28,7 +28,7 @@ def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
 
 
 def positive_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they are positive and finite, in the order given."""
+    """Return the loads as an array, if they are positive and finite, in the order given."""
     loads = np.atleast_1d(checked_numbers("mean_pressure", mean_pressure, unit=units.NORMALISED_PRESSURE))
     if loads.ndim != 1 or loads.size == 0:
         raise ValueError(f"mean_pressure must be a list of loads, got an array of shape {loads.shape}")
@@ -38,7 +38,7 @@ def positive_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def checked_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array, if they are positive, finite and increasing."""
+    """Return the loads as an array, if they are positive, finite and increasing."""
     loads = positive_loads(mean_pressure)
     step = np.diff(loads)
     if (step <= 0).any():
@@ -51,13 +51,13 @@ def checked_loads(mean_pressure: ArrayLike) -> Array:
 
 
 def checked_load(mean_pressure: float, name: str = "mean_pressure") -> float:
-    """One load; ValueError unless it is positive and finite."""
+    """Return one load; ValueError unless it is positive and finite."""
     condition = "be one load, positive and finite"
     return checked_number(name, mean_pressure, condition, lambda load: 0 < load < np.inf, units.NORMALISED_PRESSURE)
 
 
 def unit_doubt(profile: Waves, loads: Array) -> str:
-    """A warning that the loads may not be in p_0*, if all of them lie far beyond full contact; empty if not."""
+    """Return a warning if all loads are far above full contact and may not be in p_0*; otherwise empty."""
     if math.isinf(profile.m):
         return ""
     with np.errstate(over="ignore"):  # of a series of very many terms

@@ -42,12 +42,12 @@ class RandomPhases:
     seed: int
 
     def first(self, m: int) -> Array:
-        """The first m phases, shape (m,), in radians."""
+        """Return the first m phases, shape (m,), in radians."""
         return np.random.default_rng(self.seed).uniform(0, 2 * np.pi, m)
 
 
 def random_phases(seed: int) -> RandomPhases:
-    """Phases drawn from `seed`; a longer series extends a shorter one of the same seed.
+    """Return phases drawn from `seed`; a longer series extends a shorter one of the same seed.
 
     Raises
     ------
@@ -168,7 +168,7 @@ class Profile(Waves):
         return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))
 
     def truncated(self, terms: int) -> Profile:
-        """The first `terms` of the series, as a profile."""
+        """Return the first `terms` of the series, as a profile."""
         terms = checked_count("terms", terms, 1, self.m)
         phases = self.phases[:terms] if isinstance(self.phases, tuple) else self.phases
         shorter = object.__new__(Profile)  # without __init__, whose checks and warnings have run for the whole series
@@ -225,12 +225,12 @@ class Profile(Waves):
         return own | {"seed": seed, "phases": json.dumps(phases)}
 
     def describe(self) -> str:
-        """The parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
+        """Return the parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
         gamma = self.gamma if self.gamma.denominator <= MAX_DENOMINATOR else float(self.gamma)
         return f"D = {self.D:g}, gamma = {gamma}, m = {self.m}"
 
     def describe_with_phases(self) -> str:
-        """The parameters with the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
+        """Return the parameters with the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
         if isinstance(self.phases, RandomPhases):
             return f"{self.describe()}, seed {self.phases.seed}"
         if isinstance(self.phases, float):
@@ -239,7 +239,7 @@ class Profile(Waves):
         return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MAX_PHASES_DESCRIBED else ''}"
 
     def _repr_html_(self) -> str:
-        """A table of the terms, for notebooks."""
+        """Return a table of the terms, for notebooks."""
         total = f"sum of the amplitudes: {self.total_amplitude:.6g} g_0"
         if math.isinf(self.m):
             return html_table(self.describe_with_phases(), ["term"], [["every n = 0, 1, 2, ..."]], total)
@@ -251,7 +251,7 @@ class Profile(Waves):
 
 
 def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: float) -> Phases:
-    """The phases; ValueError unless they are finite, and one for all terms or one for each of m."""
+    """Return the phases; ValueError unless they are finite, and one for all terms or one for each of m."""
     if isinstance(phases, RandomPhases):
         return phases
     values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite, units.RADIAN)
@@ -274,7 +274,7 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
 
 
 def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
-    """The ratio of successive wavelengths as a fraction; ValueError if it is none: see `Profile`."""
+    """Return the ratio of successive wavelengths as a fraction; ValueError if it is none: see `Profile`."""
     ratio = _ratio(gamma)
     if ratio is None:
         raise ValueError(f'gamma must be a finite number or a fraction such as "5/2", got {shown(gamma)}')
@@ -284,7 +284,7 @@ def checked_ratio(gamma: int | float | str | Fraction) -> Fraction:
 
 
 def _ratio(gamma: Any) -> Fraction | None:
-    """The exact ratio; for a float, the ratio of small numbers that rounds to the same float, if there is one."""
+    """Return the exact ratio; for a float, a fraction of small integers that rounds to it, if there is one."""
     if isinstance(gamma, np.floating):
         gamma = float(gamma)  # a Fraction takes no other floats of NumPy than float64
     if isinstance(gamma, bool | np.bool_ | np.timedelta64) or not isinstance(gamma, str | Rational | float | Decimal):
@@ -303,7 +303,7 @@ def _ratio(gamma: Any) -> Fraction | None:
 
 
 def terms_within(profile: Profile, waves: float) -> int:
-    """The number of terms, at least one, whose finest wave fits at most `waves` times into the period."""
+    """Return the number of terms, at least one, whose finest wave fits at most `waves` times into the period."""
     terms = 1
     while terms < profile.m and profile.gamma.numerator**terms <= waves:
         terms += 1

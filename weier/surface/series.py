@@ -19,12 +19,12 @@ MAX_TERMS = 10**6  # A finite series has at most so many terms, since its amplit
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Amplitude g_n = gamma^((D-2) n) of term n, in g_0 (20). Broadcasts."""
+    """Return amplitude g_n = gamma^((D-2) n) of term n, in g_0 (20). Broadcasts."""
     return _power(gamma, np.asarray(D, float) - 2, n)
 
 
 def full_contact_pressure(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
-    """Mean pressure p_n* = gamma^((D-1) n) that flattens term n alone, in p_0* (16). Broadcasts."""
+    """Return mean pressure p_n* = gamma^((D-1) n) that flattens term n alone, in p_0* (16). Broadcasts."""
     return _power(gamma, np.asarray(D, float) - 1, n)
 
 
@@ -41,12 +41,12 @@ def tail_amplitude(m: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
 
 
 def checked_dimension(D: float) -> float:
-    """D as a float; ValueError unless it is a fractal dimension of a profile."""
+    """Return D as a float; ValueError unless it is a fractal dimension of a profile."""
     return checked_number("D", D, "lie in (1, 2)", lambda D: 1 < D < 2)
 
 
 def checked_terms(m: float | str) -> float:
-    """The number of terms m; ValueError unless it is a positive integer or inf, also as a word."""
+    """Return the number of terms m; ValueError unless it is a positive integer or inf, also as a word."""
     condition = f"be a whole number of terms, from 1 to {MAX_TERMS}, or inf"
     if isinstance(m, str) and m.strip().casefold() in INFINITE:
         return math.inf
@@ -55,7 +55,7 @@ def checked_terms(m: float | str) -> float:
 
 
 def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:
-    """gamma^(exponent n) to the last digits."""
+    """Return gamma^(exponent n) to the last digits."""
     # A rounded product exponent * n would cost the power up to 700 units in the last place. The leading
     # 29 bits of the exponent times n < 2^24 are exact, and what they leave is too small to magnify anything.
     n, gamma, leading = np.asarray(n, float), np.asarray(gamma, float), np.trunc(exponent * 2.0**29) / 2.0**29

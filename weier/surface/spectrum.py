@@ -73,7 +73,7 @@ class Fit:
     source: str = ""
 
     def _repr_html_(self) -> str:
-        """A table with the standard errors, for notebooks."""
+        """Return a table with the standard errors, for notebooks."""
         rows = [
             ["fractal dimension D", f"{self.D:.6g}", f"{self.D_error:.1g}"],
             ["ratio of wavelengths gamma", str(self.gamma), "as given"],
@@ -84,7 +84,7 @@ class Fit:
         return html_table("Weierstrass series with the spectrum of a trace", ["", "value", "standard error"], rows)
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
-        """The series with these phases, which a spectrum does not determine; `m` gives it another number of terms."""
+        """Return the series with these phases, which a spectrum does not determine; `m` overrides its length."""
         return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
 
 
@@ -102,7 +102,7 @@ class Fits(tuple[Fit, ...]):
         return np.array([found.g_0 for found in self])
 
     def _repr_html_(self) -> str:
-        """A table of the fits, with the mean and the standard deviation between traces, for notebooks."""
+        """Return a table of the fits, with the mean and the standard deviation between traces, for notebooks."""
         rows = [
             [found.source, f"{found.D:.6g}", f"{found.D_error:.1g}", f"{found.g_0:.6g}", f"{found.g_0_error:.1g}"]
             for found in self
@@ -122,7 +122,7 @@ def fit(
     shortest: float | None = None,
     gamma: int | float | str | Fraction = 2,
 ) -> Any:
-    """The Weierstrass series with the spectrum of a trace between two wavelengths.
+    """Return the Weierstrass series with the spectrum of a trace between two wavelengths.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def fit(
 
 
 def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
-    """The fit of one of several traces, which is named if it is refused."""
+    """Return the fit of one of several traces, which is named if it is refused."""
     try:
         return fit(trace, *arguments)
     except ValueError as error:
@@ -219,7 +219,7 @@ def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
 
 
 def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
-    """The longest wavelength that is compared, in m, and the waves down to the shortest one."""
+    """Return the longest wavelength that is compared, in m, and the waves down to the shortest one."""
     finest = trace.lambda_0 * trace.period / trace.finest
     least = min(finest, trace.shortest)  # The second was given by the user, and is within one wave of the first.
     last = checked_number(
@@ -242,7 +242,7 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
 
 
 def _has_power(k: Indices, power: Array) -> Flags:
-    """Whether each wave has the power that its neighbours suggest, and was not removed by a filter or a stylus tip.
+    """Return whether each wave has the power suggested by its neighbours: not removed by a filter or stylus tip.
 
     The mean power of an octave around a wave may fall as k^-3 from that of longer waves, and be as low as that of
     shorter ones, but not a hundredth of these.
@@ -297,7 +297,7 @@ def _warn_of_artefacts(trace: Trace, k: Indices, D: float, error: float) -> None
 
 
 def _weights(k: Indices) -> tuple[Array, Array]:
-    """The weights of waves, which sum to 1 and are alike in equal ratios of k, and ln k from its weighted mean."""
+    """Return weights of sum 1, uniform over ln k, and ln k minus its weighted mean."""
     weight = np.log((k + 0.5) / (k - 0.5))
     weight = weight / weight.sum()
     x = np.log(k)
@@ -305,7 +305,7 @@ def _weights(k: Indices) -> tuple[Array, Array]:
 
 
 def _exponent(k: Indices, power: Array) -> float:
-    """The exponent beta of a spectrum k^-beta."""
+    """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
     log_power = np.log(np.maximum(weight * power / power.max(), 1e-300))
     softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
@@ -313,7 +313,7 @@ def _exponent(k: Indices, power: Array) -> float:
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:
-    """The derivatives of D by each ln P_k on a spectrum k^-beta, and the bias of D to second order.
+    """Return the derivatives of D by each ln P_k on a spectrum k^-beta, and the bias of D to second order.
 
     With P_k k^beta = 1 + e_k and the weights w of sum 1, the change b of beta solves sum w (1 + e) exp(b x) x = 0: to
     second order, b = -A/S_2 + A B/S_2^2 - A^2 S_3/(2 S_2^3), A = sum w e x, B = sum w e x^2, S_j = sum w x^j.

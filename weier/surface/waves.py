@@ -62,7 +62,7 @@ class Waves(ABC):
         """The surface in a few words."""
 
     def __repr__(self) -> str:
-        """The surface in a few words."""
+        """Return the surface in a few words."""
         return f"<{self.describe()}>"
 
     @property
@@ -91,19 +91,19 @@ class Waves(ABC):
         return self.phase[: self.listed_terms] if self.listed_terms else np.full(1, np.nan)
 
     def height(self, x: ArrayLike) -> Array:
-        """Height z(x), in g_0, for x in lambda_0 of any shape (1)."""
+        """Return height z(x), in g_0, for x in lambda_0 of any shape (1)."""
         return self._sum(x, self.amplitude, np.cos)
 
     def slope(self, x: ArrayLike) -> Array:
-        """Slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
+        """Return slope z'(x), in g_0/lambda_0, for x in lambda_0 of any shape."""
         return self._sum(x, -self.amplitude * self._wavenumber, np.sin)
 
     def curvature(self, x: ArrayLike) -> Array:
-        """Second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
+        """Return second derivative z''(x), in g_0/lambda_0^2, for x in lambda_0 of any shape."""
         return self._sum(x, -self.amplitude * self._wavenumber**2, np.cos)
 
     def sampled_height(self, points: int, terms: int | None = None) -> Array:
-        """Heights of the first `terms`, or all, at `points` equal steps over one period, shape (points,), in g_0."""
+        """Return heights of the first `terms`, or all, at `points` equidistant nodes of a period, in g_0."""
         terms = self.terms if terms is None else checked_count("terms", terms, 1, self.terms)
         points = checked_count("points", points, 1, MAX_POINTS)
         return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
@@ -142,7 +142,7 @@ class Waves(ABC):
 
 
 def checked_surface(profile: Waves, name: str = "profile") -> Waves:
-    """The surface, if it is one; `name` is that of the argument."""
+    """Return the surface, if it is one; `name` is that of the argument."""
     if not isinstance(profile, Waves):
         raise ValueError(f"{name} must be a weier.Profile or a weier.Trace, got {shown(profile)}")
     return profile

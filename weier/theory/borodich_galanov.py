@@ -14,7 +14,7 @@ from weier.kernels.arrays import Array
 
 
 def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
-    """C_1 and C_2 of the bounds C_1 zeta^(3/2) > F > C_2 zeta^(3/2), in N/m^(3/2) (B.3), (B.4).
+    """Return C_1 and C_2 of the bounds C_1 zeta^(3/2) > F > C_2 zeta^(3/2), in N/m^(3/2) (B.3), (B.4).
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike
 
 
 def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
-    """Positive roots x_1 <= x_2 of 2 lambda x^3 - 3 x^2 + 1 = 0, lambda = C_2/C_1 (B.8), (B.9).
+    """Return positive roots x_1 <= x_2 of 2 lambda x^3 - 3 x^2 + 1 = 0, lambda = C_2/C_1 (B.8), (B.9).
 
     Raises
     ------
@@ -54,7 +54,7 @@ def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
 
 
 def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
-    """Lower and upper bound on k/k_H, the stiffness over that of the smooth punch at the same force (B.16).
+    """Return lower and upper bound on k/k_H, the stiffness over that of the smooth punch at the same force (B.16).
 
     They bound the contact conductance alike, by (2).
 
@@ -70,7 +70,7 @@ def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
 
 
 def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
-    """Points (epsilon, k/k_H) of Fig. 9 for the root x > 1/sqrt(3): the lower bound where x > 1 (B.16), (B.19).
+    """Return points (epsilon, k/k_H) of Fig. 9 for roots x > 1/sqrt(3); x > 1 is the lower bound (B.16), (B.19).
 
     Notes
     -----

@@ -21,7 +21,7 @@ from weier.surface.waves import Waves
 
 
 def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
-    """Bounds h - G and h + G on the compliance of the complete series (27).
+    """Return bounds h - G and h + G on the compliance of the complete series (27).
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Arra
 def complete_bounds(
     compliance: ArrayLike, amplitude: ArrayLike, full_contact: ArrayLike, error: ArrayLike = 0.0
 ) -> tuple[Array, Array]:
-    """Bounds h and h + 2 G on the compliance of the complete series in its own datum (27), where all g_n count.
+    """Return bounds h and h + 2 G on the compliance of the complete series, counted from its own sum g_n (27).
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def resistance_bounds(
     first_contact: ArrayLike | None = None,
     error: ArrayLike = 0.0,
 ) -> tuple[Array, Array]:
-    """Bounds on dh/dp of the complete series: the shallowest and steepest line that its concave curve allows.
+    """Return bounds on dh/dp of the complete series: the shallowest and steepest line that its concave curve allows.
 
     The line through the complete curve at p stays above that curve, hence above the lower bound on it, and starts
     no higher than the upper bound: R <= [h(p) - h(p') + 2 G]/(p - p') for every p' < p, and
@@ -135,7 +135,7 @@ def resistance_bounds(
 def chord_bounds(
     mean_pressure: ArrayLike, compliance: ArrayLike, error: ArrayLike, other: ArrayLike, others: ArrayLike
 ) -> tuple[Array, Array]:
-    """Bounds on dh/dp of a concave curve at loads that each have their own neighbouring loads.
+    """Return bounds on dh/dp of a concave curve at loads that each have their own neighbouring loads.
 
     As `resistance_bounds`, but the bound at one load does not depend on the neighbours of another, and each
     compliance has its own error. The curve begins at h >= 0: no crest is higher than the sum of all amplitudes.
@@ -166,7 +166,7 @@ def chord_bounds(
 
 
 def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
-    """The steepest line to heavier loads and the shallowest to lighter ones; 0 and inf where there is none."""
+    """Return the steepest line to heavier loads and the shallowest to lighter ones; 0 and inf where there is none."""
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
         to_heavier = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
         to_lighter = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)
@@ -174,7 +174,7 @@ def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
 
 
 def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, error: ArrayLike) -> dict[str, Array]:
-    """Bounds on both curves of the infinite series, by the names of their variables.
+    """Return bounds on both curves of the infinite series, by the names of their variables.
 
     They follow from the compliance of the terms of a profile, in g_0, and the bound on its error at each load, in
     g_0. `weier.methods.hybrid.truncation_bounds.bounds` explains which part of them is proved and which is measured.
@@ -191,5 +191,5 @@ def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, er
 
 
 def first_contact(profile: Waves) -> float:
-    """Compliance of a surface of finitely many waves at first contact, sum g_n - max z, in g_0."""
+    """Return compliance of a surface of finitely many waves at first contact, sum g_n - max z, in g_0."""
     return profile.total_amplitude - profile.crest[1]

@@ -36,7 +36,7 @@ def composite_modulus(
     E_1: ArrayLike | None = None,
     E_2: ArrayLike | None = None,
 ) -> Array:
-    """Composite modulus M of two bodies, 1/M = (1 - nu_1)/mu_1 + (1 - nu_2)/mu_2 (3).
+    """Return composite modulus M of two bodies, 1/M = (1 - nu_1)/mu_1 + (1 - nu_2)/mu_2 (3).
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def composite_modulus(
 
 
 def _shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: ArrayLike) -> Array:
-    """The shear modulus of body 1 or 2, which is given itself or by Young's modulus."""
+    """Return the shear modulus of body 1 or 2, which is given itself or by Young's modulus."""
     if mu is not None and E is None:
         return _checked(f"mu_{body}", mu)
     if E is not None and mu is None:
@@ -76,7 +76,7 @@ def _shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: Arr
 
 @beyond_floats
 def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Resistance times nominal area, R A = M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
+    """Return resistance times nominal area, R A = M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
@@ -86,7 +86,7 @@ def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: 
 
 @beyond_floats
 def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Resistance of circular contacts far apart, in ohm (4).
+    """Return resistance of circular contacts far apart, in ohm (4).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
 
 @beyond_floats
 def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Resistance of circular contacts clustered in a circle of radius `contour_radius`, in ohm (5).
+    """Return resistance of circular contacts clustered in a circle of radius `contour_radius`, in ohm (5).
 
     `radii` has shape (..., contacts) and is in m; the other arguments have shape (...). As for `holm`, half of
     what (5) prints.
@@ -211,7 +211,7 @@ class Bodies:
             )
 
     def _repr_html_(self) -> str:
-        """A table of both bodies, for notebooks."""
+        """Return a table of both bodies, for notebooks."""
         rows = [
             [str(body), *(f"{vars(self)[f'{name}_{body}']:.6g}" for name in ("mu", "nu", "rho"))] for body in (1, 2)
         ]
@@ -258,23 +258,23 @@ class Bodies:
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Any:
-        """Pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
+        """Return pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
         return self._of_unit("p_0*", normalised)
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
-        """Pressures in p_0*, which `weier.solve` takes, from pressures in Pa, of any shape."""
+        """Return pressures in p_0*, which `weier.solve` takes, from pressures in Pa, of any shape."""
         return np.asarray(checked_numbers("pressure", pressure, unit=units.PASCAL) / self.full_contact_pressure)
 
     def compliance(self, normalised: ArrayLike) -> Any:
-        """Compliances, heights and gaps in m, from those in g_0, likewise."""
+        """Return compliances, heights and gaps in m, from those in g_0, likewise."""
         return self._of_unit("g_0", normalised)
 
     def resistance(self, normalised: ArrayLike) -> Any:
-        """Specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
+        """Return specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
     def in_si(self, data: Any, unit: str | None = None) -> Any:
-        """All of a Dataset or DataArray in SI units, coordinates too.
+        """Return all of a Dataset or DataArray in SI units, coordinates too.
 
         Parameters
         ----------
@@ -335,7 +335,7 @@ class Bodies:
         return found
 
     def _scale_of(self, data: Any) -> tuple[Array, Array]:
-        """lambda_0 and g_0 of the curves, a number or one for each case: of their traces, else of this interface."""
+        """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
         own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
         if not np.isfinite(own).all():
             own = [
@@ -360,7 +360,7 @@ class Bodies:
     def _scales(
         self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None
     ) -> dict[str, tuple[Array, str]]:
-        """The value of each normalised unit in SI units, at the scale given or at that of these bodies."""
+        """Return the value of each normalised unit in SI units, at the scale given or at that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
         p = 2 * math.pi * self.composite_modulus * height / length
@@ -374,7 +374,7 @@ class Bodies:
         }
 
     def _of_unit(self, unit: str, normalised: Any) -> Any:
-        """Values of one unit; those that say they are of another one are refused."""
+        """Return values of one unit; those that say they are of another one are refused."""
         if not hasattr(normalised, "to_dataset"):
             return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
         if (own := units.unit_of(normalised) or unit) != unit:
@@ -383,7 +383,7 @@ class Bodies:
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
-    """Values of a quantity in its normalised unit, from values in the SI unit; those of any other unit are plain.
+    """Convert values of a quantity from SI to normalised units.
 
     Raises
     ------
@@ -397,7 +397,7 @@ def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Ar
 
 
 def _with_unit(data: Any, unit: str) -> Any:
-    """A DataArray with a unit, if it has none."""
+    """Return a DataArray with a unit, if it has none."""
     checked_word("unit", unit, (*units.NORMALISED, units.NONE))
     if (own := units.unit_of(data)) not in ("", unit):
         raise ValueError(f"unit must be that of the data, {own}, got {unit}: leave it out")
@@ -422,17 +422,17 @@ def _check_normalised(data: Any) -> None:
 
 
 def _over_loads(data: Any) -> Any:
-    """The same over the dimension LOAD in place of mean_pressure, which then is a coordinate without an index."""
+    """Replace the dimension mean_pressure by LOAD, so that mean_pressure becomes a coordinate without index."""
     return data.reset_index(LOADS).rename_dims({LOADS: LOAD})
 
 
 def _varies(scale: Iterable[Array]) -> bool:
-    """Whether cases differ in scale."""
+    """Return whether cases differ in scale."""
     return any(np.ptp(values) > 0 for values in scale)
 
 
 def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
-    """Dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
+    """Return dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
     attributes = dict(variable.attrs)
     unit = attributes.pop("unit", None)
     if unit not in known:
@@ -453,7 +453,7 @@ def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[A
 
 @np.errstate(over="ignore", invalid="ignore")
 def _scaled(values: Array, unit: Array) -> Array:
-    """Values in a unit; NaN, where a value is missing, stays NaN.
+    """Return values in a unit; NaN, where a value is missing, stays NaN.
 
     An infinite resistance is that of no contact, and stays infinite for perfect conductors, too, whose unit is 0.
     """

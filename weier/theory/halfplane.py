@@ -33,7 +33,7 @@ LN_2 = float(np.log(2.0))
 
 @lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again
 def eigenvalues(points: int, period: float = 1.0) -> Array:
-    """Displacement per pressure for each wave that `points` nodes can carry.
+    """Return displacement per pressure for each wave that `points` nodes can carry.
 
     Parameters
     ----------
@@ -62,19 +62,19 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
 
 
 def influence_coefficients(points: int, period: float = 1.0) -> Array:
-    """Displacement at node j when the pressure is 1 at node 0, shape (points,), in g_0/p_0*."""
+    """Return displacement at node j when the pressure is 1 at node 0, shape (points,), in g_0/p_0*."""
     return np.fft.irfft(eigenvalues(points, period), points)
 
 
 @kernel
 def displacement_at_distance(x: float, period: float) -> float:
-    """Displacement at the distance x from a unit force on a line, and its images: -2 ln|2 sin(pi x/L)|, of mean 0."""
+    """Return the displacement at x of a unit line force and its images, -2 ln|2 sin(pi x/L)|, of mean 0."""
     return -2 * np.log(abs(2 * np.sin(np.pi / period * x)))
 
 
 @kernel
 def displacement_of_punch(half_width: Number, period: float) -> Number:
-    """Displacement under a flat punch of unit force, far narrower than the period: -2 ln(pi r/L)."""
+    """Return displacement under a flat punch of unit force, far narrower than the period: -2 ln(pi r/L)."""
     return -2 * np.log(np.pi / period * half_width)
 
 

@@ -53,7 +53,7 @@ SMALL_LEGEND |= {"padding": 5, "margin": 5, "background_fill_alpha": 0.6}
 
 
 def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
-    """Two plots of one case, with lists and boxes for its choice; a script fills them when the page opens.
+    """Return two plots of one case with controls for its choice; a script fills them when the page opens.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
 
 
 def _ensembles(labels: Mapping[str, Sequence[str]]) -> list[list[int]]:
-    """The cases of each ensemble: series that differ in their phases alone."""
+    """Return the cases of each ensemble: series that differ in their phases alone."""
     groups: dict[tuple[str, ...], list[int]] = {}
     for case, key in enumerate(zip(*(labels[name] for name in ENSEMBLE), strict=True)):
         groups.setdefault(key, []).append(case)
@@ -124,7 +124,7 @@ def _ensembles(labels: Mapping[str, Sequence[str]]) -> list[list[int]]:
 
 
 def _with_medians(name: str, values: Array, ensembles: Sequence[Sequence[int]]) -> Array:
-    """The values of all cases, and then of ensembles: medians, and of errors the largest, which bounds theirs."""
+    """Return the values of all cases, then of ensembles: medians, and for errors their maximum, an upper bound."""
     summary = np.max if name.endswith("_error") else np.median
     return np.concatenate([values, *(summary(values[members], axis=0)[None] for members in ensembles)])
 
@@ -140,7 +140,7 @@ def _select(name: str) -> Select:
 
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
-    """A label of each case as text."""
+    """Return a label of each case as text."""
     if name == "case":
         return [text or name for text in case_names(data, but=(*LABELS, "phases", "seed", "trace_digest"))]
     if name == "trace" and name in data.variables:
@@ -156,7 +156,7 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
 
 
 def _texts(data: xr.Dataset, name: str) -> list[str]:
-    """The values of a coordinate as texts; empty if the data do not have it."""
+    """Return the values of a coordinate as texts; empty if the data do not have it."""
     return [label_text(value) for value in data[name].values] if name in data.variables else [""] * data.sizes["case"]
 
 
@@ -205,7 +205,7 @@ def _draw_line(plot: Any, method: str, quantity: str, source: ColumnDataSource) 
 
 
 def _draw_points(plot: Any, method: str, quantity: str, source: ColumnDataSource) -> None:
-    """Points at some of the loads, evenly spread, so that they do not hide what lies below them."""
+    """Draw points at some of the loads, evenly spread, so that they do not hide the lines below."""
     count = len(source.data["mean_pressure"])
     view = CDSView(filter=IndexFilter(indices=list(range(0, count, -(-count // MAX_POINTS)))))
     look = style.line(method)

@@ -89,7 +89,7 @@ class GridState(NamedTuple):
 
 
 def make_grid_state(points: int) -> GridState:
-    """Working arrays for grids of up to `points` nodes."""
+    """Return working arrays for grids of up to `points` nodes."""
     return GridState(
         pressure=np.zeros(points),
         deformed=np.zeros(points),
@@ -105,7 +105,7 @@ def make_grid_state(points: int) -> GridState:
 
 @kernel
 def leading_part(state: GridState, points: int) -> GridState:
-    """The state on a grid of `points` nodes, in the leading part of each array."""
+    """Return the state on a grid of `points` nodes, in the leading part of each array."""
     return GridState(
         state.pressure[:points],
         state.deformed[:points],
@@ -130,7 +130,7 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
 
 @kernel
 def dot(a: Array, b: Array) -> float:
-    """The sum of the products of two arrays."""
+    """Return the sum of the products of two arrays."""
     # BLAS would run np.dot on several threads, which wait for each other on a busy machine, ten times as long.
     total = 0.0
     for i in range(a.size):
@@ -140,7 +140,7 @@ def dot(a: Array, b: Array) -> float:
 
 @kernel
 def mean_in_contact(values: Array, contact: Flags) -> float:
-    """The mean of the values at the nodes in contact."""
+    """Return the mean of the values at the nodes in contact."""
     total = 0.0
     nodes = 0
     for i in range(values.size):
@@ -160,7 +160,7 @@ def deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
 
 @kernel
 def _refresh(load: float, grid: Grid, state: GridState) -> None:
-    """Free the pressure of tension, let it carry the load, and apply the operator afresh."""
+    """Clip tension, rescale the pressure to the load, and apply the operator afresh."""
     total, points = 0.0, state.pressure.size
     for i in range(points):
         state.pressure[i] = max(state.pressure[i], 0.0)
@@ -172,7 +172,7 @@ def _refresh(load: float, grid: Grid, state: GridState) -> None:
 
 @kernel
 def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
-    """Largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0.
+    """Return largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0.
 
     A tension counts as the displacement that it makes at its own node.
     """
@@ -205,7 +205,7 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 
 @kernel
 def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
-    """One step of preconditioned conjugate gradients on the contact, keeping the load: two pairs of FFTs.
+    """Take one step of preconditioned conjugate gradients at constant load on the active set: two pairs of FFTs.
 
     The energy is r.M^-1 r of the residual r before the step, M the preconditioner. The load is kept by subtracting
     the mean in contact from M^-1 r. The product serves M^-1 r first, and A times the direction after it.
@@ -273,7 +273,7 @@ def solve_load(load: float, grid: Grid, state: GridState) -> bool:
 
 @kernel
 def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
-    """Pressure of flat punches on all contacts, q = N/sqrt(distances to both edges in nodes); 0 outside.
+    """Set q to the pressure of flat punches on all contacts, N/sqrt(distances to both edges in nodes).
 
     The edges are `EDGE_OFFSET` beyond the last nodes, as in the continuum. The sum is scaled by the caller.
     """
@@ -320,7 +320,7 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
 
 @kernel
 def _contact_from_pressure(state: GridState) -> None:
-    """Contact where the pressure is positive."""
+    """Set the active set to the nodes with positive pressure."""
     for i in range(state.pressure.size):
         state.contact[i] = state.pressure[i] > 0
 
@@ -363,14 +363,14 @@ class NestedSolver:
         self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
 
     def solve(self, load: float) -> float:
-        """The plane under a load."""
+        """Return the plane under a load."""
         self.state.search["work"] = 0
         while not cascade(load, self.hierarchy, self.state):
             pass
         return float(self.state.search["plane"][0])
 
     def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
-        """The resistance on the contact that `solve` has left, or inf."""
+        """Return the resistance on the contact that `solve` has left, or inf."""
         while not solve_tangent(flatness, self.grid, self.state):
             pass
         return float(self.state.search["resistance"][0])
@@ -386,7 +386,7 @@ class NestedSolver:
         return float(self.state.search["work"][0] / self.grid.height.size)
 
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
-        """The solution under a load, `with_tangent` also its derivative, at about the cost of another load."""
+        """Return the solution under a load, `with_tangent` also its derivative, at about the cost of another load."""
         plane, state = self.solve(load), self.state
         pressure, gap = state.pressure.copy(), plane - state.deformed
         R = np.nan

@@ -53,7 +53,7 @@ class DenseSolver:
 
     @one_thread
     def solve_discrete(self, load: float, with_tangent: bool) -> NodalSolution:
-        """The solution under a load, with its derivative, which costs nothing; work counts dense solutions."""
+        """Return the solution under a load, with its derivative, which costs nothing; work counts dense solutions."""
         solved = solve_load(self._matrix, self._height, self._contact, load, self._max_residual)
         self._contact, pressure = solved.contact, solved.pressure
         gap = solved.plane - self._height + self._matrix @ pressure
@@ -89,7 +89,7 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array, Array]:
-    """Plane, resistance, pressure and tangent pressure if all nodes in contact stay there, in tension too."""
+    """Return plane, resistance, pressure and tangent pressure if all nodes in contact stay there, in tension too."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))

@@ -18,7 +18,7 @@ REACH = 2
 
 @kernel
 def find_edges(contact: Flags, space: Indices) -> Indices:
-    """Nodes where contact begins or ends, between two more.
+    """Return nodes where contact begins or ends, between two more.
 
     The first and the last number are the last and the first edge, shifted by one period. `space`, shape (N + 2,), is
     where they are written; without an edge they mean nothing.
@@ -36,7 +36,7 @@ def find_edges(contact: Flags, space: Indices) -> Indices:
 
 @kernel
 def _path_into_gap(which: int, edge: Indices, contact: Flags) -> tuple[int, int, int]:
-    """From the last node in contact at this edge into the gap: the node, the direction, and how far to go."""
+    """Return the last node in contact at an edge, the direction into the gap and the number of nodes to go."""
     before, here, after = edge[which - 1], edge[which], edge[which + 1]
     if contact[here]:
         return here, -1, min(here - before + 1, REACH * (after - here))
@@ -47,7 +47,7 @@ def _path_into_gap(which: int, edge: Indices, contact: Flags) -> tuple[int, int,
 
 @kernel
 def extrapolate_into_gap(values: Array, edge: Indices, contact: Flags) -> None:
-    """From each edge into the gap, add the value there, falling to 0 in a straight line."""
+    """Extrapolate the value at each edge into the gap, falling linearly to 0."""
     for which in range(1, edge.size - 1):
         node, side, reach = _path_into_gap(which, edge, contact)
         fall = values[node] / reach
@@ -57,7 +57,7 @@ def extrapolate_into_gap(values: Array, edge: Indices, contact: Flags) -> None:
 
 @kernel
 def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
-    """The transpose: to the value at each edge, add those in the gap, with weights that fall in a straight line."""
+    """Apply the transpose: add the values in the gap to the edge, with linearly falling weights."""
     for which in range(1, edge.size - 1):
         node, side, reach = _path_into_gap(which, edge, contact)
         total = 0.0

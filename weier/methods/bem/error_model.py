@@ -28,17 +28,17 @@ MAX_OTHERS = 400  # From each load chords are drawn to so many others: more make
 
 
 def compliance_error(profile: Waves, points: int) -> float:
-    """Error of h on `points` nodes, in g_0: the largest curvature of the surface times dx^2/8."""
+    """Return error of h on `points` nodes, in g_0: the largest curvature of the surface times dx^2/8."""
     return MISSED_CREST * curvature(profile) * (profile.waves_per_period[-1] / points) ** 2
 
 
 def solution_error(profile: Waves, points: int, residual: Array) -> Array:
-    """Error of h of a solution with these residuals, in g_0, of their shape: that of the grid and that of these."""
+    """Return the bound on the error of h, in g_0, of the shape of the residuals: grid plus residual."""
     return np.asarray(compliance_error(profile, points) + RESIDUAL_FACTOR * residual)
 
 
 def curvature(profile: Waves) -> float:
-    """A bound on the largest |z''|, in g_0 per square radian of the finest wave.
+    """Return a bound on the largest |z''|, in g_0 per square radian of the finest wave.
 
     A sum of waves, of which the finest has n in a period, is nowhere larger than at M > 2 n samples, times
     1/cos(pi n/M) (Ehlich and Zeller 1964); nor is it larger than the sum of the amplitudes.
@@ -53,7 +53,7 @@ def curvature(profile: Waves) -> float:
 
 
 def fewest_points(profile: Waves, error: float) -> int:
-    """Fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
+    """Return fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
     needed = math.sqrt(MISSED_CREST * curvature(profile) / error)
     needed = min(max(needed, MIN_MEASURED_POINTS), MAX_POINTS_PER_WAVE)
     halvings = 2 ** int(math.log2(needed / MIN_POINTS_PER_CARRIED_WAVE))
@@ -63,7 +63,7 @@ def fewest_points(profile: Waves, error: float) -> int:
 def errors(
     profile: Waves, loads: Array, points: int, curve: tuple[Array, Array], residual: Array
 ) -> tuple[Array, Array]:
-    """Errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
+    """Return errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
     From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
     curve to these two, and to others of its loads, bound the resistance.

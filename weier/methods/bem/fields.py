@@ -27,7 +27,7 @@ class Field(NamedTuple):
 
 
 def field(profile: Waves, mean_pressure: float, points: int | None = None, max_residual: float = RESIDUAL) -> Field:
-    """Fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
+    """Return fields of a truncated series under one mean pressure, in p_0*, by boundary elements.
 
     The staircase is kept: the values are those of the nodes. Parameters are those of `curve`.
 

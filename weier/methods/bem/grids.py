@@ -81,7 +81,7 @@ class Grid(NamedTuple):
 
 
 def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
-    """Grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
+    """Return grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
 
     An odd number is followed by one that the FFT likes, of at least half as many.
 
@@ -124,17 +124,17 @@ def _accuracy(profile: Waves, points: int, terms: int) -> float:
 
 
 def inverse(eigenvalue: Array) -> Array:
-    """Eigenvalues of A^-1, but for the mean, from those of A."""
+    """Return eigenvalues of A^-1, but for the mean, from those of A."""
     return np.concatenate([[0.0], 1 / eigenvalue[1:]])
 
 
 def full_contact_pressure(height: Array, period: float) -> Array:
-    """The pressures, of mean 0, that press these heights at the nodes of a period flat."""
+    """Return the pressures, of mean 0, that press these heights at the nodes of a period flat."""
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
 def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
-    """One grid of the hierarchy."""
+    """Return one grid of the hierarchy."""
     node, wave = 0, 0
     for coarser in range(level):
         node += hierarchy.points[coarser]
@@ -148,7 +148,7 @@ def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
 
 @kernel
 def _squared_beyond(before: float, last: float) -> float:
-    """Square of the pressure at the first node outside contact, extrapolated linearly, and not above 0.
+    """Return square of the pressure at the first node outside contact, extrapolated linearly, and not above 0.
 
     Near an edge the pressure is A s^(1/2), so that its square is linear.
     """
@@ -157,7 +157,7 @@ def _squared_beyond(before: float, last: float) -> float:
 
 @kernel
 def _between(before: float, here: float, after: float, later: float, fraction: float) -> float:
-    """Pressure at a fraction of the way from `here` to `after`, of four nodes: its square is linear, as at edges."""
+    """Interpolate the pressure at a fraction of the way from `here` to `after`, with linear p^2 as at edges."""
     one = here * here if here > 0 else _squared_beyond(later, after)
     other = after * after if after > 0 else _squared_beyond(before, here)
     return np.sqrt(max(0.0, (1 - fraction) * one + fraction * other))
@@ -165,7 +165,7 @@ def _between(before: float, here: float, after: float, later: float, fraction: f
 
 @kernel
 def copy_values(source: Array, target: Array) -> None:
-    """Copy an array into one of its size; for `target[:] = source`, numba compiles a message with both shapes."""
+    """Copy an array into one of its size; cheaper to compile than `target[:] = source`."""
     for i in range(source.size):
         target[i] = source[i]
 
@@ -182,7 +182,7 @@ def refine(coarse: int, p: Array, finer: Array) -> None:
 
 @kernel
 def _westergaard(sine_squared: float, xi: float) -> float:
-    """Pressure over its mean under one wave, where sin^2(pi x) is `sine_squared` (10)."""
+    """Return pressure over its mean under one wave, where sin^2(pi x) is `sine_squared` (10)."""
     if xi < 1:
         return 2 * np.sqrt((1 - sine_squared) * max(xi - sine_squared, 0.0)) / xi
     return 1 + (1 - 2 * sine_squared) / xi

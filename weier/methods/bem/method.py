@@ -38,7 +38,7 @@ def _solve(
 def _grid_within(
     profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
 ) -> tuple[int, float]:
-    """The fewest points whose bound is within a tolerance, in g_0, and the residual that the bound allows for.
+    """Return the fewest points whose bound is within a tolerance, in g_0, and the residual that the bound allows for.
 
     ValueError is raised if points are given, too, or if too many are needed.
     """
@@ -55,12 +55,12 @@ def _grid_within(
 
 
 def points_within(profile: Waves, tolerance: float) -> int:
-    """The fewest points in a period whose bound is within a tolerance, in g_0."""
+    """Return the fewest points in a period whose bound is within a tolerance, in g_0."""
     return error_model.fewest_points(profile, tolerance * (1 - RESIDUAL_FACTOR * RESIDUAL_FRACTION))
 
 
 def within_few_points(profile: Waves, tolerance: float) -> bool:
-    """Whether a grid no finer than the default one is within a tolerance, in g_0."""
+    """Return whether a grid no finer than the default one is within a tolerance, in g_0."""
     few = min(POINTS_PER_WAVE * profile.waves_per_period[-1], error_model.MAX_POINTS)
     return points_within(profile, tolerance) <= few
 
@@ -88,14 +88,14 @@ def points_of(
     points: int | None = None,
     **settings: Any,
 ) -> int:
-    """The points in a period by the settings."""
+    """Return the points in a period by the settings."""
     if tolerance is not None:
         return points_within(profile, tolerance)
     return checked_points(profile, points, points_per_wave)
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Expected seconds of a curve by FFTs."""
+    """Return expected seconds of a curve by FFTs."""
     return SECONDS_LOAD * loads.size * (1 + (points_of(profile, **settings) / TIMED_POINTS) ** POINTS_POWER)
 
 

@@ -69,7 +69,7 @@ def curve(
     staircase: str = "removed",
     points_per_wave: int | None = None,
 ) -> BemCurve:
-    """Compliance and resistance of a truncated series by boundary elements (Section 5.1).
+    """Return compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def curve(
 def _as_curve(
     profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool
 ) -> BemCurve:
-    """The curve from the solutions at the loads of partial contact; the heavier loads press all gaps shut."""
+    """Return the curve from the solutions at the loads of partial contact; the heavier loads press all gaps shut."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
     most = max((point.edge.size for point in found), default=0)
     count, edge = np.zeros(loads.size, np.int64), np.full((loads.size, most), np.nan)
@@ -155,12 +155,12 @@ def _as_curve(
 
 
 def full_contact_load(profile: Waves, points: int) -> float:
-    """The mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
+    """Return the mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
 
 
 def checked_points(profile: Waves, points: int | None = None, points_per_wave: int | None = None) -> int:
-    """Points in one period: so many, or so many for each of the finest waves, or the default.
+    """Return points in one period: so many, or so many for each of the finest waves, or the default.
 
     Raises
     ------

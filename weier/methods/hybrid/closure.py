@@ -28,7 +28,7 @@ class NodalClosure(NamedTuple):
 
 
 def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
-    """The layer of all terms after these, in the units of the first wave, at nodes of this self-influence."""
+    """Return the layer of all terms after these, in the units of the first wave, at nodes of this self-influence."""
     D, gamma, n = kept.D, float(kept.gamma), kept.terms
     peaks = 1 / math.expm1((D - 1) * math.log(gamma))  # of all resolved waves in full contact, in p_k*, at most
     log_xi = np.linspace(math.log(MIN_LOAD), math.log(MAX_LOAD + peaks), ROWS)
@@ -44,7 +44,7 @@ def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
 
 
 def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
-    """Pressure and its slope at every s, shape (N,): none outside contact, s <= 0; a power of s beyond the rows."""
+    """Return p(Y) and dp/dY, shape (N,): 0 for Y <= 0, a power law outside the table."""
     inside = s > 0
     positive = np.where(inside, s, 1.0)
     log_s = np.log(positive)
@@ -54,14 +54,14 @@ def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
 
 
 def s_at(pressure: Array, closure: NodalClosure) -> Array:
-    """The s at every pressure, shape (N,): that of the nodes' own influence where the pressure is negative."""
+    """Return the s at every pressure, shape (N,): that of the nodes' own influence where the pressure is negative."""
     inside = pressure > 0
     log_s, _ = _extrapolated(closure.log_s, np.log(np.where(inside, pressure, 1.0)))
     return np.where(inside, np.exp(log_s), closure.self_influence * pressure)
 
 
 def _extrapolated(spline: scipy.interpolate.CubicHermiteSpline, x: Array) -> tuple[Array, Array]:
-    """A spline and its slope, which is that of the nearest end beyond its ends."""
+    """Return a spline and its slope, which is that of the nearest end beyond its ends."""
     near = np.clip(x, *spline.x[[0, -1]])
     slope = spline(near, 1)
     return spline(near) + slope * (x - near), slope

@@ -19,7 +19,7 @@ def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int
 
 
 def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
-    """Expected seconds of a curve on the default grid."""
+    """Return expected seconds of a curve on the default grid."""
     return SECONDS_START + SECONDS_LOAD * loads.size
 
 

@@ -39,7 +39,7 @@ class Problem(NamedTuple):
 
 
 def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure) -> tuple[Array, Array, Array]:
-    """Compliance, resistance and residual, from the heaviest load down, each started from the one before."""
+    """Return compliance, resistance and residual, from the heaviest load down, each started from the one before."""
     influence = eigenvalues(points, kept.period) - closure.self_influence
     problem = Problem(kept.sampled_height(points), influence, closure)
     h, R, residual = np.zeros((3, loads.size))
@@ -53,7 +53,7 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
 
 
 def _full_contact(problem: Problem, load: float) -> Array:
-    """A state to start from: s at every node, then the height H of the plane.
+    """Return a state to start from: s at every node, then the height H of the plane.
 
     The pressure is that of full contact on a layer as stiff as it is under the mean pressure.
     """
@@ -68,7 +68,7 @@ def _full_contact(problem: Problem, load: float) -> Array:
 
 
 def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, float]:
-    """Newton's method from this state: the solution, and its residual in g_0."""
+    """Solve by Newton's method from this state; return the solution and its residual, in g_0."""
     for _ in range(MAX_STEPS):
         p, slope = pressure_at(state[:-1], problem.closure)
         gap = state[:-1] + _displacement(p, problem.influence) - problem.height + state[-1]
@@ -85,7 +85,7 @@ def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, flo
 
 
 def _resistance(problem: Problem, state: Array) -> float:
-    """The resistance dh/dp, by which a unit of load lowers the plane, in g_0/p_0*."""
+    """Return the resistance dh/dp, by which a unit of load lowers the plane, in g_0/p_0*."""
     unit = np.append(np.zeros(problem.height.size), 1.0)
     _, slope = pressure_at(state[:-1], problem.closure)
     plane_per_load = float(_linear_solution(problem, slope, unit, RESISTANCE_ACCURACY)[-1])
@@ -93,12 +93,12 @@ def _resistance(problem: Problem, state: Array) -> float:
 
 
 def _displacement(pressure: Array, influence: Array) -> Array:
-    """The displacement of each node by the pressures of the others, by FFT."""
+    """Return the displacement of each node by the pressures of the others, by FFT."""
     return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * influence, pressure.size))
 
 
 def _linear_solution(problem: Problem, slope: Array, right: Array, accuracy: float) -> Array:
-    """The linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
+    """Return the linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
 
     [1 + (A - c) diag(dp/ds), 1; mean of dp/ds, 0] [ds; dH] = right
     """

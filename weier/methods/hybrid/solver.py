@@ -54,7 +54,7 @@ class HybridCurve(NamedTuple):
 
 @one_thread
 def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> HybridCurve:
-    """Best estimate of the infinite series from its first terms, with bounds beside it.
+    """Return best estimate of the infinite series from its first terms, with bounds beside it.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 
 
 def default_points(kept: Profile) -> int:
-    """Nodes in a period of these terms, on which the error of the mesh is small beside the height of the layer."""
+    """Return the number of nodes for which the error of the mesh is small against the height of the layer."""
     finest = kept.waves_per_period[-1]
     needed = fewest_points(kept, MESH_FRACTION * kept.tail_amplitude)
     return max(POINTS_PER_WAVE * finest, min(needed, MAX_POINTS // finest * finest))

@@ -29,7 +29,7 @@ class TooManyPointsError(ValueError):
 
 
 def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:
-    """Bounds on the compliance of the infinite series, from its first terms by boundary elements.
+    """Return bounds on the compliance of the infinite series, from its first terms by boundary elements.
 
     The parameters are those of `weier.methods.hybrid.curve`.
 

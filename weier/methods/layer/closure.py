@@ -29,7 +29,7 @@ class Closure(NamedTuple):
 
 
 def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure:
-    """The closure of a table: ln w and its slope at increasing positions, each of shape (rows,).
+    """Return the closure of a table: ln w and its slope at increasing positions, each of shape (rows,).
 
     The two slopes of a cubic are limited to three times its chord.
     """
@@ -41,7 +41,7 @@ def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure
 
 
 def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
-    """Positions of ln p, limited to the rows, and the distances of those beyond both ends, linear in ln p."""
+    """Return positions of ln p, limited to the rows, and the distances of those beyond both ends, linear in ln p."""
     position = np.arcsinh((log_pressure - closure.origin) / POSITION_SCALE)
     inside = np.clip(position, *closure.cubics.x[[0, -1]])
     beyond = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)
@@ -49,7 +49,7 @@ def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
 
 
 def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
-    """ln w and d ln w/d ln p at each ln p."""
+    """Return ln w and d ln w/d ln p at each ln p."""
     position, beyond = position_in(closure, log_pressure)
     slope = closure.cubics(position, 1)
     log_w = closure.log_height + closure.cubics(position) + slope * beyond

@@ -17,7 +17,7 @@ POINTS_OUTSIDE = 8  # The gap is checked at so many points outside the contact.
 
 
 def violations(state: Array, log_load: Array, closure: Closure, h: Array) -> Array:
-    """Largest breach of a contact condition under each load, relative to the depth and the load, shape (loads,).
+    """Return the largest violation of a contact condition, relative to depth and load, shape (loads,).
 
     The conditions: u + w = h - 2 sin^2(pi x) in contact and at its edge, no less beyond it, and the mean pressure.
     """
@@ -35,7 +35,7 @@ def violations(state: Array, log_load: Array, closure: Closure, h: Array) -> Arr
 
 
 def _overlap(series: Array, load: Array, depth: Depth, h: Array) -> Array:
-    """Largest overlap beyond the edge, or deviation of the gap from 0 at the edge."""
+    """Return largest overlap beyond the edge, or deviation of the gap from 0 at the edge."""
     # phi = i eta outside: sin(pi x) = sin(pi a) cosh(eta/2)
     farthest = 2 * np.arccosh(np.exp(-depth.log_sine / 2))
     eta = farthest * np.arange(POINTS_OUTSIDE + 1)[:, None] / POINTS_OUTSIDE

@@ -57,7 +57,7 @@ Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the 
 
 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """The waves of the infinite series of a D and gamma, whatever the m, on a table between these positions.
+    """Return the waves of the infinite series of a D and gamma, whatever the m, on a table between these positions.
 
     Where Newton's method misses the fixed point, damped steps follow from the first guess again.
     """
@@ -73,7 +73,7 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
 
 
 def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solver) -> ComplianceTable:
-    """A table of the fixed point, with as many rows as its accuracy takes."""
+    """Return a table of the fixed point, with as many rows as its accuracy takes."""
     rows = _guess(model, lattice(bottom, top), solve)
     for _ in range(MAX_HALVINGS):
         rows, size = solve(model, rows, math.sqrt(limit))
@@ -90,7 +90,7 @@ def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solve
 
 
 def _limit(model: Model, gain: Array) -> float:
-    """The relative error of a table that adds up to its part of the accuracy."""
+    """Return the relative error of a table that adds up to its part of the accuracy."""
     accuracy, tolerance = model.accuracy, model.tolerance
     limit = TABLE_FRACTION * accuracy / (1 + float(np.max(gain)))
     if not limit >= tolerance:
@@ -103,12 +103,12 @@ def _limit(model: Model, gain: Array) -> float:
 
 
 def _scale(model: Model, rows: Rows) -> Scale:
-    """A wave on the layer that this table stands for."""
+    """Return a wave on the layer that this table stands for."""
     return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
 
 
 def _guess(model: Model, position: Array, solve: Solver) -> Rows:
-    """A table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
+    """Return a table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave. So each row
     follows from the heavier ones.
@@ -123,7 +123,7 @@ def _guess(model: Model, position: Array, solve: Solver) -> Rows:
 
 
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
-    """The rows at the fixed point, and the largest effect of an error of one row on another, shape (rows, rows).
+    """Return the rows at the fixed point and the Jacobian bound J, shape (rows, rows).
 
     The last step is the limit at most, and the error that remains is of the order of its square.
     """
@@ -143,7 +143,7 @@ def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
 
 
 def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
-    """The same by steps that follow from the linear interpolant of ln W, and start from T W.
+    """Return the same by steps that follow from the linear interpolant of ln W, and start from T W.
 
     Its derivatives J are not negative, and their sums over a row are less than 1, since T passes errors on without
     increasing them. So (I - theta J)^-1 exists for all theta from 0, which leaves T W, to 1, which is Newton's method
@@ -178,7 +178,7 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
 
 
 def _spline(rows: Rows) -> scipy.interpolate.CubicSpline:
-    """The cubic spline through ln W as a function of its rows."""
+    """Return the cubic spline through ln W as a function of its rows."""
     return scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
 
 
@@ -191,7 +191,7 @@ def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
 
 
 def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline) -> tuple[Array, Array]:
-    """Derivatives of ln T W of each wave by ln W of each row, shape (waves, rows).
+    """Return derivatives of ln T W of each wave by ln W of each row, shape (waves, rows).
 
     The second array bounds the effect of relative errors that are linear between the rows.
     """

@@ -23,7 +23,7 @@ def _solve(
 
 
 def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
-    """Expected seconds: each scale of a finite series has a table of its own, the infinite series shares one."""
+    """Return the expected seconds: one table per scale of a finite series, a single one if m = inf."""
     scale, load = SECONDS
     return scale * profile.m + load * loads.size if math.isfinite(profile.m) else 0.0
 

@@ -1,4 +1,4 @@
-"""The scales of a series: each wave bears through a layer that stands for all finer waves (4.3).
+"""The scales of a series: each wave bears on a layer that represents all finer waves (4.3).
 
 The formulas are those of docs/layer.md: "One scale" for the map T and full contact, and "The whole series" for what
 follows one after the other.
@@ -78,7 +78,7 @@ class Scale(NamedTuple):
     tolerance: float
 
     def rows(self, position: Array, guess: Array | None) -> Rows:
-        """W at these positions, which are not beyond full contact, from waves that start at the guessed states."""
+        """Return rows of W at these positions below full contact, from the guessed states."""
         solutions = self._solved(log_load_at(position), guess)
         h, stretch = np.minimum(solutions.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
         return Rows(
@@ -86,7 +86,7 @@ class Scale(NamedTuple):
         )
 
     def solve(self, log_load: Array) -> tuple[Array, Array, Array]:
-        """h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,).
+        """Return h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,).
 
         The contact conditions are checked on a freshly applied operator.
         """
@@ -125,7 +125,7 @@ class Scale(NamedTuple):
 
 
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
-    """The next coarser wave on these."""
+    """Return the next coarser wave on these."""
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
     # In the troughs the pressure is xi - 1 at least, which must press the finer waves flat.
     log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))
@@ -133,14 +133,14 @@ def scale_on(finer: ComplianceTable, model: Model) -> Scale:
 
 
 def coarser_units(closure: Closure, model: Model) -> Closure:
-    """W of a wave as the closure of the layer under the next coarser one, in the units of that one."""
+    """Return W of a wave as the closure of the layer under the next coarser one, in the units of that one."""
     return closure._replace(
         origin=closure.origin + model.log_pressure, log_height=closure.log_height + model.log_height
     )
 
 
 def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
-    """Westergaard's wave (12)."""
+    """Return Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
         y = np.minimum(log_load_at(position), 0)
@@ -151,7 +151,7 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
 
 
 def finer_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """The waves finer than the first of m, in the units of the second, on tables between these positions."""
+    """Return the waves finer than the first of m, in the units of the second, on tables between these positions."""
     accuracy = model.accuracy / (model.m - 1)
     waves = finest_wave(bottom, top, accuracy)
     for _ in range(int(model.m) - 2):

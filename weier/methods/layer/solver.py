@@ -61,7 +61,7 @@ def curve(
     accuracy: float = ACCURACY,
     tolerance: float = TOLERANCE,
 ) -> LayerCurve:
-    """Compliance and resistance of the non-linear layer model (4.3).
+    """Return compliance and resistance of the non-linear layer model (4.3).
 
     Parameters
     ----------
@@ -129,17 +129,17 @@ def curve(
 
 
 def compliance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Compliance of the non-linear layer model, in g_0, of the shape of the loads in p_0*: see `curve`."""
+    """Return compliance of the non-linear layer model, in g_0, of the shape of the loads in p_0*: see `curve`."""
     return curve(mean_pressure, D, gamma, m).compliance
 
 
 def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Resistance dh/dp of the non-linear layer model, in g_0/p_0*, of the shape of the loads in p_0*: see `curve`."""
+    """Return the resistance dh/dp of the layer model, in g_0/p_0*, of the shape of the loads (`curve`)."""
     return curve(mean_pressure, D, gamma, m).resistance
 
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
-    """The closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
+    """Return the closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
     model = Model(D, gamma, math.inf, midpoints(POINTS), ACCURACY, TOLERANCE)
     waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, model)
     carried, height, scale = _flat_waves(log_load, waves, model)
@@ -149,7 +149,7 @@ def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]
 
 
 def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[Array, Array, Array]:
-    """ln xi of the load on the waves that are not flat, and height and scale of h = height + scale * (h of these).
+    """Return ln xi on the waves that are not flat, with height and scale of h = height + scale * h(xi).
 
     As many waves of the infinite series are taken for flat as it takes for its table to reach this load. At the end
     of the table the pressure along a wave varies by so little that w(p) is linear.
@@ -163,7 +163,7 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[
 
 @one_thread
 def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
-    """The coarsest wave under these loads, on the layer of all finer ones."""
+    """Return the coarsest wave under these loads, on the layer of all finer ones."""
     waves = _finer_waves(bottom, top, model)
     carried, height, scale = _flat_waves(np.log(loads), waves, model)
     h, rate, residual = scale_on(waves, model).solve(carried)
@@ -172,7 +172,7 @@ def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
 
 @one_thread
 def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
-    """The waves finer than the first, on tables that depend on no load."""
+    """Return the waves finer than the first, on tables that depend on no load."""
     D, gamma, m, _, accuracy, tolerance = model
     model = model._replace(tolerance=max(min(tolerance, RESIDUAL_FRACTION * accuracy), MIN_TOLERANCE))
     if _may_be_infinite(bottom, model):
@@ -190,7 +190,7 @@ def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
 
 
 def _top(model: Model) -> float:
-    """The ln xi at which tables end: from here on the first wave is as good as flat.
+    """Return the ln xi at which tables end: from here on the first wave is as good as flat.
 
     No pressure in a wave exceeds 1 + xi, and so the table that a wave at the end rests on ends no later.
     """
@@ -200,7 +200,7 @@ def _top(model: Model) -> float:
 
 
 def _may_be_infinite(bottom: float, model: Model) -> bool:
-    """Whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
+    """Return whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
     lightest = 2 * math.sqrt(-model.log_height * -log_load_at(bottom))
     return model.m * -model.log_height >= lightest - math.log(TAIL_FRACTION * model.accuracy)
 

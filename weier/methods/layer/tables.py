@@ -55,24 +55,24 @@ WaveMap = Callable[[Array, Array | None], Rows]  # of increasing positions and s
 
 
 def log_load_at(position: ArrayLike) -> Array:
-    """ln xi at these positions."""
+    """Return ln xi at these positions."""
     return np.asarray(POSITION_SCALE * np.sinh(position))
 
 
 def position_of(log_load: float) -> float:
-    """The position of a ln xi."""
+    """Return the position of a ln xi."""
     return math.asinh(log_load / POSITION_SCALE)
 
 
 def lattice(bottom: float, top: float) -> Array:
-    """Positions of the first rows, up to the top and ending there."""
+    """Return positions of the first rows, up to the top and ending there."""
     top = min(top, MAX_POSITION)
     position = bottom + CELL_LENGTH * np.arange(max(math.ceil((top - bottom) / CELL_LENGTH - MIN_CELL), 1))
     return np.append(position, top)
 
 
 def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
-    """Rows at the first positions, and as many between them as the cubics need to meet the next midpoints."""
+    """Return rows at the first positions, and as many between them as the cubics need to meet the next midpoints."""
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
     for _ in range(MAX_HALVINGS):
@@ -90,7 +90,7 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
 
 
 def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
-    """Rows in the middle of these cells, and the relative errors of the table there, of shape (cells,).
+    """Return rows in the middle of these cells, and the relative errors of the table there, of shape (cells,).
 
     The cubics must meet the slopes, too: beside a kink one may meet the value by chance.
     """
@@ -103,13 +103,13 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
 
 
 def merge(rows: Rows, more: Rows) -> Rows:
-    """The rows of both, in order."""
+    """Return the rows of both, in order."""
     order = np.argsort(np.concatenate([rows.position, more.position]))
     return Rows(*(np.concatenate(pair)[order] for pair in zip(rows, more, strict=True)))
 
 
 def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceError:
-    """The error that a table raises if it misses its accuracy."""
+    """Return the error that a table raises if it misses its accuracy."""
     return ConvergenceError(
         f"a table of the layer model is still off by {error:.1e} of itself after {rows.position.size} rows, above "
         f"{accuracy:.1e}, its part of the accuracy: choose a larger accuracy",

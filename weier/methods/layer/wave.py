@@ -96,7 +96,7 @@ class Solutions(NamedTuple):
 
 
 def midpoints(points: int) -> Mesh:
-    """The mesh of `points` midpoints on half a wave."""
+    """Return the mesh of `points` midpoints on half a wave."""
     phi = (np.arange(points) + 0.5) * (np.pi / points)
     k = np.arange(1, points)
     transform = np.cos(np.outer(k, phi)) * (2 / (points * k))[:, None]
@@ -105,20 +105,20 @@ def midpoints(points: int) -> Mesh:
 
 
 def depth_of(edge: Array) -> Depth:
-    """What heights are relative to where these are the edges."""
+    """Return what heights are relative to where these are the edges."""
     log_sine, trough = np.minimum(edge, 0.0), np.maximum(edge, 0.0)
     return Depth(log_sine, trough, 2 * np.exp(log_sine) + trough)
 
 
 def log_pressure_factor(edge: Array, rise: Array) -> tuple[Array, Array]:
-    """ln(p/xi) - y at the nodes of each load, of shape (loads, M), and its derivative by the edge."""
+    """Return ln(p/xi) - y at the nodes of each load, of shape (loads, M), and its derivative by the edge."""
     sine = np.minimum(edge, 0.0)[:, None]
     cosine_squared = rise * np.exp(sine) - np.expm1(sine)  # cos^2(pi x)
     return 0.5 * (np.log(cosine_squared / rise) - sine), np.where(sine < 0, -0.5 / cosine_squared, 0.0)
 
 
 def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Balance:
-    """Equations of states, from those of the header less their values at the edge.
+    """Return equations of states, from those of the header less their values at the edge.
 
     Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge, in the depth of the edge, so that
     all rows are of one size. Row M: the mean of q is xi/(2 pi).
@@ -152,7 +152,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """The linear equations of every load; NaN where a matrix is singular."""
+    """Return the linear equations of every load; NaN where a matrix is singular."""
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
@@ -162,7 +162,7 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _moved(state: Array, step: Array, trust: Array) -> Array:
-    """The states after a step, each component within its trust, and pressures above the mean within `MAX_STEP`.
+    """Return the states after a step, limited by `trust`, and by `MAX_STEP` for pressures above the mean.
 
     Those below the mean may rise up to it.
     """
@@ -174,7 +174,7 @@ def _moved(state: Array, step: Array, trust: Array) -> Array:
 def _newton(
     state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: Array, max_steps: int
 ) -> tuple[Array, Array]:
-    """Newton's method for every load by itself: the states where it stopped, and their errors."""
+    """Solve for every load independently by Newton's method; return the final states and errors."""
     state, error = state.copy(), np.full(log_load.size, np.inf)
     active = np.arange(log_load.size)
     for step in range(max_steps + 1):
@@ -190,7 +190,7 @@ def _newton(
 
 
 def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
-    """Compliance h, dh/d ln xi and the derivative of each state by ln xi: both from the edge."""
+    """Return compliance h, dh/d ln xi and the derivative of each state by ln xi: both from the edge."""
     equations = _balance(state, log_load, closure, mesh)
     tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
     depth, load = depth_of(state[:, -1]), np.exp(log_load)
@@ -201,12 +201,12 @@ def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tupl
 
 
 def _deepening(edge: Array, load: Array) -> Array:
-    """Derivative of h by the edge, at fixed q."""
+    """Return derivative of h by the edge, at fixed q."""
     return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
 
 
 def closure_sensitivity(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:
-    """The relative change of h by a relative error of w at each node, shape (loads, M); and ln p there.
+    """Return the relative change of h by a relative error of w at each node, shape (loads, M); and ln p there.
 
     The residuals of the nodes rise with w, so that h changes by the solution of the transposed equations.
     """
@@ -218,7 +218,7 @@ def closure_sensitivity(state: Array, log_load: Array, closure: Closure, mesh: M
 
 
 def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
-    """States near enough for Newton: Westergaard's q, where the depth of the edge is 2 sin^2(pi a) = 2 xi + w."""
+    """Return initial guesses: Westergaard's density, with edges from 2 sin^2(pi a) = 2 xi + w."""
     load = np.exp(log_load)
     sine_squared, w = np.minimum(1.0, load), np.zeros(load.size)
     for _ in range(GUESS_HALVINGS):
@@ -231,7 +231,7 @@ def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
 
 
 def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array]:
-    """The solution at a load whose first guess fails: from a lighter one upwards, in strides along the tangent."""
+    """Solve at a load whose initial guess fails: by continuation from a lighter one along the tangent."""
     here, stride = np.array([min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE]), MAX_STRIDE
     state = _first_guess(here, closure, mesh)
     state, error = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
@@ -248,7 +248,7 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tu
 
 
 def attainable(log_load: Array, tolerance: float) -> Array:
-    """The tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
+    """Return the tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
     return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
 
 

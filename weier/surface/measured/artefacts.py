@@ -58,7 +58,7 @@ class Filled(NamedTuple):
 
 
 def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
-    """Heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
+    """Return heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
 
     Masked values, None, pandas.NA and what equals a `missing_value` are missing.
     """
@@ -83,7 +83,7 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
 
 
 def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], str]) -> tuple[Array, Filled]:
-    """The heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
+    """Return the heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
 
     The trace is cut off where heights at its ends are missing.
 
@@ -133,7 +133,7 @@ def check_sentinels(z: Array) -> None:
 
 
 def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
-    """Whether a value is separated by a gap from all others, with or without the tilt of the line."""
+    """Return whether a value is separated by a gap from all others, with or without the tilt of the line."""
     for heights in (values, values - tilt * first):
         low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
         distance = abs(heights[at] - middle)
@@ -144,7 +144,7 @@ def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
 
 
 def _is_out_of_line(z: Array, value: float, count: int) -> bool:
-    """Whether a value that is neither the lowest nor the highest one recurs away from the heights beside it."""
+    """Return whether a value other than the extremes recurs far from its neighbouring heights."""
     if count < MIN_RECURRENCES or not z.min() < value < z.max():
         return False
     here = z == value
@@ -240,7 +240,7 @@ def check_end_of_period(z: Array) -> None:
 
 
 def detrended(z: Array, detrend: str) -> Array:
-    """The heights without their mean, their tilt, too, or the parabola of a form, by least squares."""
+    """Return the heights without their mean, their tilt, too, or the parabola of a form, by least squares."""
     return _without_polynomial(z, np.arange(z.size), DEGREES[detrend])
 
 
@@ -257,7 +257,7 @@ def warn_of_form(level: Array) -> None:
 
 
 def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
-    """What least squares leave of heights at some positions."""
+    """Return what least squares leave of heights at some positions."""
     x = np.asarray(position, float)
     x = (x - x.mean()) / max(np.ptp(x), 1.0)
     basis = np.linalg.qr(np.vander(x, degree + 1, increasing=True))[0]
@@ -267,17 +267,17 @@ def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
 
 
 def _tilt(z: Array) -> float:
-    """The tilt, in heights a step: the median rise over half the length of the line, over the steps in it."""
+    """Return the tilt, in heights a step: the median rise over half the length of the line, over the steps in it."""
     half = z.size // 2
     return float(np.median(z[half:] - z[:-half])) / half
 
 
 def _runs(flags: Flags) -> tuple[Any, Any]:
-    """Where each run of flags begins, and how long it is."""
+    """Return the start and length of each run of flags."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return edges[::2], edges[1::2] - edges[::2]
 
 
 def _is_missing(height: Any) -> bool:
-    """Whether an element of a list stands for a missing height."""
+    """Return whether an element of a list stands for a missing height."""
     return height is None or height is np.ma.masked or type(height).__name__ == "NAType"

@@ -121,7 +121,7 @@ def _check_kind(path: Path, content: bytes, encoding: str | None) -> None:
 
 
 def _order_of_utf_16(head: bytes) -> str:
-    """The order of bytes, if every other byte is 0 and the others are text in a language of Europe; else empty."""
+    """Return the byte order of UTF-16 text without a mark, recognised by its zero bytes; otherwise empty."""
     head = head[: len(head) // 2 * 2]
     halves = {"le": (head[1::2], head[::2]), "be": (head[::2], head[1::2])}
     for order, (zeros, letters) in halves.items():

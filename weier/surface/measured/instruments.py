@@ -86,7 +86,7 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
 
 
 def lines_of(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
-    """Lines of heights of a topography: its only line, the chosen one, or all that run along an axis.
+    """Yield lines of heights of a topography: its only line, the chosen one, or all that run along an axis.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def lines_of(topography: Any, line: int | None, across: str | None, sized: bool 
 
 
 def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
-    """The channel of this number or name; else the first one of heights."""
+    """Return the channel of this number or name; else the first one of heights."""
     names = [channel.name for channel in channels]
     of_heights = [getattr(channel, "is_height_channel", True) for channel in channels]
     if wanted is None:

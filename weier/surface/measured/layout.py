@@ -53,7 +53,7 @@ class Layout:
 
     @classmethod
     def checked(cls, missing: tuple[str, ...] = (), **given: Any) -> Layout:
-        """The layout of arguments as of `Trace.read`, which may be None."""
+        """Return the layout of arguments as of `Trace.read`, which may be None."""
         own = {name: value for name, value in given.items() if value is not None}
         for name, least in {"skip": 0, "rows": 1, "valid": 0}.items():
             if name in own:
@@ -151,6 +151,6 @@ def find_decimal(columns: Sequence[Sequence[str]], layout: Layout) -> str:
 
 
 def _is_grouped(numbers: Sequence[str]) -> bool:
-    """Whether some numbers have signs between groups of three digits, and the others have three digits at most."""
+    """Return whether numbers have thousands separators: some have groups, the others at most three digits."""
     every = all(GROUPED.fullmatch(number) or GROUP.fullmatch(number) for number in numbers)
     return every and any(map(GROUPED.fullmatch, numbers))

@@ -33,7 +33,7 @@ class Line(NamedTuple):
     left_out: tuple[str, ...] = ()
 
     def place(self, at: int) -> str:
-        """The place of the height of this index, in words."""
+        """Return the place of the height of this index, in words."""
         return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
 
     @property
@@ -43,7 +43,7 @@ class Line(NamedTuple):
 
 
 def line_of_array(heights: Any, with_positions: bool) -> Line:
-    """The line of an array: one of xarray may have units, and a coordinate with positions.
+    """Return the line of an array: one of xarray may have units, and a coordinate with positions.
 
     A coordinate without a unit is taken for a mere number of each height unless `with_positions`.
     """

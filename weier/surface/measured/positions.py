@@ -64,7 +64,7 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
 
 
 def _exact_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
-    """Heights with NaN in rows that are left out, and the step; None unless all positions are multiples of a step."""
+    """Return heights (NaN in missing rows) and step; None unless all positions are multiples of a step."""
     step = float(np.median(np.diff(x)))
     if step <= 0:
         return None
@@ -79,7 +79,7 @@ def _exact_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
 
 
 def _rounded_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
-    """The heights and their step, if positions at equal steps were rounded to decimals or to significant digits."""
+    """Return heights and step if the positions are equidistant up to rounding of their digits."""
     number = np.arange(x.size)
     for unit in _last_digits(x):
         # Rounding errors are uniform.
@@ -93,7 +93,7 @@ def _rounded_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
 
 
 def _last_digits(x: Array) -> Iterator[Array]:
-    """The unit of the last decimal of all positions, and of the last significant digit of each, if there is one."""
+    """Yield the unit of the last decimal of all positions, and of the last significant digit of each."""
     size = np.abs(x)
     exponent = np.floor(np.log10(np.maximum(size, size[size > 0].min())))
     of_decimals = (np.full(x.size, 10.0**-decimals) for decimals in range(MOST_DIGITS))

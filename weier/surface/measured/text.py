@@ -109,7 +109,7 @@ class _Table:
         self.heading = self._text_above(self.block[0])
 
     def line(self) -> Line:
-        """The heights of the table and their positions, with all that its heading says of them."""
+        """Return the heights of the table and their positions, with all that its heading says of them."""
         if not self.with_positions:
             self._check_ends()
         self._check_above()
@@ -142,7 +142,7 @@ class _Table:
         )
 
     def _find_block(self, every: list[int]) -> list[int]:
-        """The lines from the first row to the last, where the arguments do not name them."""
+        """Return the lines from the first row to the last, where the arguments do not name them."""
         layout = self.layout
         rows = [at for at in every if self._is_row(at)]
         if all(map(self._is_empty, rows)):
@@ -163,7 +163,7 @@ class _Table:
         return [at for at in every if start <= at <= counted[layout.rows - 1]]
 
     def _find_columns(self, first: int) -> tuple[int, ...]:
-        """The columns of the heights, or of positions and heights."""
+        """Return the columns of the heights, or of positions and heights."""
         columns = self.layout.columns or tuple(range(self.count))
         if self.layout.columns is None and self.count > 2:
             self._refuse(
@@ -180,7 +180,7 @@ class _Table:
         return columns
 
     def _row(self, at: int) -> list[float]:
-        """The position and the height, or the height alone, in a line of the table."""
+        """Return the position and the height, or the height alone, in a line of the table."""
         fields = self.fields[at]
         if not len(_without_empty_ends(fields)) <= self.count <= len(fields):
             self._refuse(
@@ -207,7 +207,7 @@ class _Table:
         return row
 
     def _number(self, field: str) -> float | None:
-        """The number in a field, NaN if it is missing; None if it is neither."""
+        """Return the number in a field, NaN if it is missing; None if it is neither."""
         if not field or (self.missing and field.casefold() in self.missing):
             return math.nan
         text = field
@@ -221,7 +221,7 @@ class _Table:
         return math.nan if MISSING.fullmatch(field) else None
 
     def _is_row(self, at: int) -> bool:
-        """Whether all that is chosen of a line is read: as a number, or as words that stand for nothing else."""
+        """Return whether all chosen fields of a line are numbers or words for missing heights."""
         if self._is_empty(at):
             return "" in self.missing and len(self.layout.columns or "1") == 1
         fields = _without_empty_ends(self.fields[at])
@@ -236,7 +236,7 @@ class _Table:
         return bool(words) and not only_signs
 
     def _chosen(self, fields: Sequence[str]) -> list[str]:
-        """The fields in the columns that a call names, or all."""
+        """Return the fields in the columns that a call names, or all."""
         return (
             list(fields)
             if self.layout.columns is None
@@ -299,7 +299,7 @@ class _Table:
             )
 
     def _may_belong(self, at: int) -> bool:
-        """Whether a line next to a table has its columns, with a number or the same word in all of them."""
+        """Return whether a line next to a table has its columns, with a number or the same word in all of them."""
         fields = self._split(self.lines[at])
         if len(fields) >= self.count and len(set(fields)) == 1:
             return True
@@ -310,7 +310,7 @@ class _Table:
         return are_numbers[0] or (len(uncommented) <= self.count and any(are_numbers))
 
     def _is_heading_of_heights(self, at: int) -> bool:
-        """Whether a line names the heights in their column, or their unit."""
+        """Return whether a line names the heights in their column, or their unit."""
         heading = self.lines[at].lstrip(MARKS)
         cells = _split(heading, self.delimiter) if self.count > 1 or self.delimiter != BLANK else [heading]
         cell = cells[self.columns[0]] if len(cells) > self.columns[0] else ""
@@ -319,12 +319,12 @@ class _Table:
         )
 
     def _units(self) -> tuple[str, ...]:
-        """The units that the heading directly above the table names for the columns; empty where it names none."""
+        """Return the units of the columns from the heading directly above the table; empty without any."""
         units = units_of_heading(self.heading.lstrip(MARKS), self.count, self.delimiter)
         return tuple(units[column] for column in self.columns)
 
     def _valid_column(self) -> int | None:
-        """The column that says which heights are valid: the given one, or one that is called so."""
+        """Return the column that says which heights are valid: the given one, or one that is called so."""
         if self.layout.valid is not None:
             if self.layout.valid >= self.count:
                 raise ValueError(f"valid must be a column from 0 to {self.count - 1}, got {self.layout.valid}")
@@ -341,19 +341,19 @@ class _Table:
         return VALID[word]
 
     def _text_above(self, first: int) -> str:
-        """The last line above one that has letters or digits: the heading, if it is one."""
+        """Return the last line above one that has letters or digits: the heading, if it is one."""
         above = self.lines[:first] if self.layout.skip is None else self.lines[: self.layout.skip]
         return next((line for line in reversed(above) if not SIGNS.fullmatch(line or "_")), "")
 
     def _looks_numeric(self, line: str) -> bool:
-        """Whether a line has only numbers and words for missing heights, whatever its signs mean."""
+        """Return whether a line has only numbers and words for missing heights, whatever its signs mean."""
         for word in filter(None, self.layout.missing):
             line = line.replace(word, " nan ")
         words = [word for word in re.split(rf"[;,|\s\"'{re.escape(self.layout.delimiter or ';')}]+", line) if word]
         return any(map(DIGITS.fullmatch, words)) and all(DIGITS.fullmatch(w) or MISSING.fullmatch(w) for w in words)
 
     def _split(self, line: str) -> list[str]:
-        """The fields of a line; a word for a missing height may have blanks or commas in it."""
+        """Return the fields of a line; a word for a missing height may have blanks or commas in it."""
         return [line] if line.casefold() in self.missing else _split(line, self.delimiter)
 
     def _is_comment(self, line: str) -> bool:
@@ -368,7 +368,7 @@ class _Table:
         return not self.lines[at]
 
     def _word(self, at: int) -> str:
-        """The arguments for what is not read in a line next to the table."""
+        """Return the arguments for what is not read in a line next to the table."""
         unread = [field for field in self._split(self.lines[at]) if self._number(field) is None]
         word = unread[-1] if unread else self.lines[at]
         number = "decimal= or thousands= for the signs of a number, or " if re.search(r"\d", word) else ""
@@ -379,13 +379,13 @@ class _Table:
 
 
 def _without_quotes(line: str) -> str:
-    """A line without quotes around the whole of it."""
+    """Return a line without quotes around the whole of it."""
     quoted = len(line) > 1 and line[0] == line[-1] == '"' and line.count('"') == 2 and len(line) > 2
     return line[1:-1].strip(BLANKS) if quoted else line
 
 
 def _split(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without blanks and quotes around them, and with the sign of minus that Python reads."""
+    """Return the fields of a line, stripped of blanks and quotes, with ASCII minus signs."""
     if delimiter == BLANK:
         fields = re.split(r"[ \t]+", line.strip(" \t"))
     elif '"' in line:
@@ -400,7 +400,7 @@ def _unquoted(field: str) -> str:
 
 
 def _without_empty_ends(fields: Sequence[str]) -> Sequence[str]:
-    """The fields up to the last that is not empty."""
+    """Return the fields up to the last that is not empty."""
     used = len(fields)
     while used > 1 and not fields[used - 1]:
         used -= 1

@@ -203,7 +203,7 @@ class Trace(Waves):
         )
 
     def __eq__(self, other: object) -> bool:
-        """Whether these are the same heights, processed alike, of the same origin."""
+        """Return whether these are the same heights, processed alike, of the same origin."""
         return isinstance(other, Trace) and self._identity == other._identity
 
     def __hash__(self) -> int:
@@ -255,7 +255,7 @@ class Trace(Waves):
         missing_value: float | str | Sequence[float | str] | None = None,
         **options: Any,
     ) -> Any:
-        """A trace from a file of text with one or two columns, or from a file that an instrument wrote.
+        """Return a trace from a file of text with one or two columns, or from a file that an instrument wrote.
 
         Parameters
         ----------
@@ -351,7 +351,7 @@ class Trace(Waves):
 
     @classmethod
     def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
-        """A trace from an object of SurfaceTopography: a line scan, or a line of a map.
+        """Return a trace from an object of SurfaceTopography: a line scan, or a line of a map.
 
         Parameters
         ----------
@@ -378,7 +378,7 @@ class Trace(Waves):
 
     @classmethod
     def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
-        """The trace of one line, or a list for several lines; refused lines are left out of the list."""
+        """Return the trace of one line, or a list for several lines; refused lines are left out of the list."""
         traces: list[Trace] = []
         refused: list[ValueError] = []
         for one in lines:
@@ -422,7 +422,7 @@ class Trace(Waves):
         }
 
     def describe(self) -> str:
-        """The trace in a few words."""
+        """Return the trace in a few words."""
         name = f"trace {self.source}" if self.source else "trace"
         finest = self.period * self.lambda_0 / self.waves_per_period[-1]
         filled = f", {self.filled.heights} of them interpolated," if self.filled.heights else ""
@@ -431,7 +431,7 @@ class Trace(Waves):
         )
 
     def _repr_html_(self) -> str:
-        """A table of what it is, for notebooks."""
+        """Return a table of what it is, for notebooks."""
         rows = [
             ["length lambda_0", f"{self.lambda_0:.6g} m"],
             ["root mean square height g_0", f"{self.g_0:.6g} m"],
@@ -446,7 +446,7 @@ class Trace(Waves):
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:
-    """The polynomial to be removed from the heights: of a periodic trace, the mean only."""
+    """Return the polynomial to be removed from the heights: of a periodic trace, the mean only."""
     if detrend is None:
         return measured.MEAN if ends == PERIODIC else measured.TILT
     checked_word("detrend", detrend, measured.DETREND)
@@ -458,7 +458,7 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
 
 
 def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
-    """The heights at equal steps, and the length of the trace in m, from the call, the positions, or the file."""
+    """Return equidistant heights and the length of the trace, in m, from the call, the positions or the file."""
     if length is not None:
         of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
         scale = 1.0 if units.unit_of(length) else UNITS[of_call]
@@ -483,7 +483,7 @@ def _is_length(length: float) -> bool:
 
 
 def _checked_shortest(shortest: float | None, length: float, samples: int, unit: float) -> float:
-    """The shortest wavelength that is kept, in m; it is given in the unit of length of the call, or with its own."""
+    """Return the shortest wavelength in m, from a value in the unit of length of the call or with its own unit."""
     if units.unit_of(shortest):
         shortest = units.in_unit("shortest", shortest, units.METRE) / unit
     least, most = 2 * length / samples / unit, length / unit
@@ -496,7 +496,7 @@ def _checked_shortest(shortest: float | None, length: float, samples: int, unit:
 
 
 def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
-    """The detrended heights, in m; ValueError unless they are roughness."""
+    """Return the detrended heights, in m; ValueError unless they are roughness."""
     level = measured.detrended(z, detrend)
     if not step * z.size <= MAX_LENGTH:
         raise ValueError(f"length must be at most {MAX_LENGTH:g} m, got {step * z.size:.4g} m: is a unit wrong?")
@@ -519,7 +519,7 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
 
 
 def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int, Indices, Any]:
-    """The period in lengths of the trace, the waves in it that are above rounding, and their coefficients, in m."""
+    """Return the period in lengths of the trace, the wave numbers above rounding, and their amplitudes, in m."""
     z = _continued(level, ends)
     period = z.size // level.size  # 2 if it is mirrored
     # A wave of two samples may have any phase, so that N/2 waves are left out of N heights.
@@ -539,7 +539,7 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
 
 
 def _continued(z: Array, ends: str) -> Array:
-    """The heights of one period.
+    """Return the heights of one period.
 
     A tapered trace is multiplied by sin^2 over a tenth of the length at either end, a Tukey window.
     """

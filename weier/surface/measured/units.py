@@ -91,7 +91,7 @@ def in_words(unit: float) -> str:
 
 
 def length_unit(name: str) -> str:
-    """The unit of length for a name in a file or an array; ValueError if it is unknown."""
+    """Return the unit of length for a name in a file or an array; ValueError if it is unknown."""
     known = _known(name.strip())
     if not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
@@ -99,7 +99,7 @@ def length_unit(name: str) -> str:
 
 
 def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """The common unit that a call and a file or an array name, or none; ValueError if they disagree.
+    """Return the common unit that a call and a file or an array name, or none; ValueError if they disagree.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> 
 
 
 def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """The unit that a call, a file or an array names; ValueError if none does: see `agreed_unit`."""
+    """Return the unit that a call, a file or an array names; ValueError if none does: see `agreed_unit`."""
     if unit := agreed_unit(what, given, named):
         return unit
     raise ValueError(
@@ -131,6 +131,6 @@ def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> s
 
 
 def _known(name: str) -> str:
-    """A unit by one of its spellings; an empty name if it is none."""
+    """Return a unit by one of its spellings; an empty name if it is none."""
     spellings = SPELLINGS | BRACKETED
     return "" if name == "M" else spellings.get(name, spellings.get(name.lower(), ""))
