@@ -23,7 +23,7 @@ def test_errors_are_those_of_single_loads():
     partial, off = [], []
     for seed in range(2):
         solved = patches.METHOD.solve(Profile(*series, seed=seed), estimates.LOADS)
-        partial.append(solved.resistance > estimates.LEAST_RESISTANCE)
+        partial.append(solved.resistance > estimates.MIN_RESISTANCE)
         off.append(np.abs(archard.compliance(estimates.LOADS, *series) - solved.compliance))
     within = np.concatenate([own[there] for own, there in zip(off, partial, strict=True)])
     assert errors.method == "archard"

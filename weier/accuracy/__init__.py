@@ -6,11 +6,8 @@
 | `snakemake extremes` | stability at the limits of floats |
 | `snakemake convergence` | the infinite series by the number of terms resolved |
 | `python -m weier.accuracy.coverage` | whether errors are within what is stated, on families of hard series |
-| `python -m weier.accuracy.random_series` | seconds and errors of each method on usual series |
 | `python -m weier.accuracy.estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
 | `python -m weier.accuracy.expected_seconds` | seconds of each method over those expected |
-| `python -m weier.accuracy.costs` | estimates, batches, the import and compiling |
-| `python -m weier.accuracy.single_precision` | what single precision would gain |
 
 `variants` says what is compared, `runner` runs a variant, `reference` finds the reference, `families` draws hard
 series, `metrics` computes errors, and `comparison` fills a dataset; all tables are written by `weier.data.markdown`.

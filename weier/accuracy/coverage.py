@@ -16,7 +16,7 @@ import click
 import numpy as np
 
 from weier import ConvergenceError
-from weier.accuracy.families import FAMILIES, Draw, draws, relative_scale
+from weier.accuracy.families import FAMILIES, Draw, draws
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
@@ -25,7 +25,7 @@ FINER = 10  # A number is judged if the error of the reference is smaller by thi
 
 
 class Judged(NamedTuple):
-    """How far a method is off on a draw, and what it states; each of shape (2, loads): h and R.
+    """Errors of a method on a draw, measured and stated; each of shape (2, loads): h and R.
 
     error : in g_0 and g_0/p_0*; NaN where the method finds no solution
     stated : compliance_error and resistance_error
@@ -123,33 +123,13 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
                 )
 
 
-def accuracy(found: Found) -> Iterator[str]:
-    """The errors of each method on all draws: of R relative to itself from 1e-3 g_0/p_0* on."""
-    for name in METHODS:
-        for quantity in range(2):
-            errors, stated = [], []
-            for draw, judged in found:
-                scale = relative_scale(draw.exact[1]) if quantity else 1.0
-                errors.append(judged[name].error[quantity] / scale)
-                stated.append(judged[name].stated[quantity] / scale)
-            errors_known = np.concatenate(errors)
-            errors_known = errors_known[~np.isnan(errors_known)]
-            middle, high, most = np.quantile(errors_known, (0.5, 0.9, 1))
-            yield (
-                f"{'hR'[quantity]} by {name}: half of the errors are below {middle:.0e}, 90 % below {high:.0e}, "
-                f"all below {most:.0e}; half of what is stated is below {np.nanmedian(np.concatenate(stated)):.0e}"
-            )
-
-
 def report(found: Found, worst: int) -> None:
-    """Print a row a family, one of all, the errors of each method, and the worst of what exceeds its statement."""
+    """Print a row a family, one of all, and the worst of what exceeds its statement."""
     rows = []
     for family in (*FAMILIES, "all"):
         if of_family := [one for one in found if family in (one[0].family, "all")]:
             rows.append(row(family, of_family))
     click.echo(markdown.table(HEADER, rows))
-    for line in accuracy(found):
-        click.echo(line)
     for ratio, where in sorted(exceeded(found), reverse=True)[:worst]:
         click.echo(f"{ratio:.3g} times: {where}")
 

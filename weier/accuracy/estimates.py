@@ -6,23 +6,23 @@ area are relative. Loads of full contact are left out, where ratios mean nothing
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import click
 import numpy as np
 
+from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
-from weier.tables import text_table
 
 ESTIMATES = ("archard", "demelio", "layer", "persson")
 # D, gamma and m: as many terms as have 25 to 64 of the finest waves in a period.
 SERIES = tuple((D, gamma, m) for D in (1.25, 1.5, 1.75) for gamma, m in ((2, 7), (5, 3)))
 LOADS = np.geomspace(0.01, 4, 14)
 RANGES = ((0.002, 0.01), (0.01, 0.05), (0.05, 0.3))  # p_0*, of the exponents of the stiffness
-LEAST_RESISTANCE = 1e-3  # g_0/p_0*: below it the contact is full but for a few gaps.
+MIN_RESISTANCE = 1e-3  # g_0/p_0*: below it the contact is full but for a few gaps.
 
 
 class Errors(NamedTuple):
@@ -63,30 +63,25 @@ def _errors(series: tuple[float, int, int], method: str, guess: Array, exact: Ar
     """Reduce the errors of one estimate; the exact values have the shape (profiles, 3, loads)."""
     scale = exact.copy()
     scale[:, 0] = 1.0
-    partial = exact[:, 1] > LEAST_RESISTANCE
+    partial = exact[:, 1] > MIN_RESISTANCE
     error = np.abs(guess - exact) / np.where(partial[:, None], scale, 1.0)
     columns = [error[:, row][partial] for row in range(3)]
     median, high = (np.array([np.percentile(column, part) for column in columns]) for part in (50, 90))
     return Errors(series, method, median, high)
 
 
-def main() -> None:
-    """Print the errors and the exponents."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=12, help="profiles of each series (12)")
-    parser.add_argument("--lightest", type=float, default=LOADS[0], help="the lightest load, in p_0* (0.01)")
-    given = parser.parse_args()
-    seeds, loads = given.seeds, LOADS[given.lightest <= LOADS]
+@click.command(context_settings={"show_default": True})
+@click.option("--seeds", default=12, help="Profiles of each series.")
+@click.option("--lightest", default=float(LOADS[0]), help="The lightest load, in p_0*.")
+def main(seeds: int, lightest: float) -> None:
+    """Print median and 90th percentile of the errors of each estimate, and the exponents of the stiffness."""
     rows = [
-        [f"{found.series[0]:g}", str(found.series[1]), str(found.series[2]), find_method(found.method).label]
-        + [_cell(median, high, row) for row, (median, high) in enumerate(zip(found.median, found.high, strict=True))]
-        for found in measure(seeds, loads=loads)
+        [*(f"{value:g}" for value in found.series), found.method, *map(_cell, found.median, found.high, range(3))]
+        for found in measure(seeds, loads=LOADS[lightest <= LOADS])
     ]
-    print("median and 90th percentile of |error|")
-    print(text_table(["D", "gamma", "m", "estimate", "h, g_0", "R, %", "area, %"], rows))
-    print("\nexponent a of 1/R ~ p^a, D = 1.25, gamma = 5, m = 3")
-    for (low, high), exponent in exponents(seeds).items():
-        print(f"  {low:g} to {high:g} p_0*: {exponent:.2f}")
+    click.echo(markdown.table(["D", "gamma", "m", "estimate", "error of h", "of R, %", "of the area, %"], rows))
+    ranges = [(f"{low:g} to {high:g}", f"{exponent:.2f}") for (low, high), exponent in exponents(seeds).items()]
+    click.echo("\n" + markdown.table(["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"], ranges))
 
 
 def _cell(median: float, high: float, row: int) -> str:

@@ -25,7 +25,6 @@ MAX_WAVES = 1000  # Contact patches take at most a third of a second a load with
 LOADS = 8  # So many loads of each series are compared.
 # Tolerances of the patches, and of those on the reflected profile: the first one that can be met counts.
 REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
-MIN_RESISTANCE = 1e-3  # g_0/p_0*: errors of larger resistances are relative to R.
 ARRAYS = ("loads", "exact", "uncertainty")  # These fields of a draw are arrays.
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
@@ -200,21 +199,15 @@ FAMILIES: dict[str, Features] = {
 def draw_one(random: Generator, family: str) -> Draw:
     """A fresh series of a family with its exact curve."""
     series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
-    profile = _profile(random, series, phases, MAX_WAVES)
+    profile = _profile(random, series, phases)
     pressures = _pressures(random, profile, loads)
     return Draw(family, profile, pressures, settings(random, profile), *solve_exactly(profile, pressures))
 
 
-def usual_profile(random: Generator, max_waves: int) -> Profile:
-    """A series with a ratio of at most 10, whole or not, any phases, and at most so many waves in a period."""
-    series = (usual, usual, usual, rational)[random.integers(4)]
-    return _profile(random, series, any_phases, max_waves)
-
-
-def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array], max_waves: int) -> Profile:
+def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array]) -> Profile:
     while True:
         D, gamma, m = series(random)
-        if gamma.numerator ** (m - 1) <= max_waves:
+        if gamma.numerator ** (m - 1) <= MAX_WAVES:
             break
     waves = np.array(Profile(D, gamma, m).waves_per_period, float)
     return Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
@@ -227,11 +220,6 @@ def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, 
     except ConvergenceError as error:
         click.echo(f"events of {profile!r}: {error}", err=True)
         return np.unique(any_loads(random, profile))
-
-
-def relative_scale(resistance: Array) -> Array:
-    """What errors of a resistance are relative to: itself where it is no smaller than 1e-3 g_0/p_0*, and 1 below."""
-    return np.where(resistance > MIN_RESISTANCE, resistance, 1)
 
 
 def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:

@@ -31,7 +31,7 @@ def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
     one_of_each = {re.split(r"\d", message)[0]: message for message in reversed(messages)}
     write_page(
         path,
-        "extremes/page.md",
+        "extremes.md",
         title=title,
         rows=len(runs),
         faults=f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault.",

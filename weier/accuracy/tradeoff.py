@@ -1,23 +1,28 @@
-"""Errors and seconds of all variants on every profile."""
+"""Speed against accuracy: all variants of methods on the profiles of a scene, against the exact contact."""
 
 from __future__ import annotations
 
 import math
 import sys
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from weier.accuracy import comparison
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.metrics import deviation
+from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
 from weier.accuracy.reference import contact_reference
+from weier.accuracy.report import Column, number, rows_as_table, write_page
 from weier.accuracy.runner import median_run
 from weier.accuracy.variants import Variant, variants_of
+from weier.data.markdown import plain
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Status, Variable, variables_of_file
+from weier.kernels.arrays import Array
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
+from weier.methods.method import QUANTITIES
 from weier.scene import Scene
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
@@ -85,3 +90,47 @@ def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
         "seconds": result.seconds,
         "status": Status.solved,
     }
+
+
+class Row(NamedTuple):
+    """The results of a variant on the profiles that it solved.
+
+    seconds : for one load, shape (profiles,)
+    compliance, stated_compliance, resistance, stated_resistance : measured and stated errors, shape (profiles,
+        loads); NaN where the method states none
+    """
+
+    name: str
+    seconds: Array
+    compliance: Array
+    stated_compliance: Array
+    resistance: Array
+    stated_resistance: Array
+
+
+COLUMNS: list[Column[Row]] = [
+    Column("method and setting", lambda row: plain(row.name)),
+    Column("profiles", lambda row: str(row.seconds.size)),
+    Column("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
+    Column("error of h: median", lambda row: number(np.median(row.compliance))),
+    Column("90 %", lambda row: number(np.quantile(row.compliance, 0.9))),
+    Column("largest", lambda row: number(row.compliance.max())),
+    Column("stated: median", lambda row: number(np.median(row.stated_compliance))),
+    Column("error of R: median", lambda row: number(np.median(row.resistance))),
+    Column("90 %", lambda row: number(np.quantile(row.resistance, 0.9))),
+    Column("largest", lambda row: number(row.resistance.max())),
+    Column("stated: median", lambda row: number(np.median(row.stated_resistance))),
+]
+
+
+def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write the tradeoff as Markdown, with a row for each variant."""
+    errors = [by_load(data, quantity, kind) for quantity in QUANTITIES for kind in (MEASURED, STATED)]
+    columns = seconds_per_load(data), *errors
+    run = np.isfinite(columns[0])
+    rows = [
+        Row(name, *(column[run[:, at], at] for column in columns))
+        for at, name in enumerate(data["variant"].values.tolist())
+        if run[:, at].any()
+    ]
+    write_page(path, "tradeoff.md", title=title, variants=rows_as_table(COLUMNS, rows))
