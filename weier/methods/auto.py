@@ -32,16 +32,10 @@ MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the l
 
 @dataclass(frozen=True, repr=False)
 class Choice:
-    """A method, and the terms that it solves, for a curve within a tolerance; displayed as a sentence.
+    """What a curve within a tolerance solves, and how; displayed as a sentence.
 
     Attributes
     ----------
-    profile : Profile or Trace
-        The whole surface.
-    quantity : str
-        "compliance" or "resistance".
-    tolerance : float
-        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
     kept : Profile or Trace
         What is solved: the first terms of a series, or the whole surface.
     left_out : float
@@ -52,9 +46,6 @@ class Choice:
         Its settings.
     """
 
-    profile: Waves
-    quantity: str
-    tolerance: float
     kept: Waves
     left_out: float
     method: Method
@@ -64,15 +55,7 @@ class Choice:
         """Return the choice in a sentence."""
         terms = f"the first {self.kept.m:g} terms" if self.left_out else "all terms"
         others = f"; the others change h by {self.left_out:.2g} g_0 at most" if self.left_out else ""
-        settings = ", ".join(f"{name} {value:.2g}" for name, value in self.settings.items())
-        return (
-            f"{self.profile.describe()}, {self.quantity} within {self.tolerance:g}: {terms} by method "
-            f'"{self.method.name}", {settings}{others}'
-        )
-
-    def seconds(self, loads: Array) -> float:
-        """Return expected seconds of a curve on one core."""
-        return self.method.seconds(self.kept, loads, **self.settings)
+        return f'{terms} by method "{self.method.name}", tolerance {self.settings["tolerance"]:.2g}{others}'
 
 
 @hinting
@@ -91,8 +74,7 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     Returns
     -------
     Choice
-        With the attributes `method`, `settings`, `kept` (what is solved), and `left_out`, the amplitude of the other
-        terms, in g_0. It is displayed as a sentence.
+        With the attributes `kept`, `left_out`, `method` and `settings`.
 
     Raises
     ------
@@ -111,9 +93,9 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     --------
     >>> import weier
     >>> weier.choose(weier.Profile(D=1.25, gamma=5, m=float("inf")), tolerance=1e-2)
-    D = 1.25, gamma = 5, m = inf, compliance within 0.01: the first 5 terms by method "bem", tolerance 0.0066; the others change h by 0.0034 g_0 at most
+    the first 5 terms by method "bem", tolerance 0.0066; the others change h by 0.0034 g_0 at most
 
-    """  # noqa: E501 - the output of the example
+    """
     surface = checked_surface(profile)
     checked_word("quantity", quantity, QUANTITIES)
     wanted = checked_number("tolerance", tolerance, "be positive and finite", lambda number: 0 < number < math.inf)
@@ -124,9 +106,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     if left_out > wanted / 2 or rest < patches.MIN_TOLERANCE:
         raise OutOfReachError(_out_of_reach(surface, kept, left_out, wanted))
     if bem.within_few_points(kept, rest):
-        return Choice(surface, quantity, wanted, kept, left_out, bem.METHOD, {"tolerance": rest})
-    settings = {"tolerance": min(rest, patches.MAX_TOLERANCE)}
-    return Choice(surface, quantity, wanted, kept, left_out, patches.METHOD, settings)
+        return Choice(kept, left_out, bem.METHOD, {"tolerance": rest})
+    return Choice(kept, left_out, patches.METHOD, {"tolerance": min(rest, patches.MAX_TOLERANCE)})
 
 
 def _for_resistance(surface: Waves, tolerance: float) -> Choice:
@@ -137,13 +118,13 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
         )
     patches.METHOD.check_applies(surface)
     of_h = min(max(COMPLIANCE_SHARE * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
-    return Choice(surface, RESISTANCE, tolerance, surface, 0.0, patches.METHOD, {"tolerance": of_h})
+    return Choice(surface, 0.0, patches.METHOD, {"tolerance": of_h})
 
 
 def _fewest_terms(surface: Waves, tolerance: float) -> tuple[Waves, float]:
     """Return the first terms of a surface whose tail is at most half of the tolerance, and that tail, in g_0.
 
-    Where these cannot be resolved, as many terms as can be.
+    They are as many terms as can be resolved if more are needed.
     """
     if not isinstance(surface, Profile):
         patches.METHOD.check_applies(surface)
@@ -189,37 +170,27 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
     solved = choice.method.solve(choice.kept, loads, **choice.settings)
     if quantity == RESISTANCE:
         _check_resistance(solved, loads, tolerance)
-    how = choice.method.name, float(choice.kept.m)
+    how: Any = {"chosen_method": choice.method.name, "chosen_terms": float(choice.kept.m)}
     if not choice.left_out:
-        return AutoCurve(
-            solved.compliance,
-            solved.resistance,
-            solved.compliance_error,
-            solved.resistance_error,
-            solved.contact_fraction,
-            *how,
-        )
-    total = profile.total_amplitude
-    low, high = complete_bounds(solved.compliance, choice.left_out, total, solved.compliance_error)
+        return AutoCurve(**{name: getattr(solved, name) for name in AutoCurve._fields if name not in how}, **how)
+    low, high = complete_bounds(solved.compliance, choice.left_out, profile.total_amplitude, solved.compliance_error)
     h, error = (low + high) / 2, (high - low) / 2
     shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
     of_R = np.maximum(steepest - solved.resistance, solved.resistance - shallowest)
-    return AutoCurve(h, solved.resistance, error, of_R, np.full(loads.size, np.nan), *how)
+    return AutoCurve(h, solved.resistance, error, of_R, np.full(loads.size, np.nan), **how)
 
 
 def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:
     """Refuse a curve whose stated error of the resistance is not within the tolerance."""
     error = solved.resistance_error / np.fmax(solved.resistance, 1)
     exceeding = ~(error <= tolerance)
-    if not exceeding.any():
-        return
-    worst = float(error[exceeding].max())
-    listed = ", ".join(f"{load:.6g}" for load in loads[exceeding][:MAX_LISTED])
-    raise OutOfReachError(
-        f"tolerance must be at least {MARGIN * worst:.1e} for the resistance at these loads, got {tolerance:g}: the "
-        f"error is larger at {exceeding.sum()} of {loads.size} loads ({listed}), as next to a birth or a merger; "
-        "take a larger one, or leave them out"
-    )
+    if exceeding.any():
+        listed = ", ".join(f"{load:.6g}" for load in loads[exceeding][:MAX_LISTED])
+        raise OutOfReachError(
+            f"tolerance must be at least {MARGIN * error[exceeding].max():.1e} for the resistance at these loads, "
+            f"got {tolerance:g}: the error is larger at {exceeding.sum()} of {loads.size} loads ({listed}), as next "
+            "to a birth or a merger; take a larger one, or leave them out"
+        )
 
 
 def _check(profile: Waves, quantity: str = COMPLIANCE, **others: Any) -> None:
@@ -229,9 +200,10 @@ def _check(profile: Waves, quantity: str = COMPLIANCE, **others: Any) -> None:
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
     try:
-        return choose(profile, **settings).seconds(loads)
+        choice = choose(profile, **settings)
     except OutOfReachError:
         return 0.0
+    return choice.method.seconds(choice.kept, loads, **choice.settings)
 
 
 METHOD = Method(
@@ -244,7 +216,6 @@ METHOD = Method(
         "quantity": "which of the two is to be that accurate, compliance or resistance",
     },
     check=_check,
-    takes_traces=True,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,
 )

@@ -10,6 +10,7 @@ import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple
 
 from weier.kernels.arrays import Array
@@ -63,6 +64,11 @@ def applies_to_resolvable(profile: Waves) -> None:
         raise NotApplicableError(str(error)) from None
 
 
+@cache
+def _annotations(solve: Callable[..., Any]) -> Mapping[str, Any]:
+    return inspect.get_annotations(solve, eval_str=True)
+
+
 @dataclass(frozen=True)
 class Method:
     """A method of solution.
@@ -76,15 +82,14 @@ class Method:
     summary : str
         Description and range of application, in one line of plain text.
     solve : callable
-        From a profile, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
+        From a surface, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
         annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and any other fields of the
-        table of variables. Raises ConvergenceError rather than return a wrong number.
+        table of variables. Raises ConvergenceError rather than return a wrong number. A first parameter of type
+        Profile says that it solves the series only, Waves that it takes traces, too.
     settings : mapping of str
         Meaning and unit of each of these keywords, for help texts.
     applies : callable
         Raises NotApplicableError, with the reason, for a profile to which the method does not apply.
-    takes_traces : bool
-        Whether it solves any sum of waves, a measured surface too; other methods are for the series only.
     check : callable
         From a profile and settings as keywords, each of the right kind: raises ValueError where `solve` would, before
         anything is solved.
@@ -105,7 +110,6 @@ class Method:
     solve: Callable[..., Any]
     settings: Mapping[str, str] = field(default_factory=dict)
     applies: Callable[..., None] = lambda profile: None
-    takes_traces: bool = False
     check: Callable[..., None] = lambda profile, **settings: None
     numerical: bool = False
     uses_phases: bool = True
@@ -115,8 +119,12 @@ class Method:
     @property
     def returns(self) -> tuple[str, ...]:
         """The names of the values returned by `solve`, from its annotation, a NamedTuple."""
-        returned = inspect.signature(self.solve, eval_str=True).return_annotation
-        return tuple(getattr(returned, "_fields", ()))
+        return tuple(getattr(_annotations(self.solve).get("return"), "_fields", ()))
+
+    @property
+    def takes_traces(self) -> bool:
+        """Whether it solves any sum of waves, a measured surface too."""
+        return next(iter(_annotations(self.solve).values()), None) is not Profile
 
     def check_applies(self, profile: Waves) -> None:
         """Raise NotApplicableError, with the reason, if the method does not apply to a surface."""

@@ -113,7 +113,6 @@ METHOD = Method(
         "with_resistance": "whether the result has the resistance, too",
     },
     applies=applies_to_resolvable,
-    takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "o"),
     seconds=_seconds,

@@ -72,7 +72,6 @@ METHOD = Method(
         "tolerance": "largest accepted error of the compliance, in g_0, in [1e-13, 1); the bound is within it",
     },
     applies=applies_to_resolvable,
-    takes_traces=True,
     numerical=True,
     style=Style("#000000", (), "d"),
     seconds=_seconds,
