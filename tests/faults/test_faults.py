@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.snakemakes import snakemake
 from weier.data import dataset
 from weier.digests import PACKAGE
 
@@ -29,7 +30,7 @@ studies:
 PRODUCTS = ("contact.nc", "claims.md")
 PATIENCE = 120  # seconds
 PAUSE = Path(__file__).parent / "pause"
-COMMAND = ["snakemake", "--cores", "2", "--config", "scenes=test"]
+OPTIONS = ["--cores", "2", "--config", "scenes=test"]
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +59,8 @@ def environment(checkout, **more):
 
 def run(checkout, *arguments):
     """Exit code and all that was said."""
-    options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": PATIENCE}
-    done = subprocess.run([*COMMAND, *arguments], cwd=checkout, env=environment(checkout), **options)
-    return done.returncode, done.stdout
+    done = snakemake(*OPTIONS, *arguments, cwd=checkout, env=environment(checkout))
+    return done.returncode, done.stdout + done.stderr
 
 
 def assert_the_next_run_is_undisturbed(checkout, undisturbed):
@@ -87,7 +87,12 @@ def paused(checkout, at, tmp_path):
     more = {"PAUSE_AT": at, "PAUSE_FILE": str(here), "PYTHONPATH": f"{PAUSE}:{checkout}"}
     with (tmp_path / "said").open("w") as said:
         process = subprocess.Popen(
-            COMMAND, cwd=checkout, env=environment(checkout, **more), stdout=said, stderr=said, start_new_session=True
+            ["snakemake", *OPTIONS],
+            cwd=checkout,
+            env=environment(checkout, **more),
+            stdout=said,
+            stderr=said,
+            start_new_session=True,
         )
     try:
         wait(lambda: process.poll() is not None or (here.exists() and here.read_text()))
@@ -116,9 +121,9 @@ def gone(process):
 
 def test_after_a_worker_is_killed_the_next_run_makes_the_same_files(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
-    with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
+    with paused(checkout, "contact.nc", tmp_path) as (process, worker):
         os.kill(worker, signal.SIGKILL)
-    assert snakemake.returncode != 0
+    assert process.returncode != 0
     assert not (checkout / "results/test/contact.nc").exists()
     assert len(leftovers(checkout)) == 1
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
@@ -128,11 +133,11 @@ def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_p
     """But the job that it had begun: it ends, and no other begins."""
     (batch,) = (checkout / "results/curves").glob("demelio-*.nc")
     forget(checkout, *PRODUCTS, f"../curves/{batch.name}")
-    with paused(checkout, f"curves/{batch.name}", tmp_path) as (snakemake, worker):
-        snakemake.kill()
-        snakemake.wait(PATIENCE)
+    with paused(checkout, f"curves/{batch.name}", tmp_path) as (process, worker):
+        process.kill()
+        process.wait(PATIENCE)
         assert not gone(worker)
-    wait(lambda: not processes_of(snakemake.pid))
+    wait(lambda: not processes_of(process.pid))
     assert batch.exists()
     assert not any((checkout / "results/test" / name).exists() for name in PRODUCTS)
     assert run(checkout, "--unlock")[0] == 0
@@ -155,10 +160,10 @@ def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_
     """Its event loop would note the signal and go on, which takes minutes where plans have to compile kernels."""
     described = next((checkout / "results/curves").glob("*.json"))
     shutil.rmtree(described.parent)
-    with paused(checkout, f"curves/{described.name}", tmp_path) as (snakemake, planning):
-        assert planning == snakemake.pid
-        snakemake.send_signal(signal.SIGINT)
-        snakemake.wait(PATIENCE)
+    with paused(checkout, f"curves/{described.name}", tmp_path) as (process, planning):
+        assert planning == process.pid
+        process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)
     said = (tmp_path / "said").read_text()
     assert said.endswith("weier: stopped by Ctrl-C\n")
     assert "Traceback" not in said
@@ -168,12 +173,12 @@ def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_
 @pytest.mark.slow
 def test_a_second_run_is_refused_and_a_killed_one_harms_no_later_one(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
-    with paused(checkout, "contact.nc", tmp_path) as (snakemake, worker):
+    with paused(checkout, "contact.nc", tmp_path) as (process, worker):
         code, said = run(checkout)
         assert code != 0
         assert "weier: results/test is locked by another run of snakemake: wait for it" in said
-        snakemake.kill()
-        snakemake.wait(PATIENCE)
+        process.kill()
+        process.wait(PATIENCE)
         code, said = run(checkout)
         assert code != 0
         assert "can be removed with the --unlock argument" in said
@@ -335,8 +340,8 @@ def test_files_from_the_future_are_taken_for_those_of_now(checkout, undisturbed)
 @pytest.mark.slow
 def test_a_clock_that_goes_back_stops_a_run_and_harms_no_later_one(checkout, undisturbed, tmp_path):
     forget(checkout, *PRODUCTS)
-    with paused(checkout, "contact.nc", tmp_path) as (snakemake, _):
+    with paused(checkout, "contact.nc", tmp_path) as (process, _):
         date(checkout / "results/curves", 9e5)
-    assert snakemake.returncode != 0
+    assert process.returncode != 0
     assert "clock skew" in (tmp_path / "said").read_text()
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
