@@ -1,7 +1,8 @@
 """Units that values carry: the attribute `units` of xarray and pandas, and quantities of pint, astropy and unyt.
 
-Normalised units, such as p_0*, equal only themselves. All others are parsed by pint, which is imported when a value
-has a unit that differs from the expected one, since that takes half a second.
+Normalised units, such as p_0*, equal only themselves, and have an attribute of their own, `normalised_by`.
+All others are parsed by pint, which is imported when a value has a unit other than the expected one, since that takes
+half a second.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ NONE = "1"  # The unit of plain numbers.
 WITHOUT = ("", NONE, "dimensionless")
 NORMALISED_PRESSURE = "p_0*"
 NORMALISED = ("lambda_0", "g_0", NORMALISED_PRESSURE, "g_0/p_0*", "p_0*/lambda_0^(1/2)")
+NORMALISED_BY = "normalised_by"  # The attribute with a normalised unit, since `units` are those of UDUNITS.
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
 MAX_LISTED = 10_000  # A range has at most so many numbers, so that a typing error does not fill the memory.
 MAX_NAME = 40  # No unit is longer than this.
@@ -31,11 +33,23 @@ POWER, OHM = re.compile(r"\b([A-Za-z]+)(-?\d)\b"), re.compile(r"Ohm\b")
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)\s*(.*?)\s*")
 
 
+def described(long_name: str, unit: str) -> dict[str, str]:
+    """Return the attributes of values in a unit: normalised ones are plain numbers by the CF conventions."""
+    if unit not in NORMALISED:
+        return {"long_name": long_name, "units": unit}
+    return {"long_name": f"{long_name}{in_words(unit)}", "units": NONE, NORMALISED_BY: unit}
+
+
+def in_words(unit: str) -> str:
+    """Return the end of the long name of values in a normalised unit."""
+    return f", in {unit}"
+
+
 def unit_of(values: Any) -> str:
     """Return the unit that a number or an array carries; empty if there is none."""
     attributes = getattr(values, "attrs", None)
     if isinstance(attributes, Mapping):
-        named = attributes.get("units", attributes.get("unit"))
+        named = next((attributes[name] for name in (NORMALISED_BY, "units", "unit") if name in attributes), None)
         if named is not None:
             return str(named)
         values = getattr(values, "data", None)  # xarray may hold an array of pint

@@ -358,6 +358,7 @@ def test_written_dataset_is_whole_and_plain(solved_with, tmp_path):
     studies = {name: read_study(solutions, name) for name in ("waves", "two")}
     outcomes = [claims.evaluate(name, [studies[study] for study in of]).outcome for name, of in names.items()]
     with netCDF4.Dataset(tmp_path / "contact.nc") as data:
+        data = data["details"]
         assert list(data["claim"][:]) == list(names)
         assert data["claim_holds"][:].tolist() == outcomes
         assert data["claim_holds"].flag_meanings == "no yes not_measured not_decided"

@@ -97,4 +97,4 @@ def test_the_order_of_the_values_is_kept():
         found = weier.find_load(TWO, compliance=[1.0, 0.2, 1.0])
     assert found.compliance.values == pytest.approx([1.0, 0.2, 1.0], rel=1e-10)
     assert found.mean_pressure_error.dims == ("mean_pressure",)
-    assert found.mean_pressure_error.attrs["unit"] == "p_0*"
+    assert found.mean_pressure_error.attrs["normalised_by"] == "p_0*"

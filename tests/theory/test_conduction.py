@@ -147,10 +147,11 @@ def test_a_curve_in_si_units_keeps_its_coordinates():
         for name in ("mean_pressure", "compliance", "resistance", "patch_count")
     }
     assert units == {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2", "patch_count": "1"}
-    assert not any("unit" in values.attrs for values in found.variables.values())
+    assert found.compliance.long_name == "compliance"
+    assert not any("normalised_by" in values.attrs for values in found.variables.values())
     assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
     assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.contact_fraction.coords))
-    assert CURVE.compliance.attrs["unit"] == "g_0"  # what is given stays as it was
+    assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
 
 
 def test_a_data_array_stays_one():

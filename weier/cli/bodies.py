@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weier.checks import suggestion
 from weier.scene.yaml import parse_yaml
 from weier.theory.conduction import BODIES, RANGES, Bodies
-from weier.units import parsed
+from weier.units import NONE, WITHOUT, parsed, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from weier.pipeline.interface import Interface
 
-SI_UNITS = ("Pa", "m", "ohm m^2")
 OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error)$")  # the ends of columns for a quantity
 INTERFACE = "interface"  # The key of a scene with its bodies.
 
@@ -63,10 +62,8 @@ def _given(path: Path) -> dict[str, Any]:
 
 
 def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
-    """Return the table of curves, or of their mean; if they are in SI units, the headings name them."""
+    """Return the table of curves, or of their mean, with units in its headings."""
     table = data.weier.ensemble() if ensemble else data.weier.table()
-    if "mu_1" not in data.attrs:
-        return table
-    units = {str(name): values.attrs.get("units", "1") for name, values in data.variables.items()}
-    named = {name: units.get(name, units.get(OF_AN_ENSEMBLE.sub("", name))) for name in table}
-    return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit in SI_UNITS})
+    known = {str(name): unit_of(values) for name, values in data.variables.items()}
+    named = {name: known.get(name) or known.get(OF_AN_ENSEMBLE.sub("", name)) or NONE for name in table}
+    return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit not in WITHOUT})

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 import xarray as xr
 
+from weier import units
 from weier.cli.bodies import table_of
 from weier.data import dataset
 from weier.data.files import write_text
@@ -57,10 +58,10 @@ def as_json(data: xr.Dataset) -> str:
     curves = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
-    units = {str(name): values.attrs.get("unit", values.attrs.get("units", "1")) for name, values in measured.items()}
+    own = {str(name): units.unit_of(values) or units.NONE for name, values in measured.items()}
     bodies = {name: data.attrs[name] for name in (*BODIES, "lambda_0", "g_0") if name in data.attrs}
     header = {"title": data.attrs["title"]} | ({"interface": bodies} if bodies else {"normalisation": NORMALISED})
-    header |= {"units": units, **parameters, "mean_pressure": loads}
+    header |= {"units": own, **parameters, "mean_pressure": loads}
     if "mean_pressure_error" in case:
         header["mean_pressure_error"] = _plain(case["mean_pressure_error"].values)
     return json.dumps(header | {"methods": curves}, indent=1, allow_nan=False)
@@ -113,7 +114,7 @@ def _labels_of(path: Path) -> dict[str, Any]:
         found = json.loads(path.read_text(encoding="utf-8"))
         return found | {"m": math.inf if found["m"] == "inf" else found["m"]}
     if path.suffix == ".csv":
-        row = pd.read_csv(path).iloc[0].to_dict()
+        row = {heading.partition(" (")[0]: value for heading, value in pd.read_csv(path).iloc[0].items()}
     else:
         with dataset.reading(path) as data:
             row = data.weier.table().iloc[0].to_dict()

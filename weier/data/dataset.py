@@ -133,9 +133,10 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     if Path(path).is_file():
         netcdf.check_intact(path)
     try:
-        data = xr.open_dataset(path, engine="netcdf4", cache=False)
+        parts = xr.open_groups(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too
         raise netcdf.damaged_error(path, error) from None
+    data = _joined(parts)
     try:
         netcdf.check_origin(path, data.variables, data.attrs.get("program", ""))
     except ValueError:
@@ -144,6 +145,20 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     for variable in data.variables.values():  # so that shorter texts than a file has room for are written again
         for width in ("char_dim_name", "original_shape"):
             variable.encoding.pop(width, None)
+    return data
+
+
+def _joined(parts: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """Return the root of a file with the variables of its groups."""
+    root, *groups = parts.values()
+    data = root.assign_coords({name: values for group in groups for name, values in group.coords.items()})
+    data = data.assign({name: values for group in groups for name, values in group.data_vars.items()})
+
+    def close() -> None:
+        for part in parts.values():
+            part.close()
+
+    data.set_close(close)
     return data
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Hashable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
 
@@ -28,8 +28,7 @@ from weier.data.variables import VARIABLES, ancillary
 if TYPE_CHECKING:
     import xarray as xr
 
-CHUNK_CASES = 256  # The measurements above compare other chunks.
-CHUNK_BYTES = 2**19  # Chunks are smaller than CHUNK_CASES where a case has many contact edges.
+CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
 CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
 # The last line of a file: a name, and a digest of all bytes before it.
 SEAL = re.compile(rb"\nweier (?P<name>\S+) sha256:(?P<digest>[0-9a-f]{64})\n\Z")
@@ -39,6 +38,9 @@ BLOCK = 2**20  # bytes, read at a time
 MAX_VERIFIED = 2**26  # Files are digested when they are opened if they are smaller, which takes 0.1 s.
 REMAKE = "delete it and make it again"
 DEFLATE: Final = 1  # Higher levels take twice as long to write, as measured above.
+# Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
+# all dimensions. Readers without groups find the curves in the root.
+GROUP, GROUPED = "details", ("edge", "claim")
 # The lengths of texts in the table of variables, in bytes.
 WIDTHS = {name: int(entry.dtype[1:]) for name, entry in VARIABLES.items() if entry.dtype.startswith("U")}
 
@@ -58,20 +60,21 @@ def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], wi
         Bytes of each variable of text: see `text_widths`.
     """
     for dim, size in {**{str(dim): size for dim, size in like.sizes.items()}, **sizes}.items():
-        file.createDimension(dim, size)
+        _group(file, [dim]).createDimension(dim, size)
     for name, values in like.variables.items():
         _create_variable(file, str(name), values, str(name) in like.coords, widths)
     _relate_coordinates(file, like)
     for name in like.data_vars:
-        file[str(name)].setncatts(ancillary(str(name), like.data_vars))
+        _stored_as(file, str(name), like[name]).setncatts(ancillary(str(name), like.data_vars))
     file.setncatts(like.attrs)
 
 
 def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) -> None:
     """Write the values of a dataset into a file made by `create`: into these cases, or, if None, into all of it."""
     for name, values in data.variables.items():
-        if (cases is None or "case" in values.dims) and not _missing(file, str(name), values):
-            file[str(name)][... if cases is None else cases] = _stored(file, str(name), values)
+        stored = _stored_as(file, str(name), values)
+        if (cases is None or "case" in values.dims) and not _missing(stored, values):
+            stored[... if cases is None else cases] = _encoded_for(stored, values)
 
 
 def seal(path: str | Path, name: str = UNNAMED) -> None:
@@ -207,20 +210,36 @@ def text_widths(data: xr.Dataset) -> dict[str, int]:
     return {name: WIDTHS.get(name) or _encoded(values.values).itemsize for name, values in texts.items()}
 
 
+def _group(file: netCDF4.Dataset, dims: Iterable[Hashable]) -> netCDF4.Dataset | netCDF4.Group:
+    """Return the group of the variables over some dimensions, or the file itself."""
+    return file.createGroup(GROUP) if _grouped(dims) else file
+
+
+def _grouped(dims: Iterable[Hashable]) -> bool:
+    return any(dim in GROUPED for dim in dims)
+
+
+def _stored_as(file: netCDF4.Dataset, name: str, values: xr.Variable | xr.DataArray) -> netCDF4.Variable[Any]:
+    """Return a variable of the file, in its group."""
+    return _group(file, values.dims)[name]
+
+
 def _create_variable(
     file: netCDF4.Dataset, name: str, values: xr.Variable, coordinate: bool, widths: Mapping[str, int]
 ) -> None:
     text = values.dtype.kind in "UO"
     dims = [str(dim) for dim in values.dims]
+    group = _group(file, dims)
     if text:
         # Characters, not netCDF strings: those are not compressed, and no coordinate of CF.
         dims.append(f"string{widths[name]}")
-        if dims[-1] not in file.dimensions:
-            file.createDimension(dims[-1], widths[name])
+        if dims[-1] not in group.dimensions:
+            group.createDimension(dims[-1], widths[name])
     dtype: Any = "S1" if text else "i1" if values.dtype.kind == "b" else values.dtype
-    shape = [file.dimensions[dim].size for dim in dims]
+    sizes = {**file.dimensions, **group.dimensions}
+    shape = [sizes[dim].size for dim in dims]
     missing = np.nan if values.dtype.kind == "f" and not coordinate else None
-    made = file.createVariable(
+    made = group.createVariable(
         name,
         dtype,
         dims,
@@ -239,7 +258,7 @@ def _chunks(dims: list[str], shape: list[int], itemsize: int) -> list[int]:
     chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
     if dims[0] == "case":
         row = itemsize * int(np.prod(chunk[1:]))
-        chunk[0] = min(shape[0], max(1, min(CHUNK_CASES, CHUNK_BYTES // row)))
+        chunk[0] = min(shape[0], max(1, CHUNK_BYTES // row))
     return chunk
 
 
@@ -249,7 +268,7 @@ def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
     related = set()
     for name, values in data.data_vars.items():
         mine = [other for other in auxiliary if set(data[other].dims) <= set(values.dims)]
-        if mine:
+        if mine and not _grouped(values.dims):
             file[str(name)].coordinates = " ".join(mine)
         related.update(mine)
     alone = [name for name in auxiliary if name not in related]
@@ -257,19 +276,19 @@ def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
         file.coordinates = " ".join(alone)
 
 
-def _missing(file: netCDF4.Dataset, name: str, values: xr.Variable) -> bool:
+def _missing(stored: netCDF4.Variable[Any], values: xr.Variable) -> bool:
     """Whether all values are the fill value, so that nothing has to be written."""
-    return "_FillValue" in file[name].ncattrs() and bool(np.isnan(values.values).all())
+    return "_FillValue" in stored.ncattrs() and bool(np.isnan(values.values).all())
 
 
-def _stored(file: netCDF4.Dataset, name: str, values: xr.Variable) -> NDArray[Any]:
+def _encoded_for(stored: netCDF4.Variable[Any], values: xr.Variable) -> NDArray[Any]:
     """The values as stored in the file: texts are characters along a dimension of their own."""
     if values.dtype.kind not in "UO":
         return values.values
-    file[name].set_auto_chartostring(False)
-    width, encoded = file[name].shape[-1], _encoded(values.values)
+    stored.set_auto_chartostring(False)
+    width, encoded = stored.shape[-1], _encoded(values.values)
     if encoded.itemsize > width:
-        raise ValueError(f"{name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
+        raise ValueError(f"{stored.name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
     return encoded.astype(f"S{width}")[..., None].view("S1")
 
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from weier import units
 from weier.methods.method import QUANTITIES
 
 # Dimensions of variables.
@@ -29,7 +30,6 @@ COMPLIANCE_ERROR = (
     "bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
-PHYSICAL = ("rad", "s", "m", "Pa")  # These units of the table are units of UDUNITS, which CF requires.
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Files of measurements of the methods, which have some of the variables.
@@ -291,13 +291,9 @@ def blank(
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:
     """The attributes of a variable in a file, by the CF conventions; with a `unit` other than that of the table."""
     entry = table[name] if not unit else table[name]._replace(unit=unit)
-    known: dict[str, Any] = {"long_name": entry.long_name, "coverage_content_type": entry.content}
-    if entry.unit in PHYSICAL:
-        known["units"] = entry.unit  # of UDUNITS, as CF requires; dimensionless variables need none
-    elif entry.unit != "1":
-        known["unit"] = entry.unit  # which xarray writes at axes, too
-    elif entry.dtype == "f8":
-        known["units"] = entry.unit  # so that what has lost its unit differs from a ratio or a count
+    known: dict[str, Any] = units.described(entry.long_name, entry.unit) | {"coverage_content_type": entry.content}
+    if entry.dtype != "f8":  # texts and numbers of things have no units
+        del known["units"]
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
         if limit is not None:

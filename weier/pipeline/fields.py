@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from weier import units
 from weier.checks import checked_word, hinting
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
@@ -140,6 +141,5 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
 def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:
     data = {}
     for name, value in values.items():
-        long_name, unit = ATTRIBUTES[name]
-        data[name] = (dims, value, {"long_name": long_name, "units" if unit == "1" else "unit": unit})
+        data[name] = (dims, value, units.described(*ATTRIBUTES[name]))
     return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})

@@ -379,7 +379,7 @@ class Bodies:
             return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
         if (own := units.unit_of(normalised) or unit) != unit:
             raise ValueError(f"normalised must be in {unit}, got values in {own}")
-        return self.in_si(normalised.assign_attrs(unit=unit))
+        return self.in_si(normalised.assign_attrs({units.NORMALISED_BY: unit}))
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
@@ -401,7 +401,7 @@ def _with_unit(data: Any, unit: str) -> Any:
     checked_word("unit", unit, (*units.NORMALISED, units.NONE))
     if (own := units.unit_of(data)) not in ("", unit):
         raise ValueError(f"unit must be that of the data, {own}, got {unit}: leave it out")
-    return data.assign_attrs(unit=unit)
+    return data.assign_attrs({units.NORMALISED_BY: unit})
 
 
 def _check_normalised(data: Any) -> None:
@@ -410,8 +410,9 @@ def _check_normalised(data: Any) -> None:
         own = name in data.data_vars or name in LOCATED
         if own and variable.dtype.kind == "f" and not units.unit_of(variable):
             raise ValueError(
-                f'{name} has lost its unit, as by a mean or a ratio: give it again by data["{name}"].attrs["unit"] = '
-                '"g_0", or "1" for a plain number, or for one DataArray by in_si(data, unit="g_0")'
+                f"{name} has lost its unit, as by a mean or a ratio: give it again by "
+                f'data["{name}"].attrs["normalised_by"] = "g_0", or "1" for a plain number, or for one DataArray by '
+                'in_si(data, unit="g_0")'
             )
     if not any(units.unit_of(variable) in units.NORMALISED for variable in data.variables.values()):
         raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
@@ -434,10 +435,12 @@ def _varies(scale: Iterable[Array]) -> bool:
 def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
     """Return dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
     attributes = dict(variable.attrs)
-    unit = attributes.pop("unit", None)
+    unit = attributes.pop(units.NORMALISED_BY, None)
     if unit not in known:
         return variable.dims, variable.values, dict(variable.attrs)
     factor, attributes["units"] = known[unit]
+    if "long_name" in attributes:
+        attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit))
     if "symbol" in attributes:
         attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
     dims, values = variable.dims, variable.values
