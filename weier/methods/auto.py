@@ -153,6 +153,7 @@ class AutoCurve(NamedTuple):
     compliance_error : a bound, in g_0, as far as that of the method is one
     resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
     contact_fraction : length in contact per length; NaN where terms are left out
+    second_attempts : the number of loads at which the first attempt of patches failed; a scalar
     chosen_method, chosen_terms : the method and its number of terms; scalars
     """
 
@@ -161,6 +162,7 @@ class AutoCurve(NamedTuple):
     compliance_error: Array
     resistance_error: Array
     contact_fraction: Array
+    second_attempts: int
     chosen_method: str
     chosen_terms: float
 
@@ -170,7 +172,11 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
     solved = choice.method.solve(choice.kept, loads, **choice.settings)
     if quantity == RESISTANCE:
         _check_resistance(solved, loads, tolerance)
-    how: Any = {"chosen_method": choice.method.name, "chosen_terms": float(choice.kept.m)}
+    how: Any = {
+        "second_attempts": getattr(solved, "second_attempts", 0),
+        "chosen_method": choice.method.name,
+        "chosen_terms": float(choice.kept.m),
+    }
     if not choice.left_out:
         return AutoCurve(**{name: getattr(solved, name) for name in AutoCurve._fields if name not in how}, **how)
     low, high = complete_bounds(solved.compliance, choice.left_out, profile.total_amplitude, solved.compliance_error)

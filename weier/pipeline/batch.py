@@ -57,7 +57,8 @@ def solve_batch(
     contact_edges : bool
         Whether to keep the edges of contact.
     done, failed : callable
-        Called with a line of progress every `pause` seconds, and with the reason why a method has no curve.
+        Called with a line of progress every `pause` seconds and with the number of loads that took a second attempt,
+        and with the reason why a method has no curve.
     pause : float
         Seconds between two lines of progress.
     workers : int
@@ -83,12 +84,15 @@ def solve_batch(
         for case, loads in zip(cases, own, strict=True)
         for name in case.methods
     ]
-    outcomes = iter(solve_curves(curves, workers, pause, done))
+    outcomes, again = iter(solve_curves(curves, workers, pause, done)), 0
     for number, case in enumerate(cases):
         describe_case(rows, number, case)
         for name in case.methods:
             found = _found(case, name, next(outcomes), own[number], failed)
             _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
+            again += found.get("second_attempts", 0)
+    if again > 0:
+        done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
     return data
 
 

@@ -51,6 +51,7 @@ class PatchCurve(NamedTuple):
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition, evaluated without the equations solved, in g_0
     work : Newton steps
+    second_attempts : the number of loads at which the first attempt failed; a scalar
     contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
     """
 
@@ -63,6 +64,7 @@ class PatchCurve(NamedTuple):
     patch_count: Indices
     residual: Array
     work: Indices
+    second_attempts: int
     contact_edge: Array
 
 
@@ -149,16 +151,17 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges, period = [], [], float(profile.period)
+    points, edges, period, again = [], [], float(profile.period), 0
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
         points.append((*_curve_point(starts.surface, state), steps))
+        again += state is not None and state.route.attempts > 1
         edges.append(
             np.empty(0) if state is None else _sorted_contacts(contact_pieces(state, period)[0], period)[0].ravel()
         )
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
-    return PatchCurve._make([*map(np.array, zip(*points, strict=True)), padded])
+    return PatchCurve._make([*map(np.array, zip(*points, strict=True)), again, padded])
 
 
 def _curve_point(
