@@ -27,6 +27,8 @@ pair_sums
     sums over all pairs of nodes, in a time that grows as their number does
 fields
     pressure and gap anywhere, from a density
+kind, contacts, gaps, rule
+    contacts and gaps as two objects with one interface, and the arrays of their discrete problem
 given_edges, edge_iteration
     any number of contacts or gaps: their pressure, and Newton's method on their edges
 inequalities

@@ -40,7 +40,7 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.rule import Kind
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     MAX_NODES,
     Extent,

@@ -11,7 +11,7 @@ act on each other as dipoles only, so that the first part is enough.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
@@ -19,16 +19,28 @@ import scipy  # its modules load when they are first used: a tenth of a second e
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.contacts import CONTACTS, contact_rule
-from weier.methods.patches.gaps import GAPS, gap_rule
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_tree, pair_sums, potential
-from weier.methods.patches.rule import Kind, Rule, Table, add_own_blocks, forces_of, times_own
-from weier.methods.patches.rule import expansion as expand
+from weier.methods.patches.rule import (
+    Rule,
+    Table,
+    add_own_blocks,
+    expand,
+    factors_at_nodes,
+    forces_of,
+    own_tables,
+    scales,
+    times_own,
+)
 from weier.methods.patches.segments import Segments, distances_between
-from weier.methods.punches import OFFSET, Inverse, invert_punches, solve_forces
+from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 
-MAX_DIRECT = 300  # Unknowns of a direct solution at most: conjugate gradients with fast sums take less time beyond.
+# Unknowns of a direct solution at most: loads with 280 to 354 unknowns take 0.7 of the time that they take by
+# conjugate gradients with fast sums, those with 470 to 560 take 1.0 to 1.2 of it.
+MAX_DIRECT = 400
 MAX_STEPS = 300  # Steps of conjugate gradients; 10 to 30 are usual.
 # The pressure is carried along with moving edges, to first order in the move, up to so many half-widths: beyond, its
 # derivative predicts nothing.
@@ -108,62 +120,36 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
 
     ConvergenceError is raised if two of them overlap.
     """
-    extent = segments.first_node, *segments.extent
-    gap, offset, is_apart = _place_nodes(*extent, period, dual)
-    if not is_apart:
+    gap, offset = place_nodes(segments.first_node, *segments.extent, period, dual)
+    if not (gap.min() > 0 and segments.half_width.min() > 0):
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = Rule(*fields_of_rule(segments.first_node, segments.half_width, period, dual))
+        rule = Rule(*_fields_of_rule(segments.first_node, segments.half_width, period, dual))
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
     return Punches(segments, gap, offset, rule, matrix, period, kind_of(dual))
 
 
 @kernel
-def fields_of_rule(first_node: Indices, half_width: Array, period: float, dual: bool) -> tuple[Any, ...]:
-    """Return the fields of `rule_of`: for a NamedTuple numba runs Python, and crashes where Ctrl-C comes there."""
-    rule = rule_of(first_node, half_width, period, dual)
-    return (
-        rule.offset,
-        rule.left,
-        rule.own,
-        rule.own_scale,
-        rule.at_node,
-        rule.inverse,
-        rule.inverse_left,
-        rule.inverse_scale,
-        rule.wave,
-        rule.step,
-        rule.turn,
-        rule.degree_scale,
-        rule.angles,
-        rule.sign,
-        rule.shift,
-        rule.factor,
-        rule.dipoles,
-    )
-
-
-@kernel
-def rule_of(first_node: Indices, half_width: Array, period: float, dual: bool) -> Rule:
-    """Return the rule of contacts or of gaps."""
-    return gap_rule(first_node, half_width, period) if dual else contact_rule(first_node, half_width, period)
-
-
-@kernel
-def _place_nodes(
+def place_nodes(
     first_node: Indices, origin: Array, centre: Array, half_width: Array, period: float, dual: bool
-) -> tuple[Array, Array, bool]:
-    """Return the gaps on the right of segments, the nodes' offsets, and whether no two segments overlap."""
-    gap, offset = distances_between(origin, centre, half_width, period), np.empty(first_node[-1])
-    for j in range(half_width.size):
-        K = first_node[j + 1] - first_node[j]
-        for i in range(K):
-            angle = np.pi * (i + 1) / (K + 1) if dual else np.pi * (i + 0.5) / K
-            offset[first_node[j] + i] = -half_width[j] * np.cos(angle)
-    return gap, offset, bool(half_width.min() > 0 and gap.min() > 0)
+) -> tuple[Array, Array]:
+    """Return the gap on the right of each segment, and the offsets of its nodes from its middle."""
+    offset, _, _, _ = factors_at_nodes(first_node, half_width, period, dual)
+    return distances_between(origin, centre, half_width, period), offset
+
+
+@kernel
+def _fields_of_rule(
+    first_node: Indices, r: Array, period: float, dual: bool
+) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    """Return the fields of `Rule`: for a NamedTuple numba runs Python, and crashes where Ctrl-C comes there."""
+    _, left, at_node, inverse_left = factors_at_nodes(first_node, r, period, dual)
+    scale, inverse_scale = scales(first_node, r, period, dual)
+    own, inverse = own_tables(first_node, dual, False), own_tables(first_node, dual, True)
+    return own, left, scale, at_node, inverse, inverse_left, inverse_scale
 
 
 @kernel
@@ -172,28 +158,30 @@ def _equations(
     origin: Array,
     centre: Array,
     half_width: Array,
-    forcing: Array,
+    offset: Array,
     period: float,
     dual: bool,
+    factor: float,
     on_diagonal: float,
-) -> tuple[Table, Table]:
-    """Return the influence of all forces at all nodes, plus a constant, and the right sides: the forcing, and 1."""
-    rule, n = rule_of(first, half_width, period, dual), forcing.size
-    distance, right = np.empty(n * n), np.ones((2, n))
+) -> Table:
+    """Return the influence of all forces at all nodes, plus a constant: the upper triangle of the matrix."""
+    n, at = offset.size, 0
+    influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
     for i in range(first.size - 1):
-        for j in range(first.size - 1):
-            apart = origin[i] - origin[j] + (centre[i] - centre[j])
-            for a in range(first[i], first[i + 1]):
-                for b in range(first[j], first[j + 1]):
-                    distance[a * n + b] = apart + (rule.offset[a] - rule.offset[b])
-    replace_by_influence(distance, period, dual)
-    matrix = distance.reshape((n, n))
-    add_own_blocks(rule, first, matrix)
+        for a in range(first[i], first[i + 1]):
+            for j in range(i, first.size - 1):
+                apart = origin[i] - origin[j] + (centre[i] - centre[j])
+                for b in range(max(a, first[j]), first[j + 1]):
+                    influence[at] = apart + (offset[a] - offset[b])
+                    at += 1
+    replace_by_influence(influence, period, dual)
+    add_own_blocks(first, half_width, period, dual, matrix)
+    at = 0
     for a in range(n):
-        right[0, a] = forcing[a]
-        for b in range(n):
-            matrix[a, b] = rule.factor * matrix[a, b] + on_diagonal
-    return matrix, right
+        for b in range(a, n):
+            matrix[a, b] = factor * (matrix[a, b] + influence[at]) + on_diagonal
+            at += 1
+    return matrix
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -202,16 +190,16 @@ def displacement(punches: Punches, force: Array) -> Array:
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
     total += rule.at_node * force
-    times_own(punches.segments.first_node, rule.own, rule.left, rule.own_scale, rule.sign, rule.shift, force, total)
-    return np.asarray(rule.factor * total)
+    times_own(punches.segments.first_node, rule.own, rule.left, rule.scale, punches.dual, force, total)
+    return np.asarray(punches.kind.factor(punches.period) * total)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """The preconditioner: forces for a residual, if contacts act on each other as punches, and gaps not at all."""
     assert punches.rule is not None
     segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
-    scale = rule.inverse_left, rule.inverse_scale, rule.sign, rule.shift
-    times_own(segments.first_node, rule.inverse, *scale, residual, force)
+    scale = rule.inverse_left, rule.inverse_scale
+    times_own(segments.first_node, rule.inverse, *scale, punches.dual, residual, force)
     if inverse is not None:
         mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
         force += punches.at_nodes(solve_forces(inverse, mean) / segments.node_count)
@@ -243,11 +231,12 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 
 
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
-    """Solve by Cholesky's factors of the whole matrix, which of contacts is made positive definite by `OFFSET`."""
+    """Solve by Cholesky's factors of the whole matrix, which of contacts is made positive definite by a constant."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    extent = segments.first_node, *segments.extent
-    matrix, right = _equations(*extent, forcing, period, kind.dual, 0.0 if kind.dual else OFFSET)
-    _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, overwrite_a=True, overwrite_b=True)
+    placed = segments.first_node, *segments.extent, punches.offset
+    matrix = _equations(*placed, period, kind.dual, kind.factor(period), kind.on_diagonal)
+    right = np.stack([forcing, np.ones(forcing.size)])
+    _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
         raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
     even = found[:, 1]
@@ -326,7 +315,8 @@ def expansion(punches: Punches, force: Array) -> Array:
 @kernel
 def expansion_of(first_node: Indices, half_width: Array, force: Array, period: float, dual: bool) -> Array:
     """Return the coefficients of psi in T_k on segments of these half-widths."""
-    return expand(rule_of(first_node, half_width, period, dual), first_node, force)
+    _, left, _, _ = factors_at_nodes(first_node, half_width, period, dual)
+    return expand(first_node, half_width, left, force, dual)
 
 
 @kernel
@@ -386,4 +376,5 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on other segments, each that of the old one `origin`, or 0 where that is -1."""
     assert new.rule is not None
-    return forces_of(new.rule, new.segments.first_node, b, segments.first_node, origin)
+    extent = new.segments.first_node, new.segments.half_width, new.rule.left
+    return forces_of(*extent, b, segments.first_node, origin, new.dual)

@@ -1,20 +1,20 @@
-"""The discrete problem on segments with given edges: what contacts and gaps share, and in which numbers they differ.
+"""Segments with given edges in arrays: their nodes, their influences on themselves, and expansions.
 
 The density on a segment is psi(t)/sqrt(1-t^2) in its coordinate t, -1..1, with psi = sum b_n T_n. It is known by the
-forces f at its K nodes t_i = -cos(theta_i). `contacts` and `gaps` each have a kernel that fills in a `Rule`, and a
-`Kind` with the rest: forcing, closure, and signs. The formulas are derived in docs/patches.md, "Given edges".
+forces f at its K nodes t_i = -cos(theta_i), theta_i = pi (2 i + shift)/(2 N), where N = K + shift - 1 and the shift
+is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "Given edges", and in `contacts` and
+`gaps`, which have the factors in which the two differ.
 
-The influence of a segment on itself is a sum over n of cos(n theta_i) cos(n theta_j) or of sin(n theta_i)
-sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j, multiples of pi/N:
+The influence of a segment on itself, less the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
+of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j:
 
-    own_ij = scale left_i left_j [X(i - j) + sign X(i + j + shift)],   i != j,
+    own_ij = scale left_i left_j [X(i - j) +- X(i + j + shift)],   i != j,
 
 a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inverse has the same form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,109 +22,133 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.surface import CosineSeries
+from weier.methods.patches import contacts, gaps
+from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales
+from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales
+from weier.theory.halfplane import replace_by_influence
 
 Table = NDArray[np.float64]
+SHIFT_OF_CONTACTS, SHIFT_OF_GAPS = contacts.SHIFT, gaps.SHIFT
 
 
 class Rule(NamedTuple):
-    """The discrete problem on segments with given edges, in arrays for the kernels.
+    """The influences of segments on themselves, for conjugate gradients.
 
-    The tables of segment j begin at the entries 2 first_node[j] + j of X and 4 first_node[j] of `wave`.
+    The table of segment j begins at the entry 2 first_node[j] + j of `own` and `inverse`.
 
-    offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
-    left : factor of each node in the own influence and in the expansion, shape (nodes,)
     own : X of each segment
-    own_scale : factor of the own influence, shape (segments,)
+    left, scale : its factors, shape (nodes,) and (segments,)
     at_node : what each node has on the diagonal beside X, shape (nodes,)
-    inverse : the table of the inverse of the own influence on what it can invert: all of a gap, and all but the mean
-        of a contact
-    inverse_left, inverse_scale : the factors that go with it, the diagonal being that of the table
-    wave : W(q), a cosine or a sine, of which W(n, i) = W(n step_i) is the value of degree n at node i
-    step : of each node in `wave`, shape (nodes,)
-    turn : period of each segment's `wave`, shape (segments,)
-    degree_scale : b_n = degree_scale_n sum_i W(n, i) left_i f_i, shape (nodes,)
-    angles : N of each segment, of which theta_i is a multiple of pi/N or of pi/(2N), shape (segments,)
-    sign, shift : of the Hankel part
-    factor : of all sums
-    dipoles : whether the kernel is 1/sin^2 and not the logarithm
+    inverse : the table of the inverse on what it can invert: all of a gap, and all but the mean of a contact
+    inverse_left, inverse_scale : its factors, the diagonal being that of the table
     """
 
-    offset: Array
-    left: Array
     own: Array
-    own_scale: Array
+    left: Array
+    scale: Array
     at_node: Array
     inverse: Array
     inverse_left: Array
     inverse_scale: Array
-    wave: Array
-    step: Indices
-    turn: Indices
-    degree_scale: Array
-    angles: Indices
-    sign: float
-    shift: int
-    factor: float
-    dipoles: bool
-
-
-class Kind(NamedTuple):
-    """Contacts or gaps: the formulas in which they differ.
-
-    dual : whether these are gaps
-    right_sign : sign of psi at the right edge where it is positive at the left one
-    k_0_of_curvature : at an edge, b k_1 plus this times k_0 is in proportion to the curvature of what lies between
-        two segments, of half-width b
-    strength_factor : strength of the pressure at an edge over that of the density
-    tangent_forcing : derivative of the forcing by the load
-    sign_of_plane : sign of the resistance over the change of the plane with the load
-    rounding_power : rounding changes b_n by n to half this power
-    close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
-    factor : of sums over all forces, from the period
-    forcing_of_maximum : from series and load, the forcing where the series has its maximum
-    height_of_residual : from half-widths, the height of a residual of 1
-    finest_height : of the finest wave of a series, in g_0
-    """
-
-    dual: bool
-    right_sign: float
-    k_0_of_curvature: float
-    strength_factor: float
-    tangent_forcing: float
-    sign_of_plane: float
-    rounding_power: int
-    close: Callable[[Array, Array, float, float], tuple[Array, float]]
-    factor: Callable[[float], float]
-    forcing_of_maximum: Callable[[CosineSeries, float], float]
-    height_of_residual: Callable[[Array], Array]
-    finest_height: Callable[[CosineSeries], float]
 
 
 @kernel
-def cosine_sums(angles: int, terms: int, power: int, table: Array) -> None:
-    """Fill a table with sum_n n^power cos(pi n q/angles), n = 1..terms, for all q that it has."""
-    turn = 2 * angles
-    cosine, factor = np.empty(turn), np.empty(terms + 1)
+def shift_of(dual: bool) -> int:
+    """Return 1 for contacts, and 2 for gaps."""
+    return SHIFT_OF_GAPS if dual else SHIFT_OF_CONTACTS
+
+
+@kernel
+def hankel_sign(dual: bool) -> float:
+    """Return the sign of X(i + j + shift)."""
+    return -1.0 if dual else 1.0
+
+
+@kernel
+def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array, Array, Array]:
+    """Return of each node its offset from the middle of the segment, `left`, `at_node` and `inverse_left`."""
+    nodes, shift = first_node[-1], shift_of(dual)
+    offset, left, at_node, inverse_left = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    for j in range(r.size):
+        first, K = first_node[j], first_node[j + 1] - first_node[j]
+        for i in range(K):
+            angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
+            offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
+            node = gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
+            left[q], at_node[q], inverse_left[q] = node
+    return offset, left, at_node, inverse_left
+
+
+@kernel
+def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array]:
+    """Return the factors of the own influence of each segment and of its inverse."""
+    own, inverse = np.empty(r.size), np.empty(r.size)
+    for j in range(r.size):
+        N = first_node[j + 1] - first_node[j] + shift_of(dual) - 1
+        own[j], inverse[j] = gap_scales(r[j], N, period) if dual else contact_scales(r[j], N, period)
+    return own, inverse
+
+
+@kernel
+def _cosine_sums(angles: int, is_rising: bool, table: Array) -> None:
+    """Fill a table with sum_n n cos(pi n q/N) or, not rising, sum_n cos(pi n q/N)/n, n = 1..N-1, for q = 0, 1, ...
+
+    The first is N (N-1)/2 at q = 0, else -N/2 for even q and N/2 - 1/[2 sin^2(pi q/2N)] for odd q: the derivative of
+    the sum of sin(n x), which is [cos(x/2) - cos((N - 1/2) x)]/[2 sin(x/2)].
+    """
+    N, turn = angles, 2 * angles
+    cosine = np.empty(turn)
     for q in range(turn):
-        cosine[q] = np.cos(np.pi / angles * q)
-    for n in range(1, terms + 1):
-        factor[n] = float(n) if power > 0 else 1.0 / n
+        cosine[q] = np.cos(np.pi / N * q)
     for q in range(table.size):
         total, index = 0.0, 0
-        for n in range(1, terms + 1):
-            index += q
-            if index >= turn:
-                index -= turn
-            total += factor[n] * cosine[index]
+        if q > N:  # The sum is even about N.
+            total = table[turn - q]
+        elif is_rising:
+            total = 0.5 * N * (N - 1) if q == 0 else -0.5 * N
+            if q % 2 == 1:
+                total = 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * q) ** 2
+        else:
+            for n in range(1, N):
+                index += q
+                if index >= turn:
+                    index -= turn
+                total += cosine[index] / n
         table[q] = total
 
 
 @kernel
+def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
+    """Return the tables X of all segments or, if wished, those of the inverse.
+
+    X(q) is minus the sum less what the sum over all nodes has already: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi q/2N)].
+    """
+    n, of_before = first_node.size - 1, -1
+    table, factor = np.empty(2 * first_node[-1] + n), 0.25 if dual else 1.0
+    for j in range(n):
+        K, start = first_node[j + 1] - first_node[j], 2 * first_node[j] + j
+        here = table[start : start + 2 * K + 1]
+        if of_before == K:
+            for q in range(2 * K + 1):
+                here[q] = table[start - 2 * K - 1 + q]
+        else:
+            N = K + shift_of(dual) - 1
+            _cosine_sums(N, dual != inverse, here)
+            if not inverse:
+                at_nodes = np.arange(2.0 * K + 1)
+                replace_by_influence(at_nodes, 2.0 * N, dual)
+                for q in range(2 * K + 1):
+                    here[q] = -here[q] - factor * at_nodes[q]
+        of_before = K
+    return table
+
+
+@kernel
 def times_own(
-    first_node: Indices, table: Array, left: Array, scale: Array, sign: float, shift: int, f: Array, result: Array
+    first_node: Indices, table: Array, left: Array, scale: Array, dual: bool, f: Array, result: Array
 ) -> None:
     """Add the own influence of each segment, or its inverse, times f; the diagonal is that of the table."""
+    sign, shift = hankel_sign(dual), shift_of(dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
@@ -136,56 +160,75 @@ def times_own(
 
 
 @kernel
-def add_own_blocks(rule: Rule, first_node: Indices, matrix: Table) -> None:
-    """Add the own influence of each segment to a matrix of all nodes."""
+def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, matrix: Table) -> None:
+    """Add the own influence of each segment to the upper triangle of a matrix of all nodes."""
+    sign, shift = hankel_sign(dual), shift_of(dual)
+    _, left, at_node, _ = factors_at_nodes(first_node, r, period, dual)
+    table, (scale, _) = own_tables(first_node, dual, False), scales(first_node, r, period, dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
-            for k in range(first, last):
-                both = rule.own[start + abs(i - k)] + rule.sign * rule.own[start + i + k - 2 * first + rule.shift]
-                matrix[i, k] += rule.own_scale[j] * rule.left[i] * rule.left[k] * both
-            matrix[i, i] += rule.at_node[i]
+            for k in range(i, last):
+                both = table[start + k - i] + sign * table[start + i + k - 2 * first + shift]
+                matrix[i, k] += scale[j] * left[i] * left[k] * both
+            matrix[i, i] += at_node[i]
 
 
 @kernel
-def expansion(rule: Rule, first_node: Indices, force: Array) -> Array:
-    """Return the coefficients of psi in T_n, segment by segment, shape (nodes,)."""
+def _waves(nodes: int, dual: bool) -> tuple[Array, int]:
+    """Return cos(pi q/2N) or, dual, sin(pi q/2N), of a whole turn, and N."""
+    N = nodes + shift_of(dual) - 1
+    wave, first = np.empty(4 * N), N if dual else 0
+    for q in range(4 * N):
+        wave[q] = np.cos(np.pi / (2 * N) * ((q - first) % (4 * N)))
+    return wave, N
+
+
+@kernel
+def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool) -> Array:
+    """Return the coefficients of psi in T_n, segment by segment, shape (nodes,).
+
+    b_n is in proportion to the sum of W(n, i) left_i f_i, where W is cos or, dual, sin of n (pi - theta_i).
+    """
     b = np.zeros(force.size)
-    for j in range(first_node.size - 1):
-        first, last, turn = first_node[j], first_node[j + 1], rule.turn[j]
-        wave = rule.wave[4 * first : 4 * first + turn]
+    for j in range(r.size):
+        first, last = first_node[j], first_node[j + 1]
+        wave, N = _waves(last - first, dual)
         for i in range(first, last):
-            f, index = rule.left[i] * force[i], 0
+            f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift_of(dual)
             for n in range(first, last):
                 b[n] += f * wave[index]
-                index += rule.step[i]
-                if index >= turn:
-                    index -= turn
-    for n in range(b.size):
-        b[n] *= rule.degree_scale[n]
+                index += step
+                if index >= 4 * N:
+                    index -= 4 * N
+        for n in range(last - first):
+            b[first + n] *= gap_degree(n, r[j]) if dual else contact_degree(n, r[j])
     return b
 
 
 @kernel
-def forces_of(rule: Rule, first_node: Indices, b: Array, old_first_node: Indices, origin: Indices) -> Array:
+def forces_of(
+    first_node: Indices, r: Array, left: Array, b: Array, old_first_node: Indices, origin: Indices, dual: bool
+) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
     Coefficients of higher degree than the nodes carry are left out.
     """
     force = np.zeros(first_node[-1])
-    for j in range(first_node.size - 1):
+    for j in range(r.size):
         if origin[j] < 0:
             continue
-        first, last, turn, old = first_node[j], first_node[j + 1], rule.turn[j], old_first_node[origin[j]]
-        wave = rule.wave[4 * first : 4 * first + turn]
+        first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
+        wave, N = _waves(last - first, dual)
         count = min(last - first, old_first_node[origin[j] + 1] - old)
         for i in range(first, last):
-            total, index = 0.0, 0
+            total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift_of(dual)
             for n in range(count):
-                if rule.degree_scale[first + n] != 0:
-                    total += (1 if n == 0 else 2) * b[old + n] / rule.degree_scale[first + n] * wave[index]
-                index += rule.step[i]
-                if index >= turn:
-                    index -= turn
-            force[i] = total / (rule.left[i] * rule.angles[j])
+                degree = gap_degree(n, r[j]) if dual else contact_degree(n, r[j])
+                if degree != 0:
+                    total += (1 if n == 0 else 2) * b[old + n] / degree * wave[index]
+                index += step
+                if index >= 4 * N:
+                    index -= 4 * N
+            force[i] = total / (left[i] * N)
     return force
