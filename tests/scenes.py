@@ -26,7 +26,9 @@ def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
     for path in solutions.files(cores=cores):
         if not path.exists():
             batch = solutions.store.batch(path.stem)
-            curves = solve_batch(batch.cases, batch.kind.loads, batch.kind.contact_edges)
+            curves = solve_batch(
+                batch.cases, batch.kind.loads, batch.kind.contact_edges, loads_of=batch.kind.loads_of
+            )
             dataset.write(curves, path, batch.title, "solved", name=batch.name)
     solutions.store.write()
     return Solutions(scene, folder)

@@ -72,6 +72,7 @@ def batch(description: Path, data: Path) -> None:
             wanted.kind.loads,
             wanted.kind.contact_edges,
             done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
+            loads_of=wanted.kind.loads_of,
         )
         dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
 

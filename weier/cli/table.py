@@ -30,8 +30,8 @@ SELF = Path("-")  # stands for the data file itself
 def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:
     """Write the curves of a file as a table, also in SI units.
 
-    CONTACT is a netCDF file, of a scene or of `weier solve`. The table has one row a load. It goes to PATH or,
-    without one or for "-", to standard output.
+    CONTACT is a netCDF file, of a scene or of `weier solve`, in SI units if the loads of the scene are. The table has
+    one row a load. It goes to PATH or, without one or for "-", to standard output.
 
     \b
     weier table results/paper/contact.nc curves.csv
@@ -47,7 +47,7 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
 
     with dataset.open_dataset(contact) as data:
         curves = data.weier.cases(study=list(study)) if study else as_cases(data)
-        if bodies is not None:
+        if bodies is not None and not (bodies == SELF and "mu_1" in data.attrs):
             curves = read_bodies(contact if bodies == SELF else bodies).in_si(curves)
         if path.suffix == ".nc":
             curves = curves.drop_vars("case", errors="ignore").load()

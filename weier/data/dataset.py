@@ -102,7 +102,7 @@ def write(
     name : str
         A name in the last line of the file, which says what it was made of.
     """
-    data = data.assign_attrs(provenance.attributes(title, step, scene))
+    data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
     with replacing(path) as beside:
         with netCDF4.Dataset(beside, "w") as file:
             netcdf.create(file, data, {}, netcdf.text_widths(data))

@@ -19,6 +19,7 @@ NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
     "and resistance, dh/dp, in g_0/p_0*."
 )
+IN_SI = "Values are in SI units, for the two bodies whose moduli, Poisson's ratios and resistivities are attributes."
 AUTHORS = ("M. Ciavarella", "G. Murolo", "G. Demelio", "J. R. Barber")
 PAPER = (
     f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
@@ -40,7 +41,6 @@ FIXED = {
     "keywords": KEYWORDS,
     "naming_authority": "weier",
     "project": "weier",
-    "normalisation": NORMALISED,
     "references": PAPER,
     "acknowledgement": f"If you use these data, cite weier and {PAPER}",
     "license": "MIT",
@@ -60,7 +60,9 @@ FIXED = {
 }
 
 
-def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = ()) -> dict[str, str]:
+def attributes(
+    title: str, step: str, scene: str = "", before: Iterable[str] = (), in_si: bool = False
+) -> dict[str, str]:
     """Global attributes of a file.
 
     Parameters
@@ -73,6 +75,8 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         The scene file as text.
     before : iterable of str
         Histories of the input files; lines in common appear once.
+    in_si : bool
+        Whether the values are in SI units, not normalised.
     """
     made, (date, dating) = commit(), run_date()
     software = f"weier {VERSION}" + (f", commit {made}" if made else "")
@@ -83,11 +87,12 @@ def attributes(title: str, step: str, scene: str = "", before: Iterable[str] = (
         "source": f"numerical model: {software}",
         "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
         "processing_level": step,
-        "comment": f"{NORMALISED} {dating}",
+        "comment": f"{IN_SI if in_si else NORMALISED} {dating}",
         "git_commit": made or "unknown: not run from a checkout",
     }
     dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), date)
-    return FIXED | versions() | changing | dates | ({"scene": scene} if scene else {})
+    units = {} if in_si else {"normalisation": NORMALISED}
+    return FIXED | units | versions() | changing | dates | ({"scene": scene} if scene else {})
 
 
 def run_date() -> tuple[str, str]:

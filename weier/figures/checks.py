@@ -94,9 +94,13 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     if not kind.grouped and any("trace" in product.axes for product in products):
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {those('grouped')}"
     if figure.interface and not kind.units:
-        yield "units", f"{figure.draw} has no SI units: leave them out, or draw {those('units')}"
+        key, what = ("draw", "give loads in p_0*") if loaded.in_si else ("units", "leave them out")
+        yield key, f"{figure.draw} has no SI units: {what}, or draw {those('units')}"
     if (bodies := figure.interface) and figure.draw == "resistance" and not bodies.rho_1 + bodies.rho_2:
-        yield "units", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
+        yield (
+            "draw" if loaded.in_si else "units",
+            "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value",
+        )
     if not kind.grouped and (figure.grouping != BY_DEFAULT or figure.behind):
         keys = "colour, facet, median over, band or behind"
         yield "", f"{figure.draw} takes no {keys}: leave them out, or draw {those('grouped')}"

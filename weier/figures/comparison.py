@@ -206,7 +206,9 @@ def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Ar
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
     units = np.unique(np.stack([same.column("pressure_unit"), same.column("unit")]), axis=1)
     first = same.rows[0][0].loads
-    if units.shape[1] > 1 or any(not np.array_equal(table.loads, first) for table, _, _ in same.rows):
+    if units.shape[1] > 1 or any(
+        table.in_pascal or not np.array_equal(table.loads, first) for table, _, _ in same.rows
+    ):
         each = [table.line(int(row), same.method, quantity) for table, rows, _ in same.rows for row in rows]
         loads, values = lines.on_common_loads(each)
         return loads, grouping.reduce(values)

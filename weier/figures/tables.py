@@ -11,12 +11,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.data import curves
+from weier.data.variables import attributes
 from weier.figures import lines
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import Bodies
+from weier.units import PASCAL, unit_of
 
 QUANTITIES = ("compliance", "resistance")  # A line between the loads takes both.
 MISSING = 1e300  # In place of NaN, which numpy does not compare with itself.
@@ -42,6 +44,7 @@ class Table:
     best : the column of the most accurate numerical method of each case, or -1
     beside : whether a curve is by another numerical method than that, shape (cases, methods)
     columns : arrays over the cases: codes of parameters, equal for equal values, and units of loads and values
+    loads : in p_0*, or in Pa with `in_pascal`, where the values are normalised nevertheless
     """
 
     def __init__(self, study: xr.Dataset, quantity: str, names: Sequence[str], interface: Bodies | None) -> None:
@@ -49,6 +52,7 @@ class Table:
         self.size = study.sizes["case"]
         self.methods: list[str] = study["solution_method"].values.tolist()
         self.loads: Array = study["mean_pressure"].values
+        self.in_pascal = unit_of(study["mean_pressure"]) == PASCAL
         self.values = {name: study[name].values for name in QUANTITIES}
         self.known: Flags = np.isfinite(self.values[quantity]).any(axis=-1)
         solved, best = curves.most_accurate(study)
@@ -66,10 +70,30 @@ class Table:
     def line(self, row: int, method: str, quantity: str, points: bool = False) -> tuple[Array, Array]:
         """Return one curve, in the units of the figure: at its loads and between them, or as points."""
         # The line between the loads uses both quantities before their conversion to SI units.
-        found = (lines.points if points else lines.line)(self.study.isel(case=row), quantity, method)
+        case, pressure, unit = (
+            self.study.isel(case=row),
+            *(self.columns[name][row] for name in ("pressure_unit", "unit")),
+        )
+        if self.in_pascal:  # The resistance must be the slope of the compliance.
+            case = case.assign(resistance=case["resistance"] / pressure)
+            pressure, unit = 1.0, unit * pressure if quantity == "resistance" else unit
+        found = (lines.points if points else lines.line)(case, quantity, method)
         assert found is not None  # `known` has said so
         loads, values = found
-        return loads * self.columns["pressure_unit"][row], values * self.columns["unit"][row]
+        return loads * pressure, values * unit
+
+    def normalise_loads(self) -> None:
+        """Take loads in p_0* where those in Pa are the same for all cases, so that arrays of curves are reduced."""
+        units = self.columns["pressure_unit"]
+        if self.in_pascal and np.ptp(units) == 0:
+            self.loads, self.in_pascal = self.loads / units[0], False
+            self.study = self.study.assign_coords(
+                mean_pressure=("mean_pressure", self.loads, attributes("mean_pressure"))
+            )
+
+    def shown_loads(self, rows: Any) -> Array:
+        """The loads of some cases in the unit of the figure, shape (cases, loads), or (1, loads) if common."""
+        return self.loads[None] if self.in_pascal else self.loads * self.columns["pressure_unit"][rows, None]
 
     def parameters(self, row: int) -> dict[str, Hashable]:
         """Return the values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
@@ -126,6 +150,7 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
     ends = np.cumsum([table.size for table in tables])
     for table, end in zip(tables, ends, strict=True):
         table.columns = {name: values[end - table.size : end] for name, values in columns.items()}
+        table.normalise_loads()
     return tables
 
 
@@ -135,13 +160,15 @@ def extent(tables: Sequence[Table], quantity: str) -> Extent:
     drawn = [(table, table.known.any(axis=1)) for table in tables]
     for table, rows in drawn:
         if rows.any():
-            first = min(first, float(table.loads[0] * table.columns["pressure_unit"][rows].min()))
-            loads = curves.full_contact_loads(table.study)[rows] * table.columns["pressure_unit"][rows]
-            full = max(full, float(loads.max()))
+            first = min(first, float(table.shown_loads(rows)[:, 0].min()))
+            loads = curves.full_contact_loads(table.study)[rows]
+            full = max(
+                full, float((loads if table.in_pascal else loads * table.columns["pressure_unit"][rows]).max())
+            )
     least, largest, numerical = np.inf, 0.0, np.inf
     for table, rows in drawn:
         values = table.values[quantity][rows] * table.columns["unit"][rows, None, None]
-        loads = table.loads * table.columns["pressure_unit"][rows, None]
+        loads = table.shown_loads(rows)
         shown = (loads >= first) & (loads <= full)
         positive = shown[:, None] & (values > 0)
         least = min(least, values.min(initial=np.inf, where=positive))

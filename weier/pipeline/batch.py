@@ -20,11 +20,11 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
-from weier.pipeline.solve import LoadsOf
 from weier.pipeline.workers import CurveTask, Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.surface.limits import resolvable
+from weier.surface.loads import LoadsOf
 from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.units import NORMALISED_PRESSURE, PASCAL
 

@@ -50,12 +50,13 @@ class Part(NamedTuple):
 
     def seconds(self) -> Array:
         """Return the expected seconds of each curve."""
-        loads, axes = np.array(self.kind.loads), self.product.axes
+        loads, loads_of, axes = np.array(self.kind.loads), self.kind.loads_of, self.product.axes
         shape = [len(values) for values in axes.values()]
         costs = np.zeros([1 if name in SEEDS else len(values) for name, values in axes.items()])
         for place in np.ndindex(costs.shape):
             case = self.product.case(int(np.ravel_multi_index(place, shape)))
-            costs[place] = CASE_SECONDS + case.seconds(self.kind.method, loads)
+            own = loads if loads_of is None else loads_of(case.profile)
+            costs[place] = CASE_SECONDS + case.seconds(self.kind.method, own)
         return np.broadcast_to(costs, shape).ravel()[self.positions]
 
 
@@ -91,7 +92,7 @@ class Solutions:
                 positions = scene.position_in_product[start:end]
                 surfaces = product.surface_keys[positions]
                 for method in product.methods:
-                    kind = kind_of(product.case(0), method, scene.loads, scene.contact_edges)
+                    kind = kind_of(product.case(0), method, scene)
                     found.append(Part(kind, int(start), product, positions, surfaces))
         return found
 

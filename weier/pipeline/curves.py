@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -22,7 +22,14 @@ from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
+from weier.scene.cases import Scene
 from weier.scene.identity import Keys, Lookup, as_text, from_text
+from weier.surface.loads import LoadsOf
+from weier.theory.conduction import full_contact_pressure
+
+if TYPE_CHECKING:
+    from weier.surface.measured.trace import Trace
+    from weier.surface.waves import Waves
 
 # The surfaces, and what a batch computes from them besides a method.
 OF_SERIES = (("weier.surface.profile", "Profile"), ("weier.surface.profile", "random_phases"))
@@ -54,9 +61,10 @@ class Kind(NamedTuple):
     """What the curves of a batch have in common.
 
     method, settings : the method with all its settings
-    loads : in p_0*
+    loads : in p_0*, or in Pa with `modulus`
     contact_edges : whether the edges of contact are kept
     numerics : as `numerics` returns them
+    modulus : composite modulus in Pa, which gives the loads of each trace in p_0*
     """
 
     method: str
@@ -64,6 +72,19 @@ class Kind(NamedTuple):
     loads: Sequence[float]
     contact_edges: bool
     numerics: Mapping[str, str]
+    modulus: float | None = None
+
+    @property
+    def loads_of(self) -> LoadsOf | None:
+        """The function from a trace to its loads in p_0*, if those of the kind are in Pa."""
+        if (modulus := self.modulus) is None:
+            return None
+
+        def loads_of(surface: Waves) -> Array:
+            trace = cast("Trace", surface)
+            return np.array(self.loads) / full_contact_pressure(modulus, trace.lambda_0, trace.g_0)
+
+        return loads_of
 
     @property
     def name(self) -> str:
@@ -71,10 +92,17 @@ class Kind(NamedTuple):
         return f"{self.method}-{digest(self._asdict())[:8]}"
 
 
-def kind_of(case: Case, method: str, loads: Array, contact_edges: bool) -> Kind:
-    """Return the kind of the curve of a case by one of its methods."""
+def kind_of(case: Case, method: str, scene: Scene) -> Kind:
+    """Return the kind of the curve of a case by one of its methods.
+
+    A series has its loads in p_0*, so that scenes with other bodies share its curves.
+    """
     settings = dict(sorted(all_settings(find_method(method), case.settings.get(method, {})).items()))
-    return Kind(method, settings, loads.tolist(), contact_edges, numerics(method, "trace" in case.parameters))
+    loads, modulus, of_trace = scene.loads, None, "trace" in case.parameters
+    if scene.in_si and (bodies := scene.interface):
+        loads = loads if of_trace else bodies.normalised_pressure(loads)
+        modulus = bodies.composite_modulus if of_trace else None
+    return Kind(method, settings, loads.tolist(), scene.contact_edges, numerics(method, of_trace), modulus)
 
 
 class Batch(NamedTuple):

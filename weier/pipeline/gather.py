@@ -59,9 +59,10 @@ def gather(
     """
     scene, count = solutions.scene, len(solutions.scene.distinct)
     reader, labels = Reader(solutions, scene.layout), case_labels(scene)
-    first = reader.read(np.arange(1))
+    first = in_units_of(scene, reader.read(np.arange(1)))
     header = first.merge(labels.isel(case=slice(1))).merge(more or {})
-    header = header.assign_attrs(provenance.attributes(scene.title, step, scene.text, reader.histories()))
+    about = provenance.attributes(scene.title, step, scene.text, reader.histories(), in_si=scene.in_si)
+    header = header.assign_attrs(about)
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside:
         with netCDF4.Dataset(beside, "w") as file:
@@ -70,8 +71,16 @@ def gather(
             netcdf.fill(file, labels, slice(0, count))
             for start in range(0, count, size):
                 block = np.arange(start, min(start + size, count))
-                netcdf.fill(file, reader.read(block), slice(start, start + len(block)))
+                netcdf.fill(file, in_units_of(scene, reader.read(block)), slice(start, start + len(block)))
         netcdf.seal(beside, name)
+
+
+def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
+    """Return data of a scene in SI units, with its bodies as attributes, if its loads are in Pa."""
+    if not scene.in_si or scene.interface is None:
+        return data
+    own = {name: value for name, value in vars(scene.interface).items() if value is not None}
+    return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(own)
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
@@ -144,7 +153,10 @@ class Reader:
         """Return some cases, by their numbers among all of the scene."""
         methods, terms, edges, optional = self.layout
         loads = self.solutions.scene.loads
-        return self.fill(dataset.blank(len(cases), methods, loads, terms, edges, optional | {"numerics"}), cases)
+        unit = self.solutions.scene.load_unit
+        return self.fill(
+            dataset.blank(len(cases), methods, loads, terms, edges, optional | {"numerics"}, unit), cases
+        )
 
     def fill(self, blank: xr.Dataset, cases: Indices) -> xr.Dataset:
         """Fill in the curves of some cases, method by method: a case has the contact edges of its last method."""

@@ -14,7 +14,8 @@ from weier.checks import checked_numbers, hinting, shown
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.pipeline.inverse import Wanted, checked_wanted, find_load
-from weier.pipeline.solve import LoadsOf, in_order, solve_under
+from weier.pipeline.solve import in_order, solve_under
+from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves
 from weier.theory.conduction import Bodies, to_normalised
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,10 @@ from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.pipeline.progress import clock, watching
-from weier.surface.loads import listed_loads, unit_doubt
+from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.conduction import LOADS
 from weier.units import PASCAL
-
-LoadsOf = Callable[[Waves], Array]
 
 
 @hinting

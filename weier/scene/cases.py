@@ -20,7 +20,9 @@ from weier.scene.identity import Keys, as_text, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
+from weier.surface.loads import check_range
 from weier.theory.conduction import Bodies
+from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
@@ -59,7 +61,8 @@ class Scene:
     """A checked scene.
 
     name, title : of the file, and as a heading
-    loads : mean pressures, shape (loads,), in p_0*
+    loads : mean pressures, shape (loads,), in p_0*, or in Pa
+    in_si : whether they are in Pa, and all data in SI units
     studies : cases of each study, in the order of the file
     batch_size : most cases in one batch
     figures, claims : what is made from the studies
@@ -73,6 +76,7 @@ class Scene:
     title: str
     loads: Array
     studies: Mapping[str, Study]
+    in_si: bool = False
     batch_size: int = MAX_BATCH_CASES
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -167,6 +171,18 @@ class Scene:
     def figure(self, name: str) -> Figure:
         """The description of a figure; SceneError if there is no such figure."""
         return self._item("figure", self.figures, name)
+
+    @property
+    def load_unit(self) -> str:
+        """The unit of the loads, p_0* or Pa."""
+        return PASCAL if self.in_si else NORMALISED_PRESSURE
+
+    def check_loads(self) -> None:
+        """Refuse loads in Pa that are beyond the range of normalised ones for one of the surfaces."""
+        if self.in_si and self.interface:
+            for product in self.products:
+                for case in product.of_all_kinds("trace"):
+                    check_range(self.interface.at(case.profile).normalised_pressure(self.loads))
 
     def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
         if name not in table:

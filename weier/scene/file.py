@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -22,9 +22,10 @@ from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import read_yaml
 from weier.surface.profile import PARAMETERS
+from weier.units import PASCAL
 
 if TYPE_CHECKING:
-    from weier.scene.models import SceneKeys, StudyKeys
+    from weier.scene.models import Loads, SceneKeys, StudyKeys
 
 MAX_BATCH_BYTES = 4 * 2**30  # A batch must fit into the memory of one core of a usual machine.
 # Parts with a mistake are left out by themselves down to this depth below these keys, and others whole.
@@ -124,12 +125,23 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
     mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
     bodies = keys.interface.bodies() if keys.interface else None
+    loads = cast("Loads", keys.loads)
+    in_si = bool(loads) and loads.unit == PASCAL
+    if in_si and bodies is None and not mistakes.within("interface"):
+        mistakes.add(
+            [Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")]
+        )
+    if in_si and keys.claims:
+        mistakes.add(
+            [Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")]
+        )
     scene = Scene(
         name=path.stem,
         title=keys.title,
-        loads=np.array(keys.loads, float),
+        loads=np.array(loads.values if loads else [], float),
+        in_si=in_si,
         studies={name: study for name, study in read.items() if study is not None},
-        figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
+        figures={name: figure.figure(bodies, in_si) for name, figure in keys.figures.items()},
         interface=bodies,
         claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
         max_seconds=keys.max_seconds,
@@ -138,6 +150,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     )
     if mistakes:
         return scene
+    mistakes.attempt(("loads",), scene.check_loads, None)
     return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, keys.batch), 1))
 
 

@@ -16,6 +16,7 @@ from weier.scene.models import (
     AxisKeys,
     FigureKeys,
     InterfaceKeys,
+    LoadRange,
     ProfileKeys,
     Range,
     SceneKeys,
@@ -24,7 +25,7 @@ from weier.scene.models import (
 )
 
 # The parts of a scene, in the order of their tables.
-PARTS = SceneKeys, StudyKeys, ProfileKeys, TraceKeys, FigureKeys, InterfaceKeys, Range, AxisKeys
+PARTS = SceneKeys, StudyKeys, ProfileKeys, TraceKeys, FigureKeys, InterfaceKeys, Range, LoadRange, AxisKeys
 # The types of JSON schema in plain words.
 KINDS = {
     "string": "a text",

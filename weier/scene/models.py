@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import (
@@ -35,7 +35,7 @@ from weier.scene.mistakes import Keys, Mistake, Mistakes
 from weier.scene.part import LIST, NUMBER, RANGE, OneOf, Part, Pattern, all_of, check_once
 from weier.scene.study import MAX_CASES, check_number, check_value
 from weier.scene.yaml import number
-from weier.surface.loads import check_range, listed_loads
+from weier.surface.loads import check_pascal, check_range, listed_loads
 from weier.surface.measured.artefacts import DETREND, MISSING
 from weier.surface.measured.instruments import AXES
 from weier.surface.measured.layout import SEPARATORS
@@ -43,6 +43,8 @@ from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
 from weier.theory.conduction import Bodies
+from weier.units import NORMALISED_PRESSURE, PASCAL, factor
+from weier.units import NUMBER as QUANTITY
 
 LINE = r"[^\x00-\x1f\x7f\ud800-\udfff]{0,200}"
 MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.
@@ -130,6 +132,13 @@ class Range(Part):
         return [int(v) if v.is_integer() else v for v in space(self.first, self.last, self.count).tolist()]
 
 
+class LoadRange(Range):
+    """Mean pressures in equal steps or ratios."""
+
+    model_config = ConfigDict(title="a range of loads")
+    unit: Line = Field("", description="Unit of both ends, such as MPa, for two bodies; p_0* by default.")
+
+
 # Kinds of values, each with its limits, and with its name in messages and tables.
 # A limit behind the validator of whole floats would not be in the JSON schema.
 Position = Annotated[int, Field(ge=0), BeforeValidator(_as_whole)]
@@ -155,6 +164,7 @@ Numbers = Annotated[
         _as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[NumberOrRange], Field(min_length=1)]
     ),
 ]
+LoadOrRange = Annotated[Annotated[Number, Tag(NUMBER)] | Annotated[LoadRange, Tag(RANGE)], Discriminator(_kind)]
 Phase = Annotated[
     Annotated[Number, Tag(NUMBER)] | Annotated[list[float], Tag(LIST)] | Annotated[Range, Tag(RANGE)],
     Discriminator(_kind),
@@ -211,10 +221,33 @@ def values_of(parts: list[Any]) -> list[Any]:
     return [value for part in parts for value in (part.values() if isinstance(part, Range) else [part])]
 
 
-def _loads(parts: list[Any]) -> list[float]:
-    loads, _ = listed_loads([number("a load", value) for value in values_of(parts)])
-    check_range(loads)
-    return loads.tolist()
+class Loads(NamedTuple):
+    """Mean pressures, increasing, and their unit: p_0* or Pa."""
+
+    values: list[float]
+    unit: str = NORMALISED_PRESSURE
+
+
+def _loads(parts: list[Any]) -> Loads:
+    """The loads of a scene, all with a unit of pressure or all without."""
+    given = [one for part in parts for one in _with_units(part)]
+    if not (named := [unit for _, unit in given if unit]):
+        loads, _ = listed_loads([value for value, _ in given])
+        check_range(loads)
+        return Loads(loads.tolist())
+    if len(named) < len(given):
+        raise ValueError(f"loads must all have a unit, as some are in {named[0]}, or none")
+    loads, _ = listed_loads([value * factor("loads", unit, PASCAL) for value, unit in given])
+    check_pascal(loads)
+    return Loads(loads.tolist(), PASCAL)
+
+
+def _with_units(part: Any) -> list[tuple[float, str]]:
+    """The numbers of a number or range, each with its unit or an empty text."""
+    if isinstance(part, LoadRange):
+        return [(float(value), part.unit) for value in part.values()]
+    text = QUANTITY.fullmatch(part) if isinstance(part, str) else None
+    return [(float(text[1]), text[2])] if text else [(number("a load", part), "")]
 
 
 class ProfileKeys(Part):
@@ -517,8 +550,8 @@ class FigureKeys(Part):
             return ALL if self.band == "all" else MEAN
         return self.band[0], self.band[1]
 
-    def figure(self, interface: Bodies | None) -> Figure:
-        """Return the figure, in SI units of the bodies if it has these units."""
+    def figure(self, interface: Bodies | None, in_si: bool) -> Figure:
+        """Return the figure, in SI units of the bodies if it has these units, or the data of the scene have."""
         return Figure(
             draw=self.draw,
             studies=tuple(self.studies),
@@ -528,8 +561,18 @@ class FigureKeys(Part):
             x=self.x.axis if self.x else FREE,
             y=self.y.axis if self.y else FREE,
             size=(self.size[0], self.size[1]) if self.size else None,
-            interface=interface if self.units else None,
+            interface=interface if self.units or in_si else None,
         )
+
+
+LoadList = Annotated[
+    list[LoadOrRange],
+    Field(min_length=1, title=NUMBERS),
+    BeforeValidator(
+        _as_numbers, json_schema_input_type=LoadOrRange | Annotated[list[LoadOrRange], Field(min_length=1)]
+    ),
+    AfterValidator(_loads),
+]
 
 
 def _check_tolerance(value: Any) -> Any:
@@ -542,9 +585,10 @@ class SceneKeys(Part):
     model_config = ConfigDict(title="a scene")
     title: Annotated[Line, Field(min_length=1)] = Field(description="One line that says what the scene is about.")
     max_cases: Count = Field(MAX_CASES, description="The most cases that this scene may have; 10000 by default.")
-    loads: Annotated[Numbers, AfterValidator(_loads)] = Field(
-        description="Mean pressures in p_0*, positive, in any order: a number, a range, or a list of numbers and "
-        "ranges. Files have each load once, increasing."
+    loads: LoadList = Field(
+        description="Mean pressures, positive, in any order: a number, a range, or a list of numbers and ranges, in "
+        "p_0*. With the key interface also in Pa, as {unit: MPa, from: 1, to: 100, count: 20} or [1 MPa, 10 MPa]; "
+        "all cases then have these pressures, and the data are in SI units. Files have each load once, increasing."
     )
     methods: Methods = Field([], description="Methods to run on every case; `weier solve --help` lists them.")
     tolerance: Annotated[Number, AfterValidator(_check_tolerance)] = Field(
@@ -564,8 +608,8 @@ class SceneKeys(Part):
     )
     interface: Annotated[InterfaceKeys, AfterValidator(InterfaceKeys.checked)] = Field(
         ABSENT,
-        description="The two bodies and the scale of their roughness, as in weier.Interface, for figures in SI "
-        "units.",
+        description="The two bodies and the scale of their roughness, as in weier.Interface, for loads in Pa and "
+        "figures in SI units.",
     )
     batch: Count = Field(
         ABSENT, description="The most cases to solve in one job; 10000 by default, or as many as fit into memory."
@@ -616,7 +660,7 @@ class SoundKeys(SceneKeys):
     """The keys of a scene without those that have mistakes: none is needed, and none needs another one."""
 
     title: Line = ""
-    loads: Annotated[Numbers, AfterValidator(_loads)] = Field([])
+    loads: LoadList = Field([])
     studies: dict[Name, StudyKeys] = Field({})
 
     @classmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,9 @@ MAX_LOADS = 10_000  # A scene or a command has at most so many loads, so that a 
 LOAD_RANGE = 1e-12, 1e12  # p_0*: rounding leaves few digits of the compliance beyond this range.
 MAX_PASCAL = 1e13  # Larger values cannot be contact pressures in Pa, since no modulus is as large.
 FAR_BEYOND = 100.0  # Loads that all exceed full contact by this factor are probably in Pa.
+
+
+LoadsOf = Callable[[Waves], Array]  # From a surface to its loads in p_0*, where the common loads are in Pa.
 
 
 def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
@@ -70,10 +74,22 @@ def unit_doubt(profile: Waves, loads: Array) -> str:
     )
 
 
-def check_range(loads: Array) -> None:
-    """Refuse more loads than a scene may have, and loads so light or heavy that rounding leaves nothing of them."""
+def check_count(loads: Array) -> None:
+    """Refuse more loads than a scene or a command may have."""
     if loads.size > MAX_LOADS:
         raise ValueError(f"there must be at most {MAX_LOADS} loads, got {loads.size}")
+
+
+def check_pascal(loads: Array) -> None:
+    """Refuse more loads than a scene may have, and loads in Pa above any modulus."""
+    check_count(loads)
+    if loads.max() > MAX_PASCAL:
+        raise ValueError(f"loads must be at most {MAX_PASCAL:g} Pa, got {loads.max():g} Pa: is the unit right?")
+
+
+def check_range(loads: Array) -> None:
+    """Refuse more loads than a scene may have, and loads so light or heavy that rounding leaves nothing of them."""
+    check_count(loads)
     low, high = LOAD_RANGE
     if loads.min() < low or loads.max() > high:
         raise ValueError(f"loads must lie in [{low:g}, {high:g}] p_0*, got {loads.min():g} to {loads.max():g}")

@@ -64,6 +64,11 @@ def composite_modulus(
     return np.asarray(1 / softness)
 
 
+def full_contact_pressure(modulus: float, lambda_0: ArrayLike, g_0: ArrayLike) -> Array:
+    """Mean pressure p_0* = 2 pi M g_0/lambda_0 that flattens one wave (7), in the unit of the modulus."""
+    return np.asarray(2 * math.pi * modulus * np.asarray(g_0) / np.asarray(lambda_0))
+
+
 def _shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: ArrayLike) -> Array:
     """Return the shear modulus of body 1 or 2, which is given itself or by Young's modulus."""
     if mu is not None and E is None:
@@ -363,7 +368,7 @@ class Bodies:
         """Return the value of each normalised unit in SI units, at the scale given or at that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
-        p = 2 * math.pi * self.composite_modulus * height / length
+        p = full_contact_pressure(self.composite_modulus, length, height)
         slope = specific_resistance(height / p, self.composite_modulus, self.rho_1, self.rho_2)
         return {
             "lambda_0": (length, "m"),

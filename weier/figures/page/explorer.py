@@ -66,7 +66,7 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
     methods, count = data["solution_method"].values.tolist(), data.sizes["mean_pressure"]
     labels = {name: _labels(data, name) for name in LABELS}
-    curves = data if interface is None else interface.in_si(data)
+    curves = data if interface is None or "mu_1" in data.attrs else interface.in_si(data)
     pressures = np.broadcast_to(curves["mean_pressure"].values, (data.sizes["case"], count))
     values = {name: curves[name].values for name in SHOWN if name in curves}
     ensembles = _ensembles(labels)

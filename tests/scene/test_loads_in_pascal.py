@@ -1,0 +1,133 @@
+"""Scenes with loads in Pa: common pressures of traces and series, and results in SI units."""
+
+import numpy as np
+import pytest
+
+import weier
+from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
+from tests.scenes import scene_in, solve_scene
+from weier.figures import checks, comparison, lines, page, tables
+from weier.pipeline.gather import gather, read_study
+from weier.scene import SceneError
+
+MPA = np.array([5.0, 50.0, 500.0])
+OPTIONS = {"ends": "periodic", "unit": "m", "shortest": "8e-6"}
+SCENE = {
+    "title": "t",
+    "loads": {"unit": "MPa", "from": 5, "to": 500, "count": 3, "spacing": "log"},
+    "methods": ["patches"],
+    "studies": {
+        "lines": {"trace": {"file": ["a.csv", "b.csv"], **OPTIONS}},
+        "series": {"product": {"D": 1.5, "gamma": 2, "m": 2, "seed": [1, 2]}},
+    },
+    "interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6},
+    "figures": {
+        "lines": {"draw": "resistance", "studies": ["lines"], "colour": "trace"},
+        "scatter": {"draw": "compliance", "studies": ["lines"], "median over": "trace"},
+        "series": {"draw": "compliance", "studies": ["series"], "median over": "seed"},
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("si")
+    write_heights(folder / "a.csv")
+    write_heights(folder / "b.csv", 3 * np.roll(HEIGHTS, 7) + 2e-7 * np.cos(2 * np.pi * X / 32e-6))
+    loaded = scene_in(folder, SCENE, checks.load_scene)
+    return folder, loaded, solve_scene(loaded, folder / "batches")
+
+
+def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
+    folder, loaded, solutions = solved
+    gather(solutions, folder / "contact.nc")
+    surfaces = [case.profile for name in loaded.studies for case in loaded.study(name)]
+    expected = weier.Interface(**SCENE["interface"]).solve(surfaces, 1e6 * MPA, contact_edges=False)
+    with weier.open_dataset(folder / "contact.nc") as data:
+        assert data.mean_pressure.values == pytest.approx(1e6 * MPA, rel=1e-15)
+        for name, unit in (("compliance", "m"), ("resistance", "ohm m^2"), ("resistance_error", "ohm m^2")):
+            assert data[name].units == unit
+            assert data[name].values == pytest.approx(expected[name].values, rel=1e-12), name
+        assert data.mean_pressure.units == "Pa"
+        assert "normalisation" not in data.attrs
+        assert {name: data.attrs[name] for name in ("lambda_0", "g_0", "rho_1")} == {
+            "lambda_0": 1e-3,
+            "g_0": 1e-6,
+            "rho_1": 2e-7,
+        }
+        ensemble = data.weier.cases(study="lines").weier.ensemble()
+        assert ensemble["resistance_mean"].values == pytest.approx(expected.resistance.values[:2, 0].mean(axis=0))
+        with pytest.raises(ValueError, match="data must be normalised"):
+            weier.Interface(**SCENE["interface"]).in_si(data)
+    page.write(loaded, folder / "contact.nc", folder / "page.html")
+
+
+def test_figures_are_in_si_units(solved):
+    """The curves of traces of different scales reduce at the common pressures, those of a series as arrays."""
+    _, loaded, solutions = solved
+    expected = weier.Interface(**SCENE["interface"])
+    for name, (quantity, study) in {
+        "lines": ("resistance", "lines"),
+        "scatter": ("compliance", "lines"),
+        "series": ("compliance", "series"),
+    }.items():
+        figure = loaded.figures[name]
+        _, (axes,), extent = comparison.compare(
+            [read_study(solutions, study)], "", quantity, figure.grouping, figure.interface
+        )
+        surfaces = [case.profile for case in loaded.study(study)]
+        own = expected.solve(surfaces, 1e6 * MPA)[quantity].values[:, 0]
+        drawn = axes.get_lines()
+        at = [np.interp(1e6 * MPA, line.get_xdata(), line.get_ydata()) for line in drawn]
+        wanted = own if name == "lines" else [np.median(own, axis=0)]
+        # A compliance between two loads is drawn within these, and the last resistance may be 0.
+        assert np.array(at) == pytest.approx(np.array(wanted), rel=1e-9), name
+        assert "Pa" in axes.get_xlabel()
+        assert extent.first_load == pytest.approx(5e6)
+
+
+def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
+    """The resistivities are no part of a batch, and the moduli are."""
+    folder, _, solutions = solved
+    known = set(solutions.store.solved)
+
+    def new(**changes):
+        other = scene_in(folder, SCENE | {"interface": SCENE["interface"] | changes})
+        return {path.stem for path in type(solutions)(other, folder / "batches").files()} - known
+
+    assert new(rho_1=5e-7) == set()
+    assert len(new(mu_1=9e10)) == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"claims": {"fourth_term": ["series"]}}, r"claims: claims are about loads in p_0\*"),
+        (
+            {"figures": {"f": {"draw": "phases", "studies": ["series"]}}},
+            r"figures\.f\.draw: phases has no SI units: give loads in",
+        ),
+        ({"loads": ["1e-12 Pa"]}, r"loads: loads must lie in \[1e-12, 1e\+12\] p_0\*"),
+    ],
+)
+def test_what_has_no_pressure_is_refused(solved, changes, message):
+    with pytest.raises(SceneError, match=message):
+        scene_in(solved[0], SCENE | changes, checks.load_scene)
+
+
+def test_single_loads_have_units_too(solved):
+    loads = scene_in(solved[0], SCENE | {"loads": ["0.1 GPa", "5 MPa", "1 N/mm^2"]}).loads
+    assert loads == pytest.approx([1e6, 5e6, 1e8], rel=1e-14)
+
+
+def test_a_compliance_has_its_slope_between_the_loads(solved):
+    """As if the trace had been solved in its own units, and its line converted."""
+    _, loaded, solutions = solved
+    trace = loaded.study("lines")[1].profile
+    own = weier.Interface(**BODIES).at(trace)
+    alone = weier.solve([trace], own.normalised_pressure(loaded.loads), ["patches"])
+    loads, values = lines.line(alone.isel(case=0), "compliance", "patches")
+    (table,) = tables.tables_of([read_study(solutions, "lines")], "compliance", loaded.interface)
+    found_loads, found = table.line(1, "patches", "compliance")
+    assert found_loads == pytest.approx(own.pressure(loads), rel=1e-12)
+    assert found == pytest.approx(own.compliance(values), rel=1e-12)
