@@ -116,6 +116,7 @@ rule figure:
     output:
         pdf="results/{scene}/figures/{figure}.pdf",
         svg="results/{scene}/figures/{figure}.svg",
+        csv="results/{scene}/figures/{figure}.csv",
         png=report(
             "results/{scene}/figures/{figure}.png",
             category="{scene}",

@@ -198,7 +198,7 @@ def test_another_title_changes_the_data_alone(finished):
 def test_a_run_leaves_every_product(finished):
     results = finished / "results/test"
     made = {path.name for path in (results / "figures").iterdir()}
-    assert made == {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png")}
+    assert made == {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png", "csv")}
     data = dataset.read(results / "contact.nc")
     assert data.m.values.tolist() == [1, 2]
     assert not list(results.rglob(".*.nc*"))

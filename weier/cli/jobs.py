@@ -85,9 +85,10 @@ def batch(description: Path, data: Path) -> None:
 def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
     """Draw the figures NAMES of a scene, or all that it has.
 
-    The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG.
+    The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
+    CSV.
     """
-    from weier.figures import draw
+    from weier.figures import METADATA, VALUES, draw
     from weier.pipeline.batches import Solutions
     from weier.pipeline.gather import read_study
     from weier.pipeline.products import inputs_of_figure, mark
@@ -98,7 +99,8 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         for name in names or solutions.scene.figures:
             wanted = solutions.scene.figure(name)
             made_of = mark(inputs_of_figure(solutions, name))
-            draw(wanted, [study(name) for name in wanted.all_studies], folder / f"{name}.png", mark=made_of)
+            studies = [study(name) for name in wanted.all_studies]
+            draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), made_of)
 
 
 @click.command(hidden=True)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
+VALUES = "csv"  # The values of a figure are a further format.
 MARKS = {"png": "Comment", "pdf": "Keywords", "svg": "Keywords"}  # where a format keeps the mark of a product
 
 # Backends without windows; matplotlib chooses the first of them if there is no display.
@@ -101,7 +102,7 @@ def draw(
     path : path
         Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str
-        Some of pdf, svg and png.
+        Some of pdf, svg, png, and csv for the values.
     mark : str
         A text kept in the metadata of each file.
 
@@ -162,8 +163,10 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
 
 
 def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA), mark: str = "") -> None:
-    """Save a figure in the current style, in several formats."""
+    """Save a figure in the current style, in several formats; csv is its values."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from weier.figures.values import as_csv
 
     FigureCanvasAgg(drawn)  # One canvas caches the sizes of texts for the layout and for PNG.
     if engine := drawn.get_layout_engine():
@@ -171,5 +174,8 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
     drawn.set_layout_engine(None)  # With a layout engine, each format would be drawn twice.
     for suffix in formats:
         with replacing(Path(path).with_suffix(f".{suffix}")) as file:
+            if suffix == VALUES:
+                file.write_text(as_csv(drawn), encoding="utf-8")
+                continue
             marked = {MARKS[suffix]: mark} if mark else {}
             drawn.savefig(file, format=suffix, metadata=METADATA[suffix] | marked)

@@ -323,8 +323,9 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
         return None
     line = style.line(curve.method)
     low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
-    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, color=line["color"], **STATED)
-    return Patch(color=line["color"], label=f"error stated by {line['label']}", **STATED)
+    look = STATED | {"color": line["color"], "label": f"error stated by {line['label']}"}
+    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, **look)
+    return Patch(**look)
 
 
 def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:

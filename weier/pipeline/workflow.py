@@ -35,7 +35,8 @@ from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_
 from weier.scene import Scene
 
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
-FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats.
+FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
+VALUES = "csv"  # So are its values.
 DATA = ("contact.nc", "claims.md")
 LOCKS = Path(".snakemake/locks")
 LOCKED = (
@@ -127,7 +128,9 @@ class Scenes:
     def figures_of(self, name: str) -> list[str]:
         """The files of all figures of the scene of this name."""
         folder = self.results / name / "figures"
-        return [str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in FORMATS]
+        return [
+            str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in (*FORMATS, VALUES)
+        ]
 
     def batches(self, wildcards: Any) -> list[str]:
         """The files that hold all curves of a scene."""

@@ -146,6 +146,14 @@ USUAL = {
     "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
 }
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")
+# The unit in SI of each normalised unit.
+SI_UNITS = {
+    "lambda_0": units.METRE,
+    "g_0": units.METRE,
+    "p_0*": units.PASCAL,
+    "g_0/p_0*": "ohm m^2",
+    "p_0*/lambda_0^(1/2)": "Pa m^-0.5",
+}
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
 # The coordinates of curves that hold the scale of a trace, in m.
@@ -370,13 +378,9 @@ class Bodies:
         length, height = (np.asarray(value, float) for value in scale)
         p = full_contact_pressure(self.composite_modulus, length, height)
         slope = specific_resistance(height / p, self.composite_modulus, self.rho_1, self.rho_2)
-        return {
-            "lambda_0": (length, "m"),
-            "g_0": (height, "m"),
-            "p_0*": (p, "Pa"),
-            "g_0/p_0*": (slope, "ohm m^2"),
-            "p_0*/lambda_0^(1/2)": (p / np.sqrt(length), "Pa m^-0.5"),
-        }
+        values = {"lambda_0": length, "g_0": height, "p_0*": p, "g_0/p_0*": slope}
+        values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(length)
+        return {name: (value, SI_UNITS[name]) for name, value in values.items()}
 
     def _of_unit(self, unit: str, normalised: Any) -> Any:
         """Return values of one unit; those that say they are of another one are refused."""

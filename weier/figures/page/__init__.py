@@ -26,6 +26,7 @@ from weier.theory.conduction import Bodies
 
 EXPLORER_ID = ID("curves-explorer")
 IN_SI = "Pressures are in Pa, compliance in m and resistance in ohm m^2, for the two bodies of the scene."
+VALUES = "The values of each figure are beside it as comma-separated values."
 MEDIANS = "The median of phases has the largest stated error of its curves."
 
 
@@ -62,7 +63,7 @@ def _page(data: xr.Dataset, interface: Bodies | None) -> str:
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases if count > 1 else "One case", IN_SI if interface else provenance.NORMALISED, MEDIANS],
+        texts=[cases if count > 1 else "One case", IN_SI if interface else provenance.NORMALISED, MEDIANS, VALUES],
     )
 
 

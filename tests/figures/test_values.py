@@ -1,0 +1,68 @@
+"""The values of a figure as CSV beside it."""
+
+import csv
+from io import StringIO
+
+import numpy as np
+import pytest
+
+from tests.figures.test_figures import OF_STUDIES, many_cases
+from tests.figures.test_figures import studies as studies  # a fixture
+from weier import Interface, figures
+from weier.figures import lines, values
+from weier.scene import Figure, Grouping
+from weier.theory.conduction import Bodies
+
+BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7, "lambda_0": 1e-3}
+
+
+def table(folder, wanted, given):
+    figures.draw(wanted, given, folder / "figure.png", ["csv"])
+    text = (folder / "figure.csv").read_text(encoding="utf-8")
+    return list(csv.DictReader(StringIO(text)))
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_lines_and_bands_are_those_of_the_data(studies, tmp_path, si):
+    bodies = Bodies(**BODIES, g_0=1e-6) if si else None
+    one = studies["one"]
+    rows = table(tmp_path, Figure("compliance", interface=bodies), [one])
+    x, y = ("mean_pressure (Pa)", "compliance (m)") if si else ("mean_pressure (p_0*)", "compliance (g_0)")
+    assert list(rows[0])[:4] == ["panel", "curve", x, y]
+    drawn = [(float(row[x]), float(row[y])) for row in rows if row["curve"] == "Demelio"]
+    loads, h = lines.line(one.isel(case=0), "compliance", "demelio")
+    scale = Interface(**BODIES, g_0=1e-6)
+    expected = (scale.pressure(loads), scale.compliance(h)) if si else (loads, h)
+    found = np.transpose(drawn)
+    assert found == pytest.approx(np.array(expected), rel=1e-12)
+
+
+def test_a_band_has_its_two_ends(tmp_path):
+    study = many_cases()
+    grouping = Grouping(median_over=("m",), band=(0.0, 100.0))
+    rows = table(tmp_path, Figure("resistance", grouping=grouping), [study])
+    band = [row for row in rows if row["curve"].endswith(", all") and row["curve"].startswith("contact patches")]
+    method = study["solution_method"].values.tolist().index("patches")
+    known = study["resistance"].values[:, method]
+    for row, low, high in zip(band, known.min(axis=0), known.max(axis=0), strict=True):
+        ends = [float(row[f"resistance (g_0/p_0*), {end}"]) for end in ("low", "high")]
+        assert ends == pytest.approx([low, high], rel=1e-12)
+        assert row["resistance (g_0/p_0*)"] == ""
+
+
+# The message needs contact fractions of several terms, which its own test has.
+@pytest.mark.parametrize("kind", [kind for kind in OF_STUDIES if kind != "message"])
+def test_every_figure_has_values_in_plain_text(studies, tmp_path, kind):
+    rows = table(tmp_path, Figure(kind), [studies["terms"]])
+    assert rows
+    for row in rows:
+        assert not set("$\\{}") & set("".join([*row, row["panel"], row["curve"]]))
+        numbers = [value for name, value in row.items() if name not in ("panel", "curve") and value]
+        assert np.isfinite(np.array(numbers, float)).any()
+
+
+def test_labels_of_matplotlib_become_plain_text():
+    assert (
+        values._plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0^*/g_0"
+    )
+    assert values._plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"

@@ -1,0 +1,98 @@
+"""The values of a figure as CSV: a row for each point of each line and band, with units in the headings."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from io import StringIO
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+from weier.data.variables import VARIABLES
+from weier.figures.style import LABELS, SI_LABELS
+from weier.theory.conduction import SI_UNITS
+
+# Headings of the axes that show variables.
+OF_VARIABLES = {"x": "x (lambda_0)", "height": "height (g_0)"}
+OF_VARIABLES |= {name: f"{name} ({entry.unit})" for name, entry in VARIABLES.items()}
+HEADINGS = {label: OF_VARIABLES[name] for name, label in LABELS.items()}
+HEADINGS |= {label: f"{name} ({SI_UNITS[VARIABLES[name].unit]})" for name, label in SI_LABELS.items()}
+# Formulas of matplotlib in plain text.
+BRACED, SPACE, WORD = re.compile(r"\\(?:bar|mathrm)\{([^}]*)\}"), re.compile(r"\\[,;!]"), re.compile(r"\\([A-Za-z]+)")
+
+
+def as_csv(figure: Figure) -> str:
+    """Return all points of a figure; a band has its ends in place of a value.
+
+    Columns are the panel and the curve, and for each pair of axes x, y, and the ends of bands.
+    """
+    headings, rows = dict.fromkeys(["panel", "curve"]), list[dict[str, Any]]()
+    for axes in figure.axes:
+        x, y = (_heading(axis.get_label_text()) for axis in (_labelled(axes, "x"), _labelled(axes, "y")))
+        names = x, y, f"{y}, low", f"{y}, high"
+        panel = _plain(axes.get_title())
+        own = [
+            {"panel": panel, "curve": curve} | dict(zip(names, values, strict=True))
+            for curve, *values in _points(axes)
+        ]
+        headings |= dict.fromkeys(name for row in own for name in row if row[name] is not None)
+        rows += own
+    text = StringIO()
+    writer = csv.DictWriter(text, list(headings), extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _points(axes: Axes) -> Iterator[tuple[str, float, float | None, float | None, float | None]]:
+    """Yield each point of the lines and bands of a panel, with the name of its curve."""
+    for number, line in enumerate(axes.lines, 1):
+        if (
+            line.get_transform() == axes.transData and line.get_label() != "_nolegend_"
+        ):  # no grid, and no cap of a bar
+            name = _name(line, f"line {number}")
+            for x, y in np.asarray(line.get_xydata(), float).tolist():
+                yield name, x, y, None, None
+    for number, band in enumerate(axes.collections, 1):
+        if isinstance(band, PolyCollection | LineCollection):
+            name = _name(band, f"band {number}")
+            for path in band.get_paths():
+                places, low, high = _ends(np.asarray(path.vertices, float))
+                for x, least, largest in zip(places, low, high, strict=True):
+                    yield name, x, None, least, largest
+
+
+def _ends(vertices: Any) -> tuple[list[float], list[float], list[float]]:
+    """Return each x of a polygon, and the least and largest y there."""
+    x, number = np.unique(vertices[:, 0], return_inverse=True)
+    low, high = np.full(x.size, np.inf), np.full(x.size, -np.inf)
+    np.minimum.at(low, number, vertices[:, 1])
+    np.maximum.at(high, number, vertices[:, 1])
+    return x.tolist(), low.tolist(), high.tolist()
+
+
+def _name(artist: Any, otherwise: str) -> str:
+    label = str(artist.get_label())
+    return otherwise if label.startswith("_") else _plain(label)
+
+
+def _labelled(axes: Axes, name: str) -> Any:
+    """The axis of a panel, or the labelled one of a panel that shares it."""
+    shared = axes.get_shared_x_axes() if name == "x" else axes.get_shared_y_axes()
+    axis = [getattr(other, f"{name}axis") for other in (axes, *shared.get_siblings(axes))]
+    return next((one for one in axis if one.get_label_text()), axis[0])
+
+
+def _heading(label: str) -> str:
+    return HEADINGS.get(label, _plain(label))
+
+
+def _plain(text: str) -> str:
+    """A text of matplotlib without its signs of formulas."""
+    plain = WORD.sub(r"\1", SPACE.sub(" ", BRACED.sub(r"\1", text)))
+    return " ".join(re.sub(r"[${}]", "", plain).replace("infty", "inf").split())
