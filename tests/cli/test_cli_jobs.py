@@ -1,12 +1,17 @@
 """The commands of the pipeline: one sentence and a non-zero exit for what is wrong, and nothing written."""
 
 import re
+import shutil
+import signal
 import subprocess
 import sys
 
 import pytest
+import xarray as xr
 
 from weier import scene
+from weier.data import dataset, netcdf
+from weier.pipeline import workers
 from weier.pipeline.batches import Solutions
 
 SCENE = """
@@ -16,6 +21,14 @@ methods: [demelio]
 studies:
   one: {product: {D: 1.25, gamma: 5, m: 2}}
 """
+
+
+@pytest.fixture(autouse=True)
+def sigterm():
+    """A batch handles SIGTERM as Ctrl-C."""
+    before = signal.getsignal(signal.SIGTERM)
+    yield
+    signal.signal(signal.SIGTERM, before)
 
 
 def weier(*arguments):
@@ -51,6 +64,43 @@ def test_a_batch_becomes_a_file(description, tmp_path):
     assert len(said) == 1
     assert re.fullmatch(r"solve 1 case of one by \w+: \d+\.\d s", said[0])
     assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc"}
+
+
+def test_an_interrupted_batch_goes_on_from_what_it_has_solved(run, scene_file, tmp_path, monkeypatch):
+    scene_file.write_text(SCENE.replace("m: 2", "m: 2, seed: [1, 2, 3, 4, 5]"))
+    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
+    (path,) = solutions.files()
+    solutions.store.write()
+    description, part = path.with_suffix(".json"), path.with_suffix(".part")
+    assert run("batch", description, tmp_path / "whole.nc")[0] == 0
+    solved, own = [], workers.Solver.__call__
+
+    def interrupted(solver, curve):
+        if len(solved) == 2:
+            raise KeyboardInterrupt
+        solved.append(curve)
+        return own(solver, curve)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(workers.Solver, "__call__", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run("batch", description, path)
+    assert (part.exists(), path.exists()) == (True, False)
+    solved.clear()
+    with monkeypatch.context() as patch:
+        patch.setattr(workers.Solver, "__call__", lambda solver, curve: solved.append(curve) or own(solver, curve))
+        assert run("batch", description, path)[0] == 0
+    assert (len(solved), part.exists()) == (3, False)
+    whole, found = (dataset.read(file).drop_vars("seconds") for file in (tmp_path / "whole.nc", path))
+    xr.testing.assert_identical(whole.drop_attrs(), found.drop_attrs())
+
+
+def test_the_part_of_another_batch_is_refused(run, description, solved):
+    path = description.with_suffix(".nc")
+    shutil.copy(path, path.with_suffix(".part"))
+    netcdf.seal(path.with_suffix(".part"), "another")
+    code, _, err = run("batch", description, path)
+    assert (code, "another file than its name says: delete it" in err) == (1, True)
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])

@@ -8,12 +8,17 @@ from contextlib import contextmanager
 from functools import cache, partial
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import click
 
 import weier
 from weier.cli.options import FILE, output
+from weier.pipeline.curves import PART
 from weier.scene import Figure
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SCENE = click.argument("scene_file", type=FILE)
 # A folder, since a command line cannot hold the names of thousands of files.
@@ -59,13 +64,24 @@ def compile(methods: Sequence[str]) -> None:
 def batch(description: Path, data: Path) -> None:
     """Solve the batch that the Snakefile has described in the file DESCRIPTION.
 
-    The curves go to DATA, with the seconds that they took.
+    The curves go to DATA, with the seconds that they took. Ctrl-C, or SIGTERM of a cluster, leaves those that are
+    solved in a file beside it, from which the next run of the job goes on.
     """
-    from weier.data import dataset
+    from weier.data import dataset, netcdf
     from weier.pipeline.batch import solve_batch
     from weier.pipeline.curves import read_batch
 
-    wanted = read_batch(description)
+    wanted, part = read_batch(description), data.with_suffix(PART)
+    known = None
+    if part.exists():
+        netcdf.check_sealed(part, wanted.name)
+        known = dataset.read(part)
+
+    def keep(curves: xr.Dataset) -> None:
+        dataset.write(curves, part, wanted.title, "solved", name=wanted.name)
+        click.echo(f"solve {wanted.title}: stopped after {curves.sizes['case']} cases, which {part} keeps", err=True)
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     with job("solve", wanted.title):
         curves = solve_batch(
             wanted.cases,
@@ -73,8 +89,11 @@ def batch(description: Path, data: Path) -> None:
             wanted.kind.contact_edges,
             done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
             loads_of=wanted.kind.loads_of,
+            known=known,
+            keep=keep,
         )
         dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
+        part.unlink(missing_ok=True)
 
 
 @click.command(hidden=True)

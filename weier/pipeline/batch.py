@@ -45,6 +45,8 @@ def solve_batch(
     pause: float = LOG_SECONDS,
     workers: int = 1,
     loads_of: LoadsOf | None = None,
+    known: xr.Dataset | None = None,
+    keep: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
     """Solve cases under common loads, and report the progress every few seconds.
 
@@ -65,6 +67,10 @@ def solve_batch(
         Number of processes.
     loads_of : callable, optional
         From a surface to its loads in p_0*, for loads in Pa.
+    known : Dataset, optional
+        The result for the first of the cases, which are not solved again.
+    keep : callable, optional
+        Called with the result for the first of the cases, where Ctrl-C ends the solution of the others.
 
     Returns
     -------
@@ -78,19 +84,28 @@ def solve_batch(
     unit = NORMALISED_PRESSURE if loads_of is None else PASCAL
     data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"}, unit)
     rows = arrays(data)
-    own = [loads if loads_of is None else loads_of(case.profile) for case in cases]
+    first = 0 if known is None else known.sizes["case"]
+    if known is not None:
+        for name in data.data_vars.keys() | data.coords.keys() - data.sizes.keys():
+            rows[str(name)][:first] = known[name].values
+    own = [loads if loads_of is None else loads_of(case.profile) for case in cases[first:]]
     curves = [
         CurveTask(case.profile, name, case.settings.get(name, {}), loads)
-        for case, loads in zip(cases, own, strict=True)
+        for case, loads in zip(cases[first:], own, strict=True)
         for name in case.methods
     ]
-    outcomes, again = iter(solve_curves(curves, workers, pause, done)), 0
-    for number, case in enumerate(cases):
-        describe_case(rows, number, case)
-        for name in case.methods:
-            found = _found(case, name, next(outcomes), own[number], failed)
-            _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
-            again += found.get("second_attempts", 0)
+    outcomes, number, again = iter(solve_curves(curves, workers, pause, done)), first, 0
+    try:
+        for number, case in enumerate(cases[first:], first):
+            describe_case(rows, number, case)
+            for name in case.methods:
+                found = _found(case, name, next(outcomes), own[number - first], failed)
+                _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
+                again += found.get("second_attempts", 0)
+    except KeyboardInterrupt:
+        if keep is not None and number > first:
+            keep(data.isel(case=slice(number)))
+        raise
     if again > 0:
         done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
     return data

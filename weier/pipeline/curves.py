@@ -39,6 +39,7 @@ OF_ALL = (
     ("weier.theory.bounds", "first_contact"),
     ("weier.kernels.jit", "OPTIONS"),
 )
+PART = ".part"  # The suffix of the curves of a batch that was interrupted.
 CODE_DIGITS = 12  # of the digest of the code that files state
 
 

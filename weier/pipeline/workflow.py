@@ -29,7 +29,7 @@ from weier.methods import auto
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 from weier.pipeline.batches import Solutions, unused
-from weier.pipeline.curves import Store
+from weier.pipeline.curves import PART, Store
 from weier.pipeline.forecast import forecast_scene
 from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_page, made_of
 from weier.scene import Scene
@@ -292,6 +292,7 @@ class Scenes:
             for path in self.store.folder.glob("*.json"):
                 if path.stem in found or path.stem not in solved:
                     path.with_suffix(".nc").unlink(missing_ok=True)
+                    path.with_suffix(PART).unlink(missing_ok=True)
                     path.unlink()
             self.store = Store(self.store.folder)
 
