@@ -77,13 +77,17 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     deep = {"trace": OPTIONS | {"file": ["lab/**/line 3.csv", "lab/line [12].csv"]}, "methods": ["bem"]}
     loaded = load(folder, studies={"batch": batch, "deep": deep}, figures={})
     assert sources(loaded.studies["batch"]) == [f"lab/line {number}.csv" for number in (1, 2, 10)]
+    (folder / "lab" / ".hidden.csv").write_text("none")
+    bare = {"trace": OPTIONS | {"file": "lab/day"}, "methods": ["bem"]}
+    assert sources(load(folder, studies={"bare": bare}, figures={}).studies["bare"]) == ["lab/day/line 3.csv"]
+    assert len(load(folder, studies={"batch": batch}, figures={}).studies["batch"]) == 3
     assert sources(loaded.studies["deep"]) == ["lab/day/line 3.csv", "lab/line 1.csv", "lab/line 2.csv"]
     absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
     assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
     (folder / "lab" / "line 11.csv").write_text("x,z\n0,1\n1,rough\n")
     with pytest.raises(scene.SceneError, match=r"trace\.file: lab/line 11\.csv: .*line 3, "):
         load(folder, studies={"batch": batch}, figures={})
-    with pytest.raises(scene.SceneError, match=r"trace\.file: there is no file of the pattern .*lab/\*\.dat"):
+    with pytest.raises(scene.SceneError, match=r"trace\.file: there is no file .*lab/\*\.dat"):
         load(folder, studies={"batch": {"trace": OPTIONS | {"file": "lab/*.dat"}, "methods": ["bem"]}}, figures={})
     write_heights(folder / "lab" / "line 11.csv")
     with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 4"):

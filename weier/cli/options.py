@@ -156,7 +156,8 @@ OF_SOLUTION = (
     click.Option(
         ["--tolerance"],
         type=float,
-        help="Largest error of the compliance that is accepted, in g_0, by all methods that take one, or by auto.",
+        help="Largest error of the compliance that is accepted, in g_0, in [1e-13, 1), by all methods that take one, "
+        "or by auto.",
     ),
     click.Option(
         ["--set", "settings"],

@@ -98,7 +98,10 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     """
     surface = checked_surface(profile)
     checked_word("quantity", quantity, QUANTITIES)
-    wanted = checked_number("tolerance", tolerance, "be positive and finite", lambda number: 0 < number < math.inf)
+    least, most = patches.MIN_TOLERANCE, patches.MAX_TOLERANCE
+    wanted = checked_number(
+        "tolerance", tolerance, f"lie in [{least:g}, {most:g})", lambda number: least <= number < most
+    )
     if quantity == RESISTANCE:
         return _for_resistance(surface, wanted)
     kept, left_out = _fewest_terms(surface, wanted)
@@ -107,7 +110,7 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
         raise OutOfReachError(_out_of_reach(surface, kept, left_out, wanted))
     if bem.within_few_points(kept, rest):
         return Choice(kept, left_out, bem.METHOD, {"tolerance": rest})
-    return Choice(kept, left_out, patches.METHOD, {"tolerance": min(rest, patches.MAX_TOLERANCE)})
+    return Choice(kept, left_out, patches.METHOD, {"tolerance": rest})
 
 
 def _for_resistance(surface: Waves, tolerance: float) -> Choice:
@@ -139,6 +142,8 @@ def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float
     if left_out > 0:
         why = f": {kept.m:g} terms are the most that can be resolved, and the others sum to {left_out:.1e} g_0"
         others = ", a shorter series, or an estimate such as the layer, which states no error"
+    if MARGIN * least >= patches.MAX_TOLERANCE:
+        return f"no tolerance is within reach for the compliance of {surface.describe()}{why}; take a{others[3:]}"
     return (
         f"tolerance must be at least {MARGIN * least:.1e} g_0 for the compliance of {surface.describe()}, got "
         f"{tolerance:g}{why}; take a larger one{others}"

@@ -8,12 +8,13 @@ from functools import cache
 from typing import Any
 
 from weier.checks import checked_count, checked_flag, checked_number, nearest, shown
+from weier.methods import patches
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 from weier.surface.waves import MAX_POINTS
 
 TOLERANCE = "tolerance"  # The setting that means the same in all methods that have it.
-MIN_FRACTION = 1e-15  # The least value of a tolerance or fraction: less is below rounding.
+MIN_FRACTION = patches.MIN_TOLERANCE  # The least value of a tolerance or fraction: less is below rounding.
 
 
 Check = Callable[[str, Any], Any]

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array
 from weier.pipeline.inverse import Wanted, checked_wanted, find_load
 from weier.pipeline.solve import in_order, solve_under
 from weier.surface.loads import LoadsOf
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, checked_surface
 from weier.theory.conduction import Bodies, to_normalised
 
 
@@ -106,6 +106,8 @@ class Interface(Bodies):
             raise ValueError(
                 f"surface must be a weier.Profile, a weier.Trace, or a list of some of these, got {shown(surface)}"
             )
+        for one in surface if isinstance(surface, list | tuple) else ():
+            checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
         return self.in_si(in_order(solve_under(surface, loads, self._loads(loads), method, **options), position))
 

@@ -168,7 +168,10 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
     trace = {"source": readable(Path(profile["trace"]["file"]).name)} | profile["trace"]
     traces = trace_parameters(trace, Path())
     if len(traces) > 1:
-        raise ValueError(f"one line is solved at a time, got a map with {len(traces)}: name one by --line")
+        raise ValueError(
+            f"one line is solved at a time, got {len(traces)}: name a file, and a line of a map by --line; a scene "
+            "solves all"
+        )
     return {"trace": traces[0]}
 
 

@@ -127,23 +127,25 @@ def identity(name: str, value: Any) -> Any:
 
 
 def trace_files(file: str, folder: Path) -> list[str]:
-    """Return the files of a scene in this folder that a name stands for: one, or those of a pattern as `lab/*.csv`.
+    """Return the files of a scene in this folder that a name stands for: one, or those of a folder or a pattern.
 
-    The files of a pattern are in natural order, 2 before 10.
+    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones.
 
     Raises
     ------
     FileNotFoundError
         If there is none.
     """
-    if not PATTERN.search(file) or (folder / file).exists():
+    if (folder / file).is_dir():
+        file = f"{file.rstrip('/')}/*"
+    elif not PATTERN.search(file) or (folder / file).exists():
         checked_file(folder / file)
         return [file]
     start = Path(file).anchor
     base = Path(start) if start else folder
-    found = [path for path in base.glob(str(Path(file).relative_to(start))) if path.is_file()]
+    found = [path for path in base.glob(str(Path(file).relative_to(start))) if path.is_file() and path.name[0] != "."]
     if not found:
-        raise FileNotFoundError(f"there is no file of the pattern {folder / file}")
+        raise FileNotFoundError(f"there is no file {folder / file}")
     names = [str(path) if start else path.relative_to(folder).as_posix() for path in found]
     return sorted(names, key=lambda name: [(int(part or 0), text) for text, part in DIGITS.findall(name)])
 

@@ -287,8 +287,8 @@ class TraceKeys(Part):
 
     model_config = ConfigDict(title="a trace")
     file: FileNames = Field(
-        description="A file of text or of an instrument, a pattern such as lab/*.csv, whose files are taken in "
-        "natural order, or a list of these, from the folder of the scene."
+        description="A file of text or of an instrument; a folder, or a pattern such as lab/*.csv, whose files are "
+        "taken in natural order; or a list of these, from the folder of the scene."
     )
     shortest: Wavelengths = Field(
         ABSENT,

@@ -172,7 +172,7 @@ def _checked(name: str, values: ArrayLike) -> Array:
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
     """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
     for name, value in bodies.items():
-        what = {"mu": "modulus", "rho": "resistivity"}.get(name[:-2])
+        what = {"mu": "modulus", "E": "modulus", "rho": "resistivity"}.get(name[:-2])
         if what is None or value in (0, math.inf):
             continue
         least, most, unit, slip = USUAL[what]
@@ -207,7 +207,11 @@ class Bodies:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
-        for doubt in _doubts({name: vars(self)[name] for name in BODIES}):
+        known = {name: vars(self)[name] for name in BODIES}
+        for body, E in ((1, E_1), (2, E_2)):
+            if E is not None:  # A warning names what was given.
+                known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
+        for doubt in _doubts(known):
             warnings.warn(doubt, stacklevel=3)  # at the call of Interface
         scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
         full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies

@@ -105,7 +105,8 @@ METHOD = Method(
     summary="boundary elements of linear pressure (5.1), their staircase taken off; finite m",
     solve=_solve,
     settings={
-        "tolerance": "largest error of the compliance that is accepted, in g_0: it chooses the points",
+        "tolerance": "largest error of the compliance that is accepted, in g_0, in [1e-13, 1): it sets the points, "
+        'and bounds the resistance poorly; for this take patches, or auto with quantity="resistance"',
         "points_per_wave": f"nodes for each of the finest waves, {POINTS_PER_WAVE} by default",
         "points": "nodes in one period, in place of points_per_wave",
         "staircase": '"removed", or "kept": the steps in which edges of contact move from node to node',
