@@ -1,17 +1,9 @@
 """Archard's approximation: each wave carries the peak pressure of the next coarser one, Eqs (15)-(21).
 
-The formulas are those of docs/closed_forms.md: "Archard", and "Flat waves" for the part shared with Demelio.
-
-Term n carries xi_n, a mean pressure in its p_n*, from xi_0 = p/p_0* on: xi_{n+1} = gamma^(1-D) f(xi_n). The paper
-calls it zeta_{n-1}. Three runs of terms follow one another, and two of them are sums of amplitudes only:
-
-- flattened terms, xi > 1: f is affine, so their number has a closed form, and what follows is self-affine to
-  the complete series;
-- terms in partial contact, xi < 1: ln xi approaches its fixed point, the distance halving at each term;
-- flattened terms again, if that fixed point lies above 0, gamma^(D-1) < 2.
-
-f, h_n and dh_n/dxi join smoothly at xi = 1: a term that rounding puts into the neighbouring run makes no error.
-Heights are in g_0, pressures in p_0*.
+docs/closed_forms.md derives the formulas: "Archard", and "Flat waves" for the part shared with Demelio. Term n
+carries xi_n in units of p_n*, xi_{n+1} = gamma^(1-D) f(xi_n) with f the peak pressure of (10); the paper calls it
+zeta_{n-1}. Flat terms, terms in partial contact and flat terms again follow one another. Heights are in g_0,
+pressures in p_0*.
 """
 
 from __future__ import annotations
@@ -26,10 +18,10 @@ from weier.methods.method import Method, Style
 from weier.surface.series import full_contact_pressure
 
 LN2 = np.log(2)
-NEGLIGIBLE = 1e-20  # It keeps differences positive, and is less than their rounding.
-DIRECT_TERMS = 12  # So many terms bring ln xi from -700 to within 0.2 of its fixed point.
-TAYLOR_TERMS = 12  # Terms of a sum in the distance from the fixed point, 0.2 at most: 12 * 0.2^12/12! < 1e-16.
-MAX_MINUS_LOG = 750.0  # -ln of every positive double is smaller.
+NEGLIGIBLE = 1e-20  # keeps differences positive; below their rounding
+DIRECT_TERMS = 12  # terms that bring ln xi from -700 to within 0.2 of its fixed point
+TAYLOR_TERMS = 12  # of the expansion about the fixed point: 12 * 0.2^12/12! < 1e-16
+MAX_MINUS_LOG = 750.0  # above -ln of every positive double
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -58,7 +50,7 @@ def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
     The arguments are those of `compliance`. Resistances are in g_0/p_0*, exactly 0 where all terms are flattened.
     """
     waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
-    # The derivative of ln xi halves from term to term (18).
+    # the derivative of ln xi halves at each term (18)
     slope = _sums(waves, (waves.D - 2) * np.log(waves.gamma) - LN2, 0.0) / waves.load
     return waves.behind_flat_waves(slope)
 
@@ -75,7 +67,7 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
     """
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
     log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
-    # Where ln xi approaches a point above 0, all waves are flat again after so many.
+    # terms until all waves are flat again, if the fixed point of ln xi is above 0
     rising = np.ceil(np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE)))
     direct = np.minimum(np.where(log_shrink > 0, rising, DIRECT_TERMS), waves.waves)
     xi, log_xi = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)

@@ -120,8 +120,8 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
             f"resistance_error, or take a finite m; got {surface.describe()}"
         )
     patches.METHOD.check_applies(surface)
-    of_h = min(max(COMPLIANCE_SHARE * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
-    return Choice(surface, 0.0, patches.METHOD, {"tolerance": of_h})
+    h_tolerance = min(max(COMPLIANCE_SHARE * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
+    return Choice(surface, 0.0, patches.METHOD, {"tolerance": h_tolerance})
 
 
 def _fewest_terms(surface: Waves, tolerance: float) -> tuple[Waves, float]:
@@ -187,8 +187,8 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
     low, high = complete_bounds(solved.compliance, choice.left_out, profile.total_amplitude, solved.compliance_error)
     h, error = (low + high) / 2, (high - low) / 2
     shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
-    of_R = np.maximum(steepest - solved.resistance, solved.resistance - shallowest)
-    return AutoCurve(h, solved.resistance, error, of_R, np.full(loads.size, np.nan), **how)
+    R_error = np.maximum(steepest - solved.resistance, solved.resistance - shallowest)
+    return AutoCurve(h, solved.resistance, error, R_error, np.full(loads.size, np.nan), **how)
 
 
 def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:

@@ -1,9 +1,7 @@
-"""Demelio's approximation: every wave carries the same mean pressure, Eqs (23)-(26).
+"""Demelio's approximation: every wave carries the mean pressure, Eqs (23)-(26).
 
-The formulas are those of docs/closed_forms.md: "Demelio", and "Flat waves" for the part shared with Archard.
-
-The first N terms, with p_n* < p, are flattened; the others are self-affine to the complete series and sum to (26),
-scaled by g_N and p_N*. Heights are in g_0, pressures in p_0*.
+docs/closed_forms.md derives the formulas: "Demelio", and "Flat waves" for the part shared with Archard. Heights are
+in g_0, pressures in p_0*.
 """
 
 from __future__ import annotations

@@ -1,18 +1,12 @@
-"""Series whose coarsest waves are pressed flat: the part that Archard's and Demelio's approximations have in common.
+"""Flattened waves at the coarse end of a series, common to Archard's and Demelio's approximations.
 
-The formulas are those of docs/closed_forms.md, "Flat waves".
+docs/closed_forms.md, "Flat waves", derives the formulas. Wave n carries xi_n in units of p_n*; after a flat wave
 
-Wave n carries xi_n, a mean pressure in its p_n*. Behind a flat wave, xi_n > 1, the next one carries
+    xi_{n+1} - xi_inf = gamma^(1-D) (xi_n - xi_inf),
 
-    xi_{n+1} - fixed = gamma^(1-D) (xi_n - fixed),
-
-where `fixed`, the xi_inf of that page, is 0 if waves hand on the mean pressure alone. So the number N of flat waves
-has a closed form, and those that remain are self-affine to the complete series:
-
-    h(p; m) = sum of g_n over n < N + g_N h(xi_N; m - N),    dh/dp = gamma^-N h'(xi_N; m - N).
-
-A load that rounding takes for one more or one fewer flat wave has the same numbers, since these join smoothly.
-Heights are in g_0, pressures in p_0*.
+with xi_inf = 0 if waves carry the mean pressure. The number k of flat waves has a closed form, and the others are
+self-affine to the complete series: h(p; m) = sum_{n<k} g_n + g_k h(xi_k; m - k). Heights are in g_0, pressures in
+p_0*.
 """
 
 from __future__ import annotations
@@ -26,17 +20,17 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array
 from weier.surface.series import amplitude, full_contact_pressure, leading_amplitude
 
-# Terms in the place of m = inf: no sum in double precision differs between the two, and their difference is 0.
+# finite substitute for m = inf: sums are equal in double precision, and differences of m are defined
 INFINITE_TERMS = 1e300
 
 
 class Remaining(NamedTuple):
-    """The waves that each load does not press flat; arrays of the shape to which loads and series broadcast.
+    """Waves that are not flat; arrays of the broadcast shape of loads and series.
 
-    load : xi_N, what the first of them carries, in its p*; NaN where a load is not positive
-    waves : how many they are
-    flat : number N of the others
-    D, gamma : of the series, of their own shape
+    load : xi_k on the first of them; NaN for loads that are not positive
+    waves : their number, m - k
+    flat : number k of flat waves
+    D, gamma : parameters of the series, of their own shape
     """
 
     load: Array
@@ -46,12 +40,12 @@ class Remaining(NamedTuple):
     gamma: Array
 
     def with_flat_waves(self, h: Array) -> Array:
-        """Return compliance of all waves from that of those that remain."""
+        """Return the compliance of all waves from that of the remaining ones."""
         flat = self.flat, self.D, self.gamma
         return np.asarray(leading_amplitude(*flat) + amplitude(*flat) * h)
 
     def behind_flat_waves(self, slope: Array) -> Array:
-        """Return resistance of all waves from that of those that remain: flat waves have none."""
+        """Return the resistance of all waves from that of the remaining ones."""
         return np.asarray(self.gamma**-self.flat * slope)  # g_n/p_n* = gamma^-n
 
 
@@ -62,13 +56,13 @@ def remaining(
     m: ArrayLike,
     fixed_point: Callable[[Array, Array], Array] = lambda D, gamma: np.zeros_like(D),
 ) -> Remaining:
-    """Return the waves that are not flat under loads in p_0*; `fixed_point` is that of the loads handed on."""
+    """Return the waves that are not flat under loads in p_0*; `fixed_point` gives xi_inf."""
     p, D, gamma, m = (np.asarray(value, float) for value in (mean_pressure, D, gamma, m))
     m, fixed = np.asarray(np.minimum(m, INFINITE_TERMS)), fixed_point(D, gamma)
-    with np.errstate(invalid="ignore", divide="ignore"):  # Loads below the fixed point and invalid ones have no log.
+    with np.errstate(invalid="ignore", divide="ignore"):  # loads below the fixed point have no logarithm
         p = np.where(p > 0, p, np.nan)
         number = np.ceil((np.log(p - fixed) - np.log(1 - fixed)) / ((D - 1) * np.log(gamma)))
-        # Loads that tend to more than 1 are handed on to all waves.
+        # a fixed point of 1 or more flattens all waves
         flat = np.where(p > 1, np.where(fixed >= 1, m, np.minimum(number, m)), 0.0)
         shrink = full_contact_pressure(-np.where(flat < m, flat, 0), D, gamma)
         load = np.where(flat > 0, fixed + shrink * (p - fixed), p)

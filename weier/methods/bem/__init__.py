@@ -1,10 +1,8 @@
-"""Boundary elements (Section 5.1): N equal elements, linear pressure, periodic images, mean pressure removed.
+"""Boundary elements (Section 5.1): equal elements, piecewise linear pressure, periodic.
 
-The formulas are derived in docs/bem.md; each module names the sections that it rests on. From the heights of a
-profile follow nested grids (`grids`), on these pressure and tangent pressure at the nodes (`active_set`, with `edges`
-for its preconditioner, or the paper's own `direct`), from both the edges between nodes (`staircase`), and at last the
-curve and the bounds on its errors (`solver`, `error_model`). `fields` has the nodal values themselves, and `method`
-is how the rest of the package chooses and calls all this.
+docs/bem.md derives the formulas; each module names its sections. `grids` nests grids, `active_set` (preconditioned by
+`edges`) or the paper's `direct` solves on them, `staircase` corrects the edges, `solver` and `error_model` return the
+curve with its bounds, and `fields` the nodal values.
 """
 
 from weier.methods.bem.fields import Field, field

@@ -1,23 +1,9 @@
-"""The fast solver: an active set with preconditioned conjugate gradients, products by FFT, on nested grids.
+"""Fast solver: active set and preconditioned conjugate gradients on nested grids, products by FFT.
 
-The equations are those of docs/bem.md, "The discrete problem"; what makes the solver fast is in docs/numerics.md,
-"Fast boundary elements".
-
-The unknown is the nodal pressure p, the deformed surface is z - A p, and the rigid plane rests on it at the height H:
-z - A p = H and p >= 0 in contact, z - A p <= H and p = 0 outside, mean(p) = load. On a given set of contact nodes
-this is a quadratic minimisation, solved by conjugate gradients; the preconditioner is A^-1 of the whole surface, on
-residuals that are continued into the gaps. The gap outside and the pressure inside are known after every step for
-free, so the active set is corrected as soon as its violations clearly outweigh the error of the solution on it.
-
-`cascade` goes through the grids. On each, `solve_load` alternates steps on the contact as it is (`_conjugate_step`)
-with corrections of the contact (`_correct_contact`), until both the gap in contact and the violations are below the
-residual to reach.
-
-On the contact that is left, the tangent pressure q = dp/d(mean pressure) is found in the same way: mean(q) = 1 and
-A q = R in contact, with R the resistance.
-
-A kernel does a part of the work and returns whether all is done. Python calls it again until it is, so that Ctrl-C
-need not wait for a load on many nodes.
+docs/bem.md, "The discrete problem", has the equations; docs/numerics.md, "Fast boundary elements", the measured
+choices. The deformed surface z - A p touches the rigid plane at height H: z - A p = H, p >= 0 in contact; z - A p <=
+H, p = 0 outside; mean(p) = load. On each grid, `solve_load` alternates steps on the active set (`_conjugate_step`)
+with its corrections (`_correct_contact`). A kernel returns after `PART` of the work, so that Ctrl-C works.
 """
 
 from __future__ import annotations
@@ -33,18 +19,13 @@ from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nest
 from weier.methods.bem.staircase import EDGE_OFFSET, NodalSolution
 from weier.surface.waves import Waves
 
-# The tangent displacement A q must be as flat as this in contact, over R. R is an energy, whose error is the square.
-# The staircase of R, a few thousandths of it on the usual grids, has a relative error of 1e-4.
-TANGENT_TOLERANCE = 1e-4
-# Where R is less than this, in g_0/p_0*, that flatness is relative to this: near full contact the rest is rounding.
-MIN_RESISTANCE = 1e-6
-# Steps of conjugate gradients of a load on one grid; 10 are usual, and hundreds for thousands of contacts at once.
-MAX_STEPS = 1000
-# The contact is corrected first when its violations are so many times the gap that is left in contact, and one more
-# with each correction, so that it settles. With 1, ten thousand contacts take 1.4 times as many FFTs, and ten
-# contacts 3 % fewer.
+TANGENT_TOLERANCE = 1e-4  # variation of A q in contact over R; the relative error of R is its square
+MIN_RESISTANCE = 1e-6  # g_0/p_0*: lower limit of R in that ratio; below, near full contact, rounding dominates
+MAX_STEPS = 1000  # per load and grid; 10 are usual, hundreds for thousands of contacts
+# ratio of violations to the gap in contact at which the active set is first corrected; it grows by 1 with each
+# correction. With 1, ten thousand contacts take 1.4 times as many FFTs, and ten contacts 3 % fewer.
 FIRST_PATIENCE = 3
-PART = 2**22  # A call ends after pairs of FFTs of so many nodes in all: a quarter of a second on a busy machine.
+PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so that Ctrl-C works
 
 # The progress of a load:
 #
@@ -131,7 +112,7 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
 @kernel
 def dot(a: Array, b: Array) -> float:
     """Return the sum of the products of two arrays."""
-    # BLAS would run np.dot on several threads, which wait for each other on a busy machine, ten times as long.
+    # not np.dot: BLAS would run it on several threads, ten times as slow on a loaded machine
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]

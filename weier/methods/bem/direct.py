@@ -1,8 +1,7 @@
-"""The paper's solver: the dense matrix of influence and an active set by inversion (Johnson 1985, Section 5.9).
+"""The paper's solver: dense influence matrix and active set by inversion (Johnson 1985, Section 5.9).
 
-It solves the equations of docs/bem.md, "The discrete problem": A p + d = z at the nodes in contact, with the mean gap
-d as one more unknown and the load as one more equation. With z = 0 and the load 1, the same matrix gives the tangent
-pressure and -R.
+It solves the equations of docs/bem.md, "The discrete problem": A p + d = z on the active set with the mean gap d and
+the load balance. With z = 0 and unit load the same matrix gives the tangent pressure and -R.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from weier.methods.bem.staircase import NodalSolution
 from weier.surface.waves import Waves
 from weier.theory.halfplane import influence_coefficients
 
-MAX_ROUNDS = 100  # A load that starts from the one before takes 2 to 8 rounds of dropping and adding nodes.
+MAX_ROUNDS = 100  # corrections of the active set; 2 to 8 are usual
 
 
 class ActiveSet(NamedTuple):

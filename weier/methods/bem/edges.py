@@ -1,8 +1,7 @@
-"""The edges of contact on a grid, and residuals continued across them for the preconditioner.
+"""Edges of contact on a grid, and the extrapolation of residuals across them for the preconditioner.
 
-What this saves is in docs/numerics.md, "Fast boundary elements". The preconditioner is A^-1 of the whole surface: the
-residual is extrapolated into the gaps, multiplied by A^-1, and restricted to contact by the transpose of the
-extrapolation, so that the preconditioner is symmetric.
+The residual is extrapolated into the gaps, multiplied by A^-1 and restricted by the transpose of the extrapolation,
+so that the preconditioner is symmetric (docs/numerics.md, "Fast boundary elements").
 """
 
 from __future__ import annotations
@@ -10,9 +9,8 @@ from __future__ import annotations
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
-# Beyond an edge the residual is continued into the gap, falling linearly to 0 over REACH contact widths (less if the
-# gap is narrower). Cut off at the edge, it would be a jump, which A^-1 takes for a logarithmically large force: the
-# condition number of the preconditioned matrix falls from 12 to 2.7 at N = 2048, and with it the steps by a third.
+# contact widths over which the residual falls linearly to 0 in a gap. A jump at the edge would give a logarithmically
+# large force: extrapolation reduces the condition number from 12 to 2.7 at N = 2048, and the steps by a third.
 REACH = 2
 
 

@@ -1,4 +1,4 @@
-"""The errors of boundary elements: docs/bem.md, "Bounds"."""
+"""Stated errors of boundary elements (docs/bem.md, "Bounds")."""
 
 from __future__ import annotations
 
@@ -13,18 +13,16 @@ from weier.surface.crests import SAMPLES_PER_WAVE, countable, sample
 from weier.surface.waves import Waves
 from weier.theory.bounds import chord_bounds, first_contact
 
-# A crest half a node off the grid is missed by z'' (dx/2)^2/2 = z'' dx^2/8. That is the error at first touch; no
-# larger one was measured at any load. Here z'' is per square radian of the finest wave, so that dx is 2 pi over its
-# points.
+# z'' dx^2/8 with dx = 2 pi over the points per wave: the error at first contact for a crest half a node off the grid
 MISSED_CREST = (2 * math.pi) ** 2 / 8
 
-MIN_MEASURED_POINTS = 12  # Grids of fewer points for each of the finest waves were not measured.
-MAX_POINTS_PER_WAVE = 1e15  # The fewest points are cut off here: more than any computer holds, and still an integer.
-MAX_POINTS = 2**21  # A load on so many points takes a second.
-# Points for each of the finest waves at most, where a tolerance chooses them. With twice as many, the set of contact
-# did not settle at 2 of 4 loads (D = 1.25, gamma = 5, m = 3).
+MIN_MEASURED_POINTS = 12  # coarser grids, in points per finest wave, were not measured
+MAX_POINTS_PER_WAVE = 1e15  # beyond any computer, and still an integer
+MAX_POINTS = 2**21  # a second per load
+# limit of the points per finest wave chosen for a tolerance: with twice as many the active set did not settle at 2 of
+# 4 loads (D = 1.25, gamma = 5, m = 3)
 MAX_SOLVED_POINTS_PER_WAVE = 10_000
-MAX_OTHERS = 400  # From each load chords are drawn to so many others: more make the bounds hardly closer.
+MAX_OTHERS = 400  # chords per load; more hardly tighten the bounds
 
 
 def compliance_error(profile: Waves, points: int) -> float:
@@ -70,18 +68,18 @@ def errors(
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
-    of_h = np.where(loads < full, solution_error(profile, points, residual), rounding)
+    h_error = np.where(loads < full, solution_error(profile, points, residual), rounding)
     some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS)).astype(np.int64))
     other = np.concatenate([[0.0], loads[some], [full]])
     known = np.stack(
         [
             np.concatenate([[first_contact(profile)], h[some], [profile.total_amplitude]]),
-            np.concatenate([[rounding], of_h[some], [rounding]]),
+            np.concatenate([[rounding], h_error[some], [rounding]]),
         ]
     )
     low, high = np.zeros(loads.size), np.zeros(loads.size)
     for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_OTHERS)):
         shape = (part.size, other.size)
         others = np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
-        low[part], high[part] = chord_bounds(loads[part], h[part], of_h[part], *others)
-    return of_h, np.where(loads < full, np.maximum(high - R, R - low), 0.0)
+        low[part], high[part] = chord_bounds(loads[part], h[part], h_error[part], *others)
+    return h_error, np.where(loads < full, np.maximum(high - R, R - low), 0.0)

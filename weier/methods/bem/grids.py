@@ -1,9 +1,8 @@
-"""Nested grids: the waves that each carries, and how a solution is carried to the next finer one.
+"""Nested grids: the waves that each carries, and the interpolation of a solution to the next finer one.
 
-What this saves is in docs/numerics.md, "Fast boundary elements"; docs/bem.md, "The discrete problem", has the
-eigenvalues. A wave joins on the first grid that resolves it. The pressure so far is then its local mean, and under
-each of its crests stands Westergaard's pressure for that mean, Eq. (10): thousands of contacts begin near to where
-they end.
+docs/bem.md, "The discrete problem", has the eigenvalues; docs/numerics.md, "Fast boundary elements", the savings. A
+wave joins on the first grid that resolves it; each of its crests starts from Westergaard's pressure (10) under the
+local mean.
 """
 
 from __future__ import annotations
@@ -18,13 +17,11 @@ from weier.kernels.jit import kernel
 from weier.surface.waves import Waves
 from weier.theory.halfplane import eigenvalues, influence_coefficients
 
-MIN_POINTS_PER_CARRIED_WAVE = 8  # Points for each of the finest waves that a grid carries; fewer miss its crests.
-MIN_POINTS = 128  # On fewer nodes a grid saves less than its steps cost.
-# Ratio of a wave to the one before from which on it is a scale of its own; the waves of a measured surface are
-# closer.
-MIN_SCALE_RATIO = 1.2
-# A coarse grid stops at the residual 30 g/(points per wave)^2: ten times its own error, which is 3.3 g/(points per
-# wave)^2 at most (docs/numerics.md, "One wave on 512 nodes"), with g the amplitude of its finest wave.
+MIN_POINTS_PER_CARRIED_WAVE = 8  # fewer miss the crests
+MIN_POINTS = 128  # a coarser grid saves less than its steps cost
+MIN_SCALE_RATIO = 1.2  # ratio of wavelengths from which a wave is a scale of its own, unlike in traces
+# residual of a coarse grid in g_n/(points per wave)^2: ten times its error (docs/numerics.md, "One wave on 512
+# nodes")
 COARSE_ACCURACY = 30.0
 
 

@@ -12,10 +12,8 @@ from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
-# Residual over the tolerance, where one is given, so that the tolerance is left to the error of the grid. Three more
-# digits of the residual cost a step or two.
-RESIDUAL_FRACTION = 1e-3
-# Seconds of a load on few points, and how they grow: as N log N, times iterations and misses of the cache.
+RESIDUAL_FRACTION = 1e-3  # of the tolerance, which is left to the error of the grid; it costs a step or two
+# seconds per load on few points, and their growth (docs/numerics.md, "Expected seconds")
 SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.3
 
 

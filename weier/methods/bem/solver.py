@@ -1,7 +1,7 @@
-"""Boundary elements for a profile: choose the grid, start the solver, check what it returns.
+"""Boundary elements for a profile: choice of the grid, solver and checks.
 
-docs/bem.md has the equations ("The discrete problem"), the edges between nodes ("The staircase") and the errors that
-are stated ("Bounds").
+docs/bem.md derives the equations ("The discrete problem"), the edges between nodes ("The staircase") and the stated
+errors ("Bounds").
 """
 
 from __future__ import annotations
@@ -22,12 +22,11 @@ from weier.surface.limits import check_points, check_resolvable
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
-# Points for each of the finest waves by default: R is then within 1 % at nine of ten loads (docs/numerics.md).
-POINTS_PER_WAVE = 64
+POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
 SOLVERS = "fft", "direct"
-MIN_POINTS_PER_WAVE = 3  # Two points do not resolve a wave.
-RESIDUAL = 1e-10  # g_0: the residual at which the solver stops by default, below the error of any grid.
-LARGEST_RESIDUAL = 1.0  # The largest residual that may be accepted, in g_0; the whole compliance is no larger.
+MIN_POINTS_PER_WAVE = 3  # two points do not resolve a wave
+RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
+LARGEST_RESIDUAL = 1.0  # g_0: upper limit of the setting
 
 
 class BemCurve(NamedTuple):
@@ -87,7 +86,7 @@ def curve(
         Whether the result has the resistance; without, it is NaN. That saves the fast solver a third of its time
         where the staircase is kept. Removing the staircase needs the same second solution anyway.
     staircase : "removed" or "kept"
-        Whether the steps in which edges of contact move from node to node are taken off (docs/bem.md, "The
+        Whether the staircase of edges that move from node to node is corrected (docs/bem.md, "The
         staircase"). Kept, all is as in Section 5.1, with edges on nodes.
     points_per_wave : int, optional
         Nodes for each of the finest waves, instead of `points`: the same for profiles of any period.
@@ -150,8 +149,8 @@ def _as_curve(
     compliance = profile.total_amplitude - plane
     if not with_resistance:
         resistance = np.full(loads.size, np.nan)
-    of_h, of_R = error_model.errors(profile, loads, points, (compliance, resistance), residual)
-    return BemCurve(compliance, resistance, fraction, count, residual, work, of_h, of_R, edge, points)
+    h_error, R_error = error_model.errors(profile, loads, points, (compliance, resistance), residual)
+    return BemCurve(compliance, resistance, fraction, count, residual, work, h_error, R_error, edge, points)
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

@@ -1,7 +1,4 @@
-"""The layer that stands for all finer terms: pressure and compression at a node as functions of one number s.
-
-The formulas are those of docs/hybrid.md, "The equations".
-"""
+"""Closure of the layer at a node: pressure as a function of the nodal unknown Y (docs/hybrid.md, "The equations")."""
 
 from __future__ import annotations
 
@@ -15,15 +12,15 @@ from weier.kernels.arrays import Array
 from weier.methods import layer
 from weier.surface.profile import Profile
 
-ROWS = 400  # Rows of ln p as a cubic in ln s, which is then as accurate as the table of the layer itself.
-MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # p_0*; the rows extend over these loads.
+ROWS = 400  # of ln p over ln Y: as accurate as the table of the layer
+MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # range of the rows, in p_0*
 
 
 class NodalClosure(NamedTuple):
-    """The layer at a node of self-influence c: ln p over ln s = ln(w + c p), ln s over ln p, and c."""
+    """Layer at a node: ln p over ln Y = ln(w + A_00 p), its inverse, and the self-influence A_00."""
 
     log_pressure: scipy.interpolate.CubicHermiteSpline
-    log_s: scipy.interpolate.CubicHermiteSpline
+    log_unknown: scipy.interpolate.CubicHermiteSpline
     self_influence: float
 
 
@@ -34,30 +31,30 @@ def closure_at_nodes(kept: Profile, self_influence: float) -> NodalClosure:
     log_xi = np.linspace(math.log(MIN_LOAD), math.log(MAX_LOAD + peaks), ROWS)
     log_W, power = layer.tail_closure(log_xi, D, gamma)
     compression, pressure = gamma ** ((D - 2) * n) * np.exp(log_W), gamma ** ((D - 1) * n) * np.exp(log_xi)
-    s = compression + self_influence * pressure
-    slope = s / (power * compression + self_influence * pressure)  # d ln p/d ln s
+    unknown = compression + self_influence * pressure
+    slope = unknown / (power * compression + self_influence * pressure)  # d ln p/d ln Y
     return NodalClosure(
-        scipy.interpolate.CubicHermiteSpline(np.log(s), np.log(pressure), slope),
-        scipy.interpolate.CubicHermiteSpline(np.log(pressure), np.log(s), 1 / slope),
+        scipy.interpolate.CubicHermiteSpline(np.log(unknown), np.log(pressure), slope),
+        scipy.interpolate.CubicHermiteSpline(np.log(pressure), np.log(unknown), 1 / slope),
         self_influence,
     )
 
 
-def pressure_at(s: Array, closure: NodalClosure) -> tuple[Array, Array]:
+def pressure_at(unknown: Array, closure: NodalClosure) -> tuple[Array, Array]:
     """Return p(Y) and dp/dY, shape (N,): 0 for Y <= 0, a power law outside the table."""
-    inside = s > 0
-    positive = np.where(inside, s, 1.0)
-    log_s = np.log(positive)
-    log_p, power = _extrapolated(closure.log_pressure, log_s)
+    inside = unknown > 0
+    positive = np.where(inside, unknown, 1.0)
+    log_unknown = np.log(positive)
+    log_p, power = _extrapolated(closure.log_pressure, log_unknown)
     p = np.where(inside, np.exp(log_p), 0.0)
     return p, power * p / positive
 
 
-def s_at(pressure: Array, closure: NodalClosure) -> Array:
-    """Return the s at every pressure, shape (N,): that of the nodes' own influence where the pressure is negative."""
+def unknown_at(pressure: Array, closure: NodalClosure) -> Array:
+    """Return Y(p), shape (N,); A_00 p for negative pressures."""
     inside = pressure > 0
-    log_s, _ = _extrapolated(closure.log_s, np.log(np.where(inside, pressure, 1.0)))
-    return np.where(inside, np.exp(log_s), closure.self_influence * pressure)
+    log_unknown, _ = _extrapolated(closure.log_unknown, np.log(np.where(inside, pressure, 1.0)))
+    return np.where(inside, np.exp(log_unknown), closure.self_influence * pressure)
 
 
 def _extrapolated(spline: scipy.interpolate.CubicHermiteSpline, x: Array) -> tuple[Array, Array]:

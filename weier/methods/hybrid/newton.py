@@ -1,6 +1,6 @@
-"""Newton's method for the nodes and the rigid plane, its linear equations by GMRES.
+"""Newton's method for the nodal unknowns and the rigid plane, with linear equations by GMRES.
 
-The formulas are those of docs/hybrid.md: "The equations" and "Newton's method".
+docs/hybrid.md derives the formulas: "The equations" and "Newton's method".
 """
 
 from __future__ import annotations
@@ -12,25 +12,25 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.closure import NodalClosure, pressure_at, s_at
+from weier.methods.hybrid.closure import NodalClosure, pressure_at, unknown_at
 from weier.methods.progress import count_load
 from weier.surface.profile import Profile
 from weier.theory.halfplane import eigenvalues
 
 MAX_STEPS = 60
-# Relative residuals of the linear equations: of a step, which the next one corrects, and of the resistance.
+# relative residuals of GMRES: for a step, which the next one corrects, and for the resistance
 STEP_ACCURACY, RESISTANCE_ACCURACY = 1e-6, 1e-9
-DIRECTIONS, RESTARTS = 80, 10  # Some tens of directions of GMRES reach these residuals.
-TOLERANCE = 1e-9  # The largest residual, in g_0.
-LOAD_TOLERANCE = 1e-7  # The largest relative error of the load: light loads are less than the residual.
+DIRECTIONS, RESTARTS = 80, 10  # some tens of directions reach these residuals
+TOLERANCE = 1e-9  # largest residual, in g_0
+LOAD_TOLERANCE = 1e-7  # largest relative error of the load
 
 
-class Problem(NamedTuple):
-    """The resolved surface on its layer.
+class ContactProblem(NamedTuple):
+    """Resolved surface on its layer.
 
-    height : z at the nodes, shape (points,), in g_0
-    influence : eigenvalues of the influence matrix A without its diagonal, the influence of a node on itself
-    closure : of the layer at a node
+    height : z at the nodes, shape (N,), in g_0
+    influence : eigenvalues of the off-diagonal part A' of the influence matrix
+    closure : closure of the layer at a node
     """
 
     height: Array
@@ -39,9 +39,9 @@ class Problem(NamedTuple):
 
 
 def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure) -> tuple[Array, Array, Array]:
-    """Return compliance, resistance and residual, from the heaviest load down, each started from the one before."""
+    """Return compliance, resistance and residual; each load starts from the next heavier one."""
     influence = eigenvalues(points, kept.period) - closure.self_influence
-    problem = Problem(kept.sampled_height(points), influence, closure)
+    problem = ContactProblem(kept.sampled_height(points), influence, closure)
     h, R, residual = np.zeros((3, loads.size))
     state = _full_contact(problem, float(loads[-1]))
     for i in reversed(range(loads.size)):
@@ -52,22 +52,22 @@ def solve_loads(kept: Profile, loads: Array, points: int, closure: NodalClosure)
     return h, R, residual
 
 
-def _full_contact(problem: Problem, load: float) -> Array:
-    """Return a state to start from: s at every node, then the height H of the plane.
+def _full_contact(problem: ContactProblem, load: float) -> Array:
+    """Return an initial state, Y at every node and the height H of the plane.
 
-    The pressure is that of full contact on a layer as stiff as it is under the mean pressure.
+    The pressure is that of full contact on a linear layer with the stiffness at the mean pressure.
     """
     z, closure = problem.height, problem.closure
     mean = np.array([load])
-    s = s_at(mean, closure)
-    _, slope = pressure_at(s, closure)
+    unknown = unknown_at(mean, closure)
+    _, slope = pressure_at(unknown, closure)
     spectrum = np.fft.rfft(z)
     spectrum[1:] /= problem.influence[1:] + 1 / slope
     spectrum[0] = load * z.size
-    return np.append(s_at(np.fft.irfft(spectrum, z.size), closure), -s[0])
+    return np.append(unknown_at(np.fft.irfft(spectrum, z.size), closure), -unknown[0])
 
 
-def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, float]:
+def _solve_load(problem: ContactProblem, state: Array, load: float) -> tuple[Array, float]:
     """Solve by Newton's method from this state; return the solution and its residual, in g_0."""
     for _ in range(MAX_STEPS):
         p, slope = pressure_at(state[:-1], problem.closure)
@@ -84,23 +84,23 @@ def _solve_load(problem: Problem, state: Array, load: float) -> tuple[Array, flo
     )
 
 
-def _resistance(problem: Problem, state: Array) -> float:
-    """Return the resistance dh/dp, by which a unit of load lowers the plane, in g_0/p_0*."""
+def _resistance(problem: ContactProblem, state: Array) -> float:
+    """Return the resistance, -dH/dp, in g_0/p_0*."""
     unit = np.append(np.zeros(problem.height.size), 1.0)
     _, slope = pressure_at(state[:-1], problem.closure)
     plane_per_load = float(_linear_solution(problem, slope, unit, RESISTANCE_ACCURACY)[-1])
-    return max(-plane_per_load, 0.0)  # Close to full contact it is below its own accuracy, and of either sign.
+    return max(-plane_per_load, 0.0)  # near full contact it is below its accuracy and may be negative
 
 
 def _displacement(pressure: Array, influence: Array) -> Array:
-    """Return the displacement of each node by the pressures of the others, by FFT."""
+    """Return A' p, by FFT."""
     return np.asarray(np.fft.irfft(np.fft.rfft(pressure) * influence, pressure.size))
 
 
-def _linear_solution(problem: Problem, slope: Array, right: Array, accuracy: float) -> Array:
-    """Return the linear equations of a Newton step, by GMRES, preconditioned by those of a uniform layer.
+def _linear_solution(problem: ContactProblem, slope: Array, right: Array, accuracy: float) -> Array:
+    """Solve the linear equations of a Newton step by GMRES, preconditioned by those of a uniform layer.
 
-    [1 + (A - c) diag(dp/ds), 1; mean of dp/ds, 0] [ds; dH] = right
+    [1 + A' diag(dp/dY), 1; <dp/dY .>, 0] [dY; dH] = right
     """
     n, influence, dp = right.size - 1, problem.influence, float(slope.mean())
 

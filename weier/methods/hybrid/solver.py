@@ -25,16 +25,16 @@ from weier.theory.halfplane import influence_coefficients
 # Points for each of the finest resolved waves, at least: the error is within 9e-4 of their amplitude, as the layer
 # rounds the edges of contact.
 POINTS_PER_WAVE = 32
-MESH_FRACTION = 0.1  # The error of the mesh is at most this part of the amplitude that the layer stands for.
+MESH_FRACTION = 0.1  # error of the mesh over the amplitude of the tail
 MAX_POINTS = 2**14  # More points take minutes.
-MIN_LOAD = 1e-6  # p_0*; the displacement under lighter loads is below the tolerance of the residual.
+MIN_LOAD = 1e-6  # p_0*; lighter loads displace the surface by less than the residual
 
 
 class HybridCurve(NamedTuple):
-    """The infinite series over the loads, each of shape (loads,).
+    """Curve of the infinite series; arrays of shape (loads,).
 
-    compliance : best estimate of h within its bounds, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp of it, in g_0/p_0*
+    compliance : estimate of h clipped to its bounds, in g_0
+    resistance : dh/dp of the estimate, in g_0/p_0*
     compliance_lower, compliance_upper : bounds on h from the resolved terms alone (27), widened by the bound on the
         error of boundary elements
     residual : largest violation of the equations, in g_0
@@ -54,19 +54,19 @@ class HybridCurve(NamedTuple):
 
 @one_thread
 def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | None = None) -> HybridCurve:
-    """Return best estimate of the infinite series from its first terms, with bounds beside it.
+    """Solve the infinite series with its first terms resolved; return estimate and bounds.
 
     Parameters
     ----------
     profile : Profile
         With m = inf.
     mean_pressure : array_like, shape (loads,)
-        Increasing, in p_0*.
+        Increasing mean pressures in [1e-6, 1e3], in p_0*.
     terms : int
-        Waves to resolve, at least 1.
+        Number of terms to resolve, at least 1.
     points : int, optional
-        Nodes in a period of the resolved waves; by default 32 for each of the finest, or as many as keep the error of
-        the mesh below a tenth of what the layer stands for, up to 2^14.
+        Nodes per period; by default 32 for each of the finest resolved waves, more if the error of the mesh would
+        exceed a tenth of the tail, up to 2^14.
 
     Returns
     -------

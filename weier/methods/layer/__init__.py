@@ -1,6 +1,6 @@
-"""The non-linear layer model (4.3): one wave at a time, on a half-plane through a layer of all finer waves.
+"""The non-linear layer model (4.3): each wave bears on the half-plane through a layer of all finer waves.
 
-The formulas are derived in docs/layer.md; each module names the sections that it rests on.
+docs/layer.md derives the formulas; each module names its sections.
 """
 
 from weier.methods.layer.method import METHOD

@@ -1,6 +1,6 @@
-"""The closure of a layer: its compression w(p), a table of ln w over ln p with slopes and cubics between the rows.
+"""Closure w(p) of a layer: a table of ln w over ln p with cubic interpolation.
 
-The formulas are those of docs/layer.md, "Tables"; "One scale" says what w is.
+docs/layer.md derives the formulas: "One scale" defines w, "Tables" its interpolation.
 """
 
 from __future__ import annotations
@@ -12,15 +12,14 @@ import scipy  # its parts load when they are used: a tenth of a second each, tha
 
 from weier.kernels.arrays import Array
 
-POSITION_SCALE = 4.0  # Positions are linear in ln p up to this distance from the origin, and logarithmic beyond.
-MAX_SLOPE_RATIO = 3.0  # Where a slope is more than so many times the chord, a cubic may not be monotone.
+POSITION_SCALE = 4.0  # positions are linear in ln p up to this distance from the origin, then logarithmic
+MAX_SLOPE_RATIO = 3.0  # slope over chord up to which a cubic is monotone (Fritsch and Carlson 1980)
 
 
 class Closure(NamedTuple):
-    """ln w less `log_height` as cubics over positions. Beyond both ends w is a power of p.
+    """ln w - `log_height` as cubics over the position asinh((ln p - origin)/4); outside, w is a power of p.
 
-    The position of a pressure is asinh((ln p - origin)/4). In it ln w bends evenly over hundreds of decades: near the
-    origin the position is ln p but for a factor, far from it a logarithm of ln p.
+    In this variable the curvature of ln w is uniform over hundreds of decades.
     """
 
     cubics: scipy.interpolate.PPoly
@@ -41,16 +40,16 @@ def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure
 
 
 def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
-    """Return positions of ln p, limited to the rows, and the distances of those beyond both ends, linear in ln p."""
+    """Return positions of ln p, clipped to the rows, and the excess beyond both ends, linear in ln p."""
     position = np.arcsinh((log_pressure - closure.origin) / POSITION_SCALE)
     inside = np.clip(position, *closure.cubics.x[[0, -1]])
-    beyond = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)
-    return inside, np.where(inside == position, 0.0, beyond / (POSITION_SCALE * np.cosh(inside)))
+    excess = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)
+    return inside, np.where(inside == position, 0.0, excess / (POSITION_SCALE * np.cosh(inside)))
 
 
 def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
     """Return ln w and d ln w/d ln p at each ln p."""
-    position, beyond = position_in(closure, log_pressure)
+    position, excess = position_in(closure, log_pressure)
     slope = closure.cubics(position, 1)
-    log_w = closure.log_height + closure.cubics(position) + slope * beyond
+    log_w = closure.log_height + closure.cubics(position) + slope * excess
     return log_w, slope / (POSITION_SCALE * np.cosh(position))

@@ -1,15 +1,8 @@
-"""The infinite series: its closure is the fixed point of one scale, by Newton's method on all rows of its table.
+"""The infinite series: fixed point of one scale, by Newton's method on all rows of its table.
 
-The formulas are those of docs/layer.md, "The whole series". The map T of `weier.methods.layer.scales`, applied again
-and again, converges only after hundreds of scales where D is close to 2. But the linear equations of each wave give
-the derivative of W by the compression of the layer at each pressure (`weier.methods.layer.wave.closure_sensitivity`).
-So a few systems of linear equations over the rows give W,
-
-    ln W - ln T W = 0,    J = d ln T W/d ln W >= 0.
-
-The same matrix bounds the sum of the errors over all scales. If the table deviates from T of itself by relative
-errors, its own relative errors are (I - J)^-1 times these at most. The deviation is measured in the middle of every
-cell.
+docs/layer.md, "The whole series", derives the formulas. With J = d ln TW/d ln W from the sensitivities of each wave
+(`weier.methods.layer.wave.closure_sensitivity`), Newton's method solves ln W - ln TW = 0, and (I - J)^-1 bounds the
+relative errors of the table by its deviation from T of itself, measured in the middle of every cell.
 """
 
 from __future__ import annotations
@@ -38,20 +31,19 @@ from weier.methods.layer.tables import (
 )
 from weier.methods.layer.wave import closure_sensitivity
 
-TABLE_FRACTION = 0.5  # The errors of the table take this part of the accuracy, the residuals of the waves the rest.
-# The first guess takes loads above this ln xi from Archard, and lighter ones from the heavier ones.
-MIN_ESTIMATED_LOAD = -8.0
-MAX_GUESS_STEP = 0.1  # A guess is good enough when a step of Newton's method changes ln W by less.
-MAX_NEWTON_STEPS = 40  # 3 to 12 steps are usual.
-MAX_DAMPED_STEPS = 400  # 10 to 60 steps are usual.
-MAX_STEP = 10.0  # Newton's method changes ln W by at most so much: beyond, the tangents mislead.
-MAX_DAMPED_STEP = 0.5  # Damped steps change ln W by at most so much.
-# The values of theta that are tried for a damped step, from Newton's method to T itself.
+TABLE_FRACTION = 0.5  # of the accuracy for the table; the rest is for the residuals of the waves
+MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
+MAX_GUESS_STEP = 0.1  # change of ln W in a Newton step at which a guess is accepted
+MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
+MAX_DAMPED_STEPS = 400  # 10 to 60 are usual
+MAX_STEP = 10.0  # largest change of ln W in a Newton step
+MAX_DAMPED_STEP = 0.5  # largest change of ln W in a damped step
+# damping factors beta that are tried, from Newton's method (1) to a fixed-point step (0)
 DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0
-# Where a wave has no solution, this part of what the step adds to T W is tried again, but no part below the second.
+# fraction of the correction that is tried next if a wave has no solution, and its lower limit
 PART_AGAIN, MIN_PART = 0.25, 1e-3
-RESIDUAL_FRACTION = 0.1  # Residuals of the waves of a table, over the relative error that the table may have.
-MIN_RESIDUAL = 1e-13  # Rounding allows no smaller residual.
+RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
+MIN_RESIDUAL = 1e-13  # rounding
 
 Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the fixed point, up to a last step
 
@@ -61,7 +53,7 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
 
     Where Newton's method misses the fixed point, damped steps follow from the first guess again.
     """
-    # At heavy loads errors of ln W add up to as many scales at least, and residuals of waves do, too.
+    # at heavy loads errors of ln W and residuals of waves add up over this number of scales
     gain = np.array([model.infinite_amplitude])
     needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), MIN_RESIDUAL))
@@ -73,15 +65,15 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
 
 
 def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solver) -> ComplianceTable:
-    """Return a table of the fixed point, with as many rows as its accuracy takes."""
+    """Return a table of the fixed point, refined to its accuracy."""
     rows = _guess(model, lattice(bottom, top), solve)
     for _ in range(MAX_HALVINGS):
         rows, size = solve(model, rows, math.sqrt(limit))
         over_scales = np.linalg.inv(np.eye(len(size)) - size)
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
-        beside = np.maximum(np.append(errors, 0), np.append(0, errors))  # of the cells on either side of a row
-        if np.max(over_scales @ beside) <= TABLE_FRACTION * model.accuracy:
+        adjacent = np.maximum(np.append(errors, 0), np.append(0, errors))  # cells on either side of a row
+        if np.max(over_scales @ adjacent) <= TABLE_FRACTION * model.accuracy:
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
         if rows.position.size > MAX_ROWS:
@@ -90,7 +82,7 @@ def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solve
 
 
 def _limit(model: Model, gain: Array) -> float:
-    """Return the relative error of a table that adds up to its part of the accuracy."""
+    """Return the relative error per scale that adds up to the table's share of the accuracy."""
     accuracy, tolerance = model.accuracy, model.tolerance
     limit = TABLE_FRACTION * accuracy / (1 + float(np.max(gain)))
     if not limit >= tolerance:
@@ -103,15 +95,14 @@ def _limit(model: Model, gain: Array) -> float:
 
 
 def _scale(model: Model, rows: Rows) -> Scale:
-    """Return a wave on the layer that this table stands for."""
+    """Return a wave on the layer with this table."""
     return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
 
 
 def _guess(model: Model, position: Array, solve: Solver) -> Rows:
-    """Return a table near the fixed point: heavier loads from Archard's estimate, then the lighter ones in turn.
+    """Return a table near the fixed point: Archard's estimate at heavy loads, then lighter loads in turn.
 
-    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave. So each row
-    follows from the heavier ones.
+    Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
     """
     heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
@@ -143,17 +134,16 @@ def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
 
 
 def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
-    """Return the same by steps that follow from the linear interpolant of ln W, and start from T W.
+    """Solve by damped Newton steps with the J of the linear interpolant of ln W, starting from TW.
 
-    Its derivatives J are not negative, and their sums over a row are less than 1, since T passes errors on without
-    increasing them. So (I - theta J)^-1 exists for all theta from 0, which leaves T W, to 1, which is Newton's method
-    but for the interpolant. The largest theta is taken whose step is no longer than `MAX_DAMPED_STEP`. If a wave has
-    no solution on the new table, the table comes closer to T W.
+    J >= 0 and its rows sum to less than 1, so that (I - beta J)^-1 exists for 0 <= beta <= 1. The largest beta whose
+    step is at most `MAX_DAMPED_STEP` is taken. If a wave has no solution on the new table, the table moves towards
+    TW.
     """
     spline, identity, top = _spline(rows), np.eye(rows.position.size), math.log(model.infinite_amplitude)
-    image, beyond, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
+    image, correction, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
     for _ in range(MAX_DAMPED_STEPS):
-        log_W = np.minimum(image.log_compliance + part * beyond, top)
+        log_W = np.minimum(image.log_compliance + part * correction, top)
         slope = image.slope + spline(rows.position, 1) @ (log_W - image.log_compliance)
         rows = image._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
         scale = _scale(model, rows)
@@ -168,13 +158,13 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
             return rows, size
         _, size = _sensitivity(new, scale, spline)
         residual = new.log_compliance - log_W
-        for theta in DAMPINGS:
-            step = np.linalg.solve(identity - theta * size, residual)
+        for damping in DAMPINGS:
+            step = np.linalg.solve(identity - damping * size, residual)
             change = float(np.max(np.abs(step)))
             if change <= MAX_DAMPED_STEP:
                 break
-        image, beyond, part, settled = new, step - residual, 1.0, theta == 1 and change <= limit
-    raise _unsettled(model, float(np.max(np.abs(beyond))), limit)
+        image, correction, part, settled = new, step - residual, 1.0, damping == 1 and change <= limit
+    raise _unsettled(model, float(np.max(np.abs(correction))), limit)
 
 
 def _spline(rows: Rows) -> scipy.interpolate.CubicSpline:
@@ -191,7 +181,7 @@ def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
 
 
 def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline) -> tuple[Array, Array]:
-    """Return derivatives of ln T W of each wave by ln W of each row, shape (waves, rows).
+    """Return J = d ln TW/d ln W, shape (waves, rows).
 
     The second array bounds the effect of relative errors that are linear between the rows.
     """
@@ -199,10 +189,10 @@ def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline
     sensitivity, log_pressure = closure_sensitivity(
         image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance)
     )
-    position, beyond = position_in(scale.closure, log_pressure)
+    position, excess = position_in(scale.closure, log_pressure)
     linear = scipy.interpolate.make_interp_spline(basis.x, np.eye(basis.x.size), k=1)
     derivative, size = np.empty((2, len(sensitivity), basis.x.size))
-    for i, (of_wave, at, distance) in enumerate(zip(sensitivity, position, beyond, strict=True)):
+    for i, (of_wave, at, distance) in enumerate(zip(sensitivity, position, excess, strict=True)):
         derivative[i] = of_wave @ basis(at) + (of_wave * distance) @ basis(at, 1)
         size[i] = np.abs(of_wave) @ linear(at)
     return derivative, size

@@ -1,15 +1,8 @@
-"""The scales of a series: each wave bears on a layer that represents all finer waves (4.3).
+"""Scales of a series: each wave bears on a layer that represents all finer waves (4.3).
 
-The formulas are those of docs/layer.md: "One scale" for the map T and full contact, and "The whole series" for what
-follows one after the other.
-
-W(xi) is the compliance of a wave together with all finer ones, in that wave's units. To the next coarser wave it is
-the closure of a layer, w(p) = gamma^(D-2) W(gamma^(1-D) p) in the coarser units. A scale is a map T from W to the
-next coarser W, and it is the same map at every wavelength. So m waves have W = T^(m-1) W_1, from Westergaard's W_1
-(12), and the infinite series has the fixed point of T. Between scales ln W is a table over ln xi, with slopes.
-
-T passes relative errors on without increasing them. So the errors of m - 1 tables add up to their sum at most, and
-each table has an equal part of the accuracy.
+docs/layer.md: "One scale" for the map T and full contact, "The whole series" for successive scales. W(xi) is the
+compliance of a wave with all finer ones, in that wave's units, tabulated as ln W over ln xi. T does not amplify
+relative errors, so that the errors of m - 1 tables at most add up; each has an equal part of the accuracy.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Curves of the non-linear layer model (4.3): compliance and resistance over the loads.
+"""Compliance and resistance curves of the non-linear layer model (4.3).
 
-The formulas are those of docs/layer.md: "Tables" for where tables end and what heavier loads do, and "The whole
-series" for the series that is taken for infinite.
+docs/layer.md: "Tables" for the range of the tables and heavier loads, "The whole series" for series that are treated
+as infinite.
 """
 
 from __future__ import annotations
@@ -25,18 +25,16 @@ from weier.methods.layer.wave import Mesh, midpoints
 from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
 from weier.units import NORMALISED_PRESSURE
 
-POINTS = 24  # The compliance is then within 5e-6 of the total amplitude; see the notes of `curve`.
+POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
 ACCURACY = 1e-5
 TOLERANCE = 1e-10
-MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, and the time grows as the cube.
-MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # At the larger one few rows are added to the lattice of a table.
-MIN_TOLERANCE = 1e-13  # Rounding allows no smaller tolerance at the lightest loads.
-# Residual of the waves of a table, over the accuracy: their residuals add up over the scales.
-RESIDUAL_FRACTION = 1e-5
-MAX_SCALES = 1000  # The most scales of a finite series that differs from the infinite one.
-# A series is taken for infinite where the two differ by at most this part of the accuracy.
-TAIL_FRACTION = 0.1
-FLAT_MARGIN = 1.0  # Tables end so far in ln xi beyond the least load at which a wave is as good as flat.
+MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, growing as the cube
+MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the larger one few rows are added to the initial ones
+MIN_TOLERANCE = 1e-13  # rounding at the lightest loads
+RESIDUAL_FRACTION = 1e-5  # residual of the waves over the accuracy: residuals add up over the scales
+MAX_SCALES = 1000  # of a finite series that differs from the infinite one
+TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
+FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
 
 class LayerCurve(NamedTuple):
@@ -154,9 +152,9 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[
     As many waves of the infinite series are taken for flat as it takes for its table to reach this load. At the end
     of the table the pressure along a wave varies by so little that w(p) is linear.
     """
-    beyond = log_load - log_load_at(waves.rows.position[-1])
+    excess = log_load - log_load_at(waves.rows.position[-1])
     most = 0.0 if math.isfinite(waves.log_full) else math.inf
-    number = np.clip(np.ceil(beyond / model.log_pressure), 0.0, most)
+    number = np.clip(np.ceil(excess / model.log_pressure), 0.0, most)
     scale = np.exp(number * model.log_height)
     return log_load - number * model.log_pressure, (1 - scale) * waves.amplitude, scale
 

@@ -1,10 +1,7 @@
-"""Tables of the compliance of a wave over its load, at rows that do not depend on the loads that are solved.
+"""Tables of W(xi) at rows that do not depend on the loads to be solved (docs/layer.md, "Tables").
 
-The formulas are those of docs/layer.md, "Tables".
-
-The pressure of a wave falls to 0 at the edges of its contact, so there is always a part of it below the first row.
-There W is continued as a power. The pressures that the continuation concerns are below e^-17 of the mean pressure at
-the lightest load that a table is used for (e^-9 at 1e-305), and carry less than this part of the load.
+Part of every contact has a pressure below the first row, where W is a power of the load. That part is below e^-17 of
+the mean pressure at the lightest load of the table (e^-9 at 1e-305), and carries less than this part of the load.
 """
 
 from __future__ import annotations
@@ -21,15 +18,14 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import POSITION_SCALE, Closure, closure_of, log_compression
 
-BOTTOM_POSITIONS = -3.375, -5.875  # Positions of the first row, at xi = e^-58 and e^-711.
-MIN_LOADS = 1e-18, 1e-305  # The lightest loads that tables from these rows are used for.
-MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # Position of the last row: double precision ends at e^709.8.
-CELL_LENGTH = 0.25  # Distance of the first rows, in positions.
-MIN_CELL = 1e-3  # A last cell shorter than this part of the others is joined to the one before it.
-# A wrong slope counts with this part of it, times half the distance between rows; a cubic is off by 4/27 of that.
-SLOPE_FRACTION = 0.25
-MAX_HALVINGS = 30  # Halvings of a cell; the smallest accuracy took 17.
-MAX_ROWS = 100_000  # Rows of a table; the smallest accuracy took some thousands.
+BOTTOM_POSITIONS = -3.375, -5.875  # first row: xi = e^-58 and e^-711
+MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
+MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # last row: double precision ends at e^709.8
+CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
+MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is joined to the one before
+SLOPE_FRACTION = 0.25  # weight of a slope error times half the spacing; a cubic is wrong by 4/27 of that
+MAX_HALVINGS = 30  # of a cell; the smallest accuracy takes 17
+MAX_ROWS = 100_000  # the smallest accuracy takes some thousands
 
 
 class Rows(NamedTuple):

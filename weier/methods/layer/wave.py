@@ -1,24 +1,10 @@
 """One wave on a half-plane through a layer: a single scale of the non-linear layer model (4.3).
 
-The formulas are those of docs/layer.md, "One wave on a layer"; docs/closed_forms.md, "One wave", derives the
-displacements from the kernel of the half-plane.
+docs/layer.md, "One wave on a layer", derives the formulas. Lengths are in the wavelength, heights in the amplitude,
+pressures in p* (7) of this wave; xi is the mean pressure, w(p) the compression of the layer, and theta the angle with
+sin(pi x) = sin(pi a) cos(theta/2). The state of a wave is an array of K + 1 numbers,
 
-Lengths along x are in the wavelength, heights in the amplitude, pressures in p* (7) of this wave. xi is the mean
-pressure, w(p) the compression of the layer. In the contact, -a < x < a,
-
-    u(x) + w(p(x)) = h - 2 sin^2(pi x),
-
-and either p = 0 at its edges or a = 1/2. With sin(pi x) = sin(pi a) cos(phi/2),
-
-    p dx = -q dphi,  q = xi/(2 pi) + sum_k q_k cos(k phi),    u = -xi ln sin^2(pi a) + sum_k 2 pi/k q_k cos(k phi).
-
-So the same M midpoints in phi serve every load, and gather at the edges: phi = 0 at x = a, pi at the crest. The state
-of a wave is an array of M + 1 numbers,
-
-    y_j = ln(2 pi q_j/xi),    edge = sigma = ln sin^2(pi a) < 0, or w_t = w(p) >= 0 in the trough where a = 1/2.
-
-Logarithms keep the pressure positive over all decades of load, so that there is no set of active nodes to find.
-Heights relative to the edge, phi = 0, need neither h nor a.
+    y_j = ln(2 pi psi_j/xi) at the midpoints of theta, and edge = ln sin^2(pi a) < 0, or w_t >= 0 where a = 1/2.
 """
 
 from __future__ import annotations
@@ -30,25 +16,24 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.methods.layer.closure import Closure, log_compression
 
-MAX_NEWTON_STEPS = 60  # Steps from a neighbouring load; 2 or 3 are usual.
-MAX_DIRECT_STEPS = 20  # Steps from a first guess; 4 to 10 are usual.
-MAX_STEP = 2.0  # A logarithm changes by at most so much in a step: further away the tangents of exponentials mislead.
-# Where w hardly grows with p, steps of ln p are no longer than if d ln w/d ln p were this.
-MIN_POWER = 0.02
-MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # Strides of ln xi from one load to the next.
-MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from: there the layer is not yet pressed flat.
-GUESS_HALVINGS = 16  # Halvings of the error of ln sin^2(pi a) in the first guess, which is 700 at most.
-LOG_ROUNDING = 1e-15  # Rounding of ln p, relative to itself: a few units in the last place.
-MIN_CLOSED_SINE = 0.9  # A first guess takes the troughs for closed from this sin^2(pi a) on.
-MAX_NUMBERS = 2**20  # Loads are solved together while their matrices have at most so many numbers: 8 MB.
+MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
+MAX_DIRECT_STEPS = 20  # from the initial guess; 4 to 10 are usual
+MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponentials mislead farther away
+MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
+MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # load increments of the continuation, in ln xi
+MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from, where the layer is not yet flat
+GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
+LOG_ROUNDING = 1e-15  # relative rounding of ln p: a few units in the last place
+MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
+MAX_NUMBERS = 2**20  # matrix entries of the loads that are solved together: 8 MB
 
 
 class Mesh(NamedTuple):
-    """The midpoints in phi.
+    """Midpoints in theta.
 
-    rise : sin^2(phi/2), shape (M,): height of the wave above its edge, in 2 sin^2(pi a)
-    influence : u - u(edge) at node i for exp(y_j) - 1 at node j, in xi, shape (M, M)
-    edge_influence : u(edge) + xi ln sin^2(pi a) likewise, shape (M,)
+    rise : sin^2(theta/2), shape (K,): height of the wave above its edge, in 2 sin^2(pi a)
+    influence : u - u(edge) at node i for exp(y_j) - 1 at node j, in xi, shape (K, K)
+    edge_influence : u(edge) + xi ln sin^2(pi a) for exp(y_j) - 1 at node j, in xi, shape (K,)
     """
 
     rise: Array
@@ -57,7 +42,7 @@ class Mesh(NamedTuple):
 
 
 class Depth(NamedTuple):
-    """ln sin^2(pi a), w in the trough, and 2 sin^2(pi a) + w, the unit of heights; each of the shape of the edges."""
+    """ln sin^2(pi a), w_t in the trough and the depth 2 sin^2(pi a) + w_t, each of the shape of the edges."""
 
     log_sine: Array
     trough: Array
@@ -65,12 +50,12 @@ class Depth(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """Equations of states; arrays over the loads.
+    """Residuals of states and their derivatives; arrays over the loads.
 
-    residual, jacobian, drift : the residual, its derivatives by the state and by ln xi
-    trust : how far from the state its tangents are trusted, shape (loads, M + 1)
-    log_pressure, compression : ln p at the nodes, and w in the depth of the edge, shape (loads, M)
-    error : the largest residual: of heights, and of the load relative to itself
+    residual, jacobian, drift : residual, its derivatives by the state and by ln xi
+    trust : largest step, shape (loads, K + 1)
+    log_pressure, compression : ln p, and w over the depth, at the nodes, shape (loads, K)
+    error : largest residual of heights plus the relative one of the load
     """
 
     residual: Array
@@ -152,7 +137,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """Return the linear equations of every load; NaN where a matrix is singular."""
+    """Solve the linear equations of every load; NaN for a singular matrix."""
     try:
         return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
@@ -190,7 +175,7 @@ def _newton(
 
 
 def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
-    """Return compliance h, dh/d ln xi and the derivative of each state by ln xi: both from the edge."""
+    """Return h, dh/d ln xi and the derivative of each state by ln xi."""
     equations = _balance(state, log_load, closure, mesh)
     tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
     depth, load = depth_of(state[:, -1]), np.exp(log_load)
@@ -201,15 +186,12 @@ def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tupl
 
 
 def _deepening(edge: Array, load: Array) -> Array:
-    """Return derivative of h by the edge, at fixed q."""
+    """Return the derivative of h by the edge at fixed density."""
     return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
 
 
 def closure_sensitivity(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:
-    """Return the relative change of h by a relative error of w at each node, shape (loads, M); and ln p there.
-
-    The residuals of the nodes rise with w, so that h changes by the solution of the transposed equations.
-    """
+    """Return d ln h/d ln w at each node, shape (loads, K), by the adjoint equations; and ln p there."""
     load, equations = np.exp(log_load), _balance(state, log_load, closure, mesh)
     by_pressure = load[:, None] * mesh.edge_influence * np.exp(state[:, :-1])
     gradient = np.column_stack([by_pressure, _deepening(state[:, -1], load)])
@@ -224,7 +206,7 @@ def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
     for _ in range(GUESS_HALVINGS):
         crowding = np.maximum(0.0, np.log(np.pi / (2 * np.sqrt(sine_squared))))
         w = np.exp(log_compression(closure, log_load + crowding)[0])
-        sine_squared = np.sqrt(sine_squared) * np.sqrt(np.minimum(1.0, load + w / 2))  # a product may underflow
+        sine_squared = np.sqrt(sine_squared) * np.sqrt(np.minimum(1.0, load + w / 2))  # the product may underflow
     closed = sine_squared > MIN_CLOSED_SINE
     y = np.where(closed[:, None], 0.0, np.log(2 * mesh.rise))
     return np.column_stack([y, np.where(closed, w, np.log(sine_squared))])
@@ -248,7 +230,7 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tu
 
 
 def attainable(log_load: Array, tolerance: float) -> Array:
-    """Return the tolerance, or what the rounding of ln p leaves of a residual, if that is more."""
+    """Return the tolerance, or the residual due to rounding of ln p if that is larger."""
     return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
 
 
@@ -263,18 +245,18 @@ def solve_waves(
     log_load : array, shape (loads,)
         ln xi.
     closure : Closure
-        Of the layer, in the units of this wave.
+        Closure of the layer, in the units of this wave.
     mesh : Mesh
-        Of `midpoints`.
+        Mesh from `midpoints`.
     tolerance : float
         Largest relative residual.
-    guess : array, shape (loads, M + 1), optional
-        States to start from.
+    guess : array, shape (loads, K + 1), optional
+        Initial states.
 
     Returns
     -------
     Solutions
-        Where a load does not converge its residual is above the tolerance or NaN.
+        The residual of a load that does not converge exceeds the tolerance or is NaN.
     """
     start = _first_guess(log_load, closure, mesh) if guess is None else guess
     size = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
@@ -290,5 +272,5 @@ def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float,
         at = slice(i, i + 1)
         state[at], residual[at] = _approach(float(log_load[i]), closure, mesh, limit[at])
     h, rate, tangent = _finish(state, log_load, closure, mesh)
-    residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may take a singular matrix for a regular one
+    residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may not detect a singular matrix
     return Solutions(h, rate, residual, state, tangent)
