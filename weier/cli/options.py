@@ -150,14 +150,13 @@ OF_SOLUTION = (
         ["--method", "methods"],
         multiple=True,
         type=click.Choice(names()),
-        help="Method of solution; give this option once for each  "
+        help="Method of solution; repeatable  "
         f"[default: patches, or auto with a tolerance; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
         ["--tolerance"],
         type=float,
-        help="Largest error of the compliance that is accepted, in g_0, in [1e-13, 1), by all methods that take one, "
-        "or by auto.",
+        help="Accepted error of the compliance, in g_0, in [1e-13, 1), for all methods that take one, or for auto.",
     ),
     click.Option(
         ["--set", "settings"],
@@ -165,7 +164,7 @@ OF_SOLUTION = (
         metavar="METHOD.NAME=VALUE",
         shell_complete=lambda context, option, text: [name for name in setting_names() if name.startswith(text)],
         callback=_read(parse_settings),
-        help="Setting of a method, such as bem.points=512; give this option once for each.",
+        help="Setting of a method, such as bem.points=512; repeatable.",
     ),
     click.Option(
         ["--workers"],
@@ -173,7 +172,7 @@ OF_SOLUTION = (
         default=1,
         show_default=True,
         callback=_read(checked_workers),
-        help="How many processes solve the curves of several methods side by side; -1 for one on each core.",
+        help="Number of processes for the curves of several methods; -1 for one per core.",
     ),
 )
 
@@ -222,52 +221,50 @@ OF_TRACE = (
     click.Option(
         ["--trace", "trace_file"],
         type=FILE,
-        help="Instead of a series: a file with one or two columns of heights, or one of an instrument.",
+        help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
     ),
     click.Option(
         ["--shortest"],
         type=float,
-        help="Shortest wavelength kept of the trace, in m or in --x-unit or --unit  [default: two steps].",
+        help="Shortest wavelength of the trace, in m or in --x-unit or --unit  [default: two steps].",
     ),
     click.Option(
         ["--length"],
         type=float,
-        help="Length of the trace if it is not in the file, in m, or in the unit of --x-unit or --unit.",
+        help="Length of the trace if the file does not give it, in m or in --x-unit or --unit.",
     ),
     click.Option(
-        ["--ends"], type=click.Choice(ENDS), help=f"Continuation of the trace beyond its ends  [default: {ENDS[0]}]."
+        ["--ends"], type=click.Choice(ENDS), help=f"Extension of the trace beyond its ends  [default: {ENDS[0]}]."
     ),
-    click.Option(["--unit"], type=UNIT, help="Unit of positions, lengths and heights, whatever the file names."),
-    click.Option(["--x-unit"], type=UNIT, help="Unit of the positions and lengths alone."),
-    click.Option(["--height-unit"], type=UNIT, help="Unit of the heights alone."),
+    click.Option(["--unit"], type=UNIT, help="Unit of positions, lengths and heights, overriding the file."),
+    click.Option(["--x-unit"], type=UNIT, help="Unit of positions and lengths only."),
+    click.Option(["--height-unit"], type=UNIT, help="Unit of heights only."),
     click.Option(
-        ["--detrend"], type=click.Choice(DETREND), help="What is removed from the heights  [default: their tilt]."
+        ["--detrend"], type=click.Choice(DETREND), help="Component removed from the heights  [default: tilt]."
     ),
     click.Option(
-        ["--missing"], type=click.Choice(MISSING), help=f"What to do with missing heights  [default: {MISSING[0]}]."
+        ["--missing"], type=click.Choice(MISSING), help=f"Treatment of missing heights  [default: {MISSING[0]}]."
     ),
     click.Option(
         ["--max-gap"],
         type=int,
         help=f"Largest number of adjacent missing heights that are interpolated  [default: {MAX_GAP}].",
     ),
-    click.Option(
-        ["--missing-value"], multiple=True, help="A number or a word that stands for missing heights; repeatable."
-    ),
-    click.Option(["--skip"], type=int, help="Number of lines above the table of a file of text."),
+    click.Option(["--missing-value"], multiple=True, help="Number or word for missing heights; repeatable."),
+    click.Option(["--skip"], type=int, help="Number of lines above the table of a text file."),
     click.Option(["--rows"], type=int, help="Number of rows of the table."),
     click.Option(
-        ["--columns"], callback=_columns, help='Column of the heights, from 0, or "0,2" with that of positions.'
+        ["--columns"], callback=_columns, help='Column of heights, from 0, or "0,2" for positions and heights.'
     ),
-    click.Option(["--valid"], type=int, help="Column that says by 1 or true which heights are valid."),
-    click.Option(["--delimiter"], help='Sign between columns; " " stands for blanks.'),
-    click.Option(["--decimal"], type=click.Choice([".", ","]), help="Sign before decimals."),
-    click.Option(["--thousands"], type=click.Choice(list(SEPARATORS)), help="Sign between thousands."),
-    click.Option(["--encoding"], help="Encoding of a file of text, by its name in Python."),
-    click.Option(["--comment"], multiple=True, help="Leave out lines that begin so; repeatable."),
-    click.Option(["--line"], type=int, help="Which line of a map, from 0."),
+    click.Option(["--valid"], type=int, help="Column with 1 or true for valid heights."),
+    click.Option(["--delimiter"], help='Column separator; " " stands for blanks.'),
+    click.Option(["--decimal"], type=click.Choice([".", ","]), help="Decimal mark."),
+    click.Option(["--thousands"], type=click.Choice(list(SEPARATORS)), help="Thousands separator."),
+    click.Option(["--encoding"], help="Encoding of a text file, by its Python name."),
+    click.Option(["--comment"], multiple=True, help="Prefix of lines to skip; repeatable."),
+    click.Option(["--line"], type=int, help="Index of the line of a map, from 0."),
     click.Option(["--across"], type=click.Choice(AXES), help="Axis of the line of a map  [default: x]."),
-    click.Option(["--channel"], help="Channel of a file with several, by its name."),
+    click.Option(["--channel"], help="Channel of the file, by name."),
 )
 
 
@@ -277,7 +274,7 @@ def parse_pressures(text: str) -> Array:
 
 
 OF_BODIES = (
-    click.Option(["--si", "bodies"], type=FILE, help=f"Give Pa, m and ohm m^2 for two bodies. {SI}"),
+    click.Option(["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2 for two bodies. {SI}"),
     click.Option(
         ["--pressures"],
         callback=_read(parse_pressures),

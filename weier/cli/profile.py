@@ -110,12 +110,12 @@ def _solve(
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
-@click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row a load.")
-@click.option("--force", is_flag=True, help="Overwrite the file of --output even if it is of another profile.")
-@click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Limit of the time.")
+@click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row per load.")
+@click.option("--force", is_flag=True, help="Overwrite --output even if it holds another profile.")
+@click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
 @click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
 @click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
-@click.option("--contact-fraction", help="Find the loads for these fractions in contact.")
+@click.option("--contact-fraction", help="Find the loads for these contact fractions.")
 def solve(
     output: Path | None,
     csv: bool,

@@ -21,12 +21,14 @@ SELF = Path("-")  # stands for the data file itself
     type=FILE,
     is_flag=False,
     flag_value=SELF,
-    help=f"Give SI units. {SI} By default, CONTACT itself, whose scene may have them.",
+    help=f"Write SI units. {SI} By default, CONTACT itself, if its scene has an interface.",
 )
 @click.option(
-    "--ensemble", is_flag=True, help="Give the mean over the cases, their standard deviation and the numerical error."
+    "--ensemble",
+    is_flag=True,
+    help="Write the mean over the cases, their standard deviation and the numerical error.",
 )
-@click.option("--study", multiple=True, help="Take the cases of this study; repeatable.")
+@click.option("--study", multiple=True, help="Use the cases of this study; repeatable.")
 def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:
     """Write the curves of a file as a table, also in SI units.
 

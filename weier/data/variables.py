@@ -101,8 +101,8 @@ class Variable(NamedTuple):
 
 
 BOUND = (
-    "It follows from the bounds theorem, widened by the error of the solution of the truncated series, on which "
-    "contact patches and boundary elements state a bound."
+    "Bounds theorem (27), widened by the stated error of the solution of the truncated series by contact patches or "
+    "boundary elements."
 )
 OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
@@ -136,13 +136,13 @@ VARIABLES = {
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
     "seed": _label("seed of the phases, where they are random"),
     "trace": _of_trace("name of the file of measured heights, with the line of a map", dtype="U255"),
-    "trace_digest": _of_trace("digest of the measured heights and of how they are continued", dtype="U12"),
-    "trace_ends": _of_trace("how measured heights go on behind their ends", dtype="U8"),
+    "trace_digest": _of_trace("digest of the measured heights and of their extension", dtype="U12"),
+    "trace_ends": _of_trace("extension of the trace beyond its ends", dtype="U8"),
     "trace_length": _of_trace("length of the trace of heights, lambda_0", "m", least=0),
     "trace_height": _of_trace("root mean square height of the trace, g_0", "m", least=0),
-    "trace_shortest": _of_trace("shortest wavelength kept of the trace", "m", least=0),
-    "trace_detrend": _of_trace("what was removed from the heights: their mean, tilt or form", dtype="U4"),
-    "trace_filled": _of_trace("heights that were missing, and are interpolated", least=0),
+    "trace_shortest": _of_trace("shortest wavelength of the trace", "m", least=0),
+    "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="U4"),
+    "trace_filled": _of_trace("number of missing heights that were interpolated", least=0),
     "total_amplitude": Variable(
         ("case",),
         "sum of the amplitudes of the terms",
@@ -150,7 +150,7 @@ VARIABLES = {
         "G - G_m",
         least=0,
         files=ALL_MEASURED,
-        comment="Of a trace, the height of its highest point above the mean: its compliance in full contact.",
+        comment="For a trace: height of the highest point above the mean, its compliance in full contact.",
     ),
     "tail_amplitude": Variable(
         ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=ALL_MEASURED
@@ -162,7 +162,7 @@ VARIABLES = {
         "g_0",
         "h",
         files=ALL_MEASURED,
-        comment=f"{DATUM}; of a trace, from first contact. Persson's theory has negative ones under light loads.",
+        comment=f"{DATUM}; for a trace, from first contact. Persson's theory gives negative values at light loads.",
         axis="compliance $h/g_0$",
         plot="compliance h/g_0",
     ),
@@ -196,17 +196,15 @@ VARIABLES = {
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
     ),
-    "compliance_deviation": _measured(
-        CURVE, "distance of the compliance from that of the reference", "g_0", files=MEASURED
-    ),
+    "compliance_deviation": _measured(CURVE, "deviation of the compliance from the reference", "g_0", files=MEASURED),
     "resistance_deviation": _measured(
-        CURVE, "distance of the resistance from that of the reference", "g_0/p_0*", files=(TRADEOFF,)
+        CURVE, "deviation of the resistance from the reference", "g_0/p_0*", files=(TRADEOFF,)
     ),
     "indentation": Variable(
         CURVE,
         "compliance, counted from first contact",
         "g_0",
-        comment="Estimates have negative ones where their compliance is below that at first contact.",
+        comment="Negative for estimates whose compliance is below that at first contact.",
     ),
     "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
@@ -224,7 +222,7 @@ VARIABLES = {
     "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
         RUN,
-        "settings of the solution including defaults, as JSON",
+        "settings of the method with defaults, as JSON",
         dtype="U240",
         content=AUXILIARY,
         files=MEASURED,
@@ -242,16 +240,16 @@ VARIABLES = {
     "chosen_terms": _chosen('terms that the method chosen by "auto" solves', least=1),
     "mean_pressure_error": _measured(
         ("case", "mean_pressure"),
-        "distance to the load that gives the wanted value, at most",
+        "largest distance to the load of the requested value",
         "p_0*",
-        comment="It follows from the stated error of the quantity whose value was wanted.",
+        comment="From the stated error of the requested quantity.",
     ),
     "numerics": Variable(
         RUN,
-        "digest of the code that has solved the curve",
+        "digest of the code that solved the curve",
         dtype="U12",
         content=AUXILIARY,
-        comment="The versions of numpy, scipy, numba and rocket-fft beside it are attributes of the file.",
+        comment="The versions of numpy, scipy, numba and rocket-fft are attributes of the file.",
         optional=True,
     ),
     "seconds": Variable(

@@ -12,11 +12,11 @@ from weier.figures import style
 from weier.theory.borodich_galanov import stiffness_curve
 
 CAPTION = (
-    "Bounds on the stiffness, and with it the conductance, of the self-similar punch of Borodich and Galanov over "
-    "its roughness (Appendix B). Both bounds meet at the smooth punch, and the upper one grows without limit."
+    "Bounds on the stiffness, hence on the conductance, of the self-similar punch of Borodich and Galanov over its "
+    "roughness (Appendix B). They coincide for the smooth punch; the upper one is unbounded."
 )
 
-MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis, since the upper bound tends to infinity as epsilon -> 1.
+MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis; the upper bound tends to infinity as epsilon -> 1
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

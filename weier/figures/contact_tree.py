@@ -21,7 +21,7 @@ CAPTION = (
 
 NEEDS = "contact_edges"
 
-SAMPLES = 2000  # The height of the profile is drawn at so many points, more than the print resolves.
+SAMPLES = 2000  # points of the profile, more than the print resolves
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

@@ -16,14 +16,14 @@ from weier.figures import lines, style
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (
-    "The infinite series. Bands are bounds, which hold for all phases of the unresolved terms: the more terms k are "
-    "resolved, the narrower the band. The line is the best estimate. Below, the half-width of the bounds and the "
-    "error of the estimates: their distance from the estimate with most terms, or from the middle of finer bounds."
+    "The infinite series. Bands are bounds for any phases of the unresolved terms; they narrow with the number k of "
+    "resolved terms. The line is the best estimate. Below: half-width of the bounds and error of the estimates, "
+    "relative to the estimate with most terms or the middle of finer bounds."
 )
 COMMAND = "convergence"
 VARIABLE = "resolved_terms"
 
-HEIGHT = 2.1  # inches: the height of a panel.
+HEIGHT = 2.1  # inches, of a panel
 # The bounds for these numbers of resolved terms are drawn, from light to dark, and those for the largest number.
 BANDS = (1, 2, 4)
 EDGE: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.3}

@@ -15,8 +15,8 @@ from weier.methods import registry
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (
-    "Correct digits of the compliance of one profile by every method, over the whole range of floats as loads; and "
-    "the condition numbers of the equations of boundary elements over the number of nodes."
+    "Correct digits of the compliance of one profile by every method over the full range of floating-point loads, "
+    "and condition numbers of boundary elements over the number of nodes."
 )
 COMMAND = "extremes"
 VARIABLE = "compliance_digits"

@@ -18,14 +18,14 @@ from weier.kernels.arrays import Array
 from weier.methods import persson
 
 CAPTION = (
-    "Contact fraction and resistance against the number of terms, for three loads. Lines are medians over the phases "
-    "by the most accurate method, bands hold 10 to 90 % of them, and dotted lines show Persson's theory. Bars at the "
-    "right of the resistances are the bounds on the infinite series (27), from the longest one."
+    "Contact fraction and resistance against the number of terms at three loads. Lines: medians over the phases by "
+    "the most accurate method; bands: 10th to 90th percentile; dotted: Persson's theory; bars at the right: bounds "
+    "on the resistance of the infinite series (27), from the longest one."
 )
-SHOWN_LOADS = (0.01, 0.1, 1.0)  # p_0*: one light, one intermediate and one heavy load.
+SHOWN_LOADS = (0.01, 0.1, 1.0)  # p_0*: light, intermediate and heavy
 BAND = (10, 90)  # percentiles
 QUANTITIES = ("contact_fraction", "resistance")
-SERIES = ("D", "gamma")  # Each column of panels has one value of these.
+SERIES = ("D", "gamma")  # one column of panels per value
 WIDTH, HEIGHT = 2.9, 2.3  # inches, of a panel
 BESIDE = 0.55  # Terms between the longest series and its bounds.
 LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "s"), (style.BLACK, "^"))  # of the loads

@@ -16,9 +16,8 @@ from weier.figures import lines, style
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (
-    "The effect of the phase between the waves on the compliance over mean pressure. A dashed line is one phase, "
-    "from light (in phase) to dark (in antiphase), and the solid line is the average. All curves meet at full "
-    "contact."
+    "The effect of the phase between the waves on the compliance over mean pressure. Dashed lines are single phases, "
+    "from light (in phase) to dark (in antiphase); the solid line is their average. All curves meet at full contact."
 )
 
 

@@ -14,9 +14,9 @@ from weier.surface.profile import Profile
 
 CAPTION = "The profiles over two of their longest wavelengths."
 
-LENGTH = 2  # lambda_0: the paper shows two of the longest waves.
-SAMPLES_PER_WAVE = 32  # A polygon of so many points for each of the finest waves looks smooth.
-MAX_SAMPLES = 2**13  # The printed line has four samples for each dot, so that finer waves are not visible.
+LENGTH = 2  # lambda_0, as in the paper
+SAMPLES_PER_WAVE = 32  # per finest wave, so that the polygon looks smooth
+MAX_SAMPLES = 2**13  # four samples per printed dot
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

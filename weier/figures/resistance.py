@@ -13,8 +13,8 @@ from weier.scene import BY_DEFAULT, Grouping
 from weier.theory.conduction import Bodies
 
 CAPTION = (
-    "Contact resistance over mean pressure. {methods} The exact curve drops at each load at which a contact is "
-    "born, and has a kink where two merge."
+    "Contact resistance over mean pressure. {methods} The exact curve drops steeply at the birth of a contact and "
+    "has a kink where two merge."
 )
 
 

@@ -13,9 +13,9 @@ from weier.data import curves
 from weier.figures import truncation
 
 CAPTION = (
-    "The effect of additional terms on the compliance. All series have the datum of the undeformed infinite series "
+    "The effect of additional terms on the compliance, counted for all series from the undeformed infinite series "
     "whose waves all peak together, since the bounds compare mean gaps. The band contains the infinite series for "
-    "all phases of its further terms (27)."
+    "any phases of its further terms (27)."
 )
 
 # The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.

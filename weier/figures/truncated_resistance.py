@@ -12,7 +12,7 @@ from weier.figures import style, truncation
 from weier.figures.tables import extent, tables_of
 
 CAPTION = (
-    "The effect of additional terms on the contact resistance. The band contains the infinite series for all phases "
+    "The effect of additional terms on the contact resistance. The band contains the infinite series for any phases "
     "of its further terms."
 )
 

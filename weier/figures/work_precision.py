@@ -20,10 +20,9 @@ from weier.kernels.arrays import Array
 from weier.methods import registry
 
 CAPTION = (
-    "The largest error over all loads against the time for one of them on one core: of the compliance above, of the "
-    "resistance below. A line joins the settings of a method, such as its tolerances of 0.1, 0.01 and so on. Filled "
-    "symbols are errors, open ones the stated errors. The background has the colour of the fastest method that "
-    "reaches an error."
+    "The largest error over all loads against the time per load on one core: compliance above, resistance below. A "
+    "line joins the settings of a method, such as its tolerances. Filled symbols are errors, open symbols stated "
+    "errors. The background has the colour of the fastest method that reaches an error."
 )
 COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
