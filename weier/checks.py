@@ -1,8 +1,8 @@
 """Checks of arguments: numbers, arrays of numbers, words and flags.
 
-Each check returns the value in the type of Python or NumPy, or raises an error with one sentence that has the name of
-the argument, the allowed values and the given value. Texts, booleans, bytes, complex numbers and masked values are
-not accepted as numbers, although NumPy converts some of them.
+Each returns the value in a Python or NumPy type, or raises an error of one sentence with the argument's name, the
+allowed values and the given value. Texts, booleans, bytes, complex numbers and masked values are refused as numbers,
+although NumPy converts some of them.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ import numpy as np
 from weier import units
 from weier.kernels.arrays import Array, Flags
 
-MAX_SHOWN = 60  # A message shows at most so many characters of a value, to stay in one line.
-MAX_DIGITS = 40  # A message shows no integer with more digits, for the same reason.
-ALL_CORES = -1  # This value of `workers` stands for all cores, as in SciPy.
+MAX_SHOWN = 60  # characters of a value in a message
+MAX_DIGITS = 40  # digits of an integer in a message
+ALL_CORES = -1  # value of `workers` for all cores, as in SciPy
 
-# Names that users give to arguments by mistake, and the right names.
+# frequent wrong names of arguments, and the right ones
 MEANT = dict.fromkeys(("loads", "load", "pressures", "pressure", "p"), "mean_pressure") | {"scene": "subject"}
 
 Condition = Callable[[Any], Any]
@@ -109,7 +109,7 @@ def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> 
 
 
 def checked_workers(workers: Any) -> int:
-    """Return the number of processes; `ALL_CORES` stands for as many as this process has cores."""
+    """Return the number of processes; `ALL_CORES` means one per available core."""
     number = checked_number(
         "workers",
         workers,

@@ -1,7 +1,7 @@
-"""Digests of the code that kernels, curves and products depend on, which are made again if a digest changes.
+"""Digests of the code that kernels, curves and products depend on; a changed digest makes them again.
 
-A digest takes in the definitions that some functions reach by name, across modules, as syntax trees. So it does not
-change with comments, docstrings, annotations of functions, layout, or code that these functions do not run.
+A digest covers, as syntax trees, all definitions that some functions reach by name across modules. It is independent
+of comments, docstrings, annotations, layout and code that these functions do not use.
 """
 
 from __future__ import annotations

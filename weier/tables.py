@@ -7,7 +7,7 @@ from html import escape
 
 
 def significant(value: float, count: int) -> str:
-    """Return a number with so many significant digits, in full if it is not too long: 430 and not 4.3e+02."""
+    """Format a number with this many significant digits, without exponent if short: 430, not 4.3e+02."""
     return f"{float(f'{value:.{count}g}'):g}"
 
 

@@ -23,7 +23,7 @@ NORMALISED_PRESSURE = "p_0*"
 NORMALISED = ("lambda_0", "g_0", NORMALISED_PRESSURE, "g_0/p_0*", "p_0*/lambda_0^(1/2)")
 NORMALISED_BY = "normalised_by"  # The attribute with a normalised unit, since `units` are those of UDUNITS.
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
-MAX_LISTED = 10_000  # A range has at most so many numbers, so that a typing error does not fill the memory.
+MAX_LISTED = 10_000  # numbers of a range, so that a typing error does not fill the memory
 MAX_NAME = 40  # No unit is longer than this.
 # Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.
 UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")

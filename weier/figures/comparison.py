@@ -30,7 +30,7 @@ from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import Bodies
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
-MAX_NAMED = 8  # A legend has at most so many values of a parameter, to fit below the panels.
+MAX_NAMED = 8  # values of a parameter in a legend below the panels
 MAX_INSIDE = 6  # A legend of more entries would cover the curves.
 # The looks of bands around medians, of a solid line that dashed ones of its colour cover, and of bands of stated
 # errors.
@@ -40,7 +40,7 @@ BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
 STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 # A narrower band of stated errors is hidden by its line: widths over the largest compliance, and over the resistance.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
-SURFACES = (*PARAMETERS, "trace")  # These distinguish the surfaces of curves beside phases.
+SURFACES = (*PARAMETERS, "trace")  # distinguish surfaces, besides phases
 MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 
 

@@ -15,7 +15,7 @@ from weier.data import curves
 from weier.kernels.arrays import Array, Flags
 
 PIECES = 8  # So many segments between two loads look smooth in print.
-DECADES = 4  # A resistance that falls to 0 is drawn over so many decades, more than an axis shows.
+DECADES = 4  # over which a resistance that falls to 0 is drawn, more than an axis shows
 
 
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
@@ -82,10 +82,10 @@ def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
     zero = zero_load(loads, h, slope, last)
     remaining = np.append(np.geomspace(1, 10.0**-DECADES, PIECES * DECADES)[1:], 0.0)
     more = zero - (zero - loads[last]) * remaining
-    beyond: Flags = loads > zero
+    full_contact: Flags = loads > zero
     return (
-        np.concatenate([loads[: last + 1], more, loads[beyond]]),
-        np.concatenate([slope[: last + 1], slope[last] * remaining, slope[beyond]]),
+        np.concatenate([loads[: last + 1], more, loads[full_contact]]),
+        np.concatenate([slope[: last + 1], slope[last] * remaining, slope[full_contact]]),
     )
 
 

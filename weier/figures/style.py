@@ -117,7 +117,7 @@ def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Datase
 
 
 def family(count: int) -> list[dict[str, Any]]:
-    """Return keywords of Axes.plot for a family of so many curves, from light to dark."""
+    """Return keywords of Axes.plot for a family of curves, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])
     dashes = [DASHES[(count - 1 - number) % len(DASHES)] for number in range(count)]  # the last, darkest is solid
     return [{"color": color, "linestyle": dash} for color, dash in zip(colors, dashes, strict=True)]

@@ -1,4 +1,4 @@
-"""What numerical code is compiled and run with: numba with its cache, arrays, BLAS on one thread.
+"""Compiled code: numba with its cache, arrays, BLAS on one thread.
 
-Imports only the digests of weier, and every other folder may use it.
+Imports only the digests of weier; every other folder may use it.
 """

@@ -1,4 +1,4 @@
-"""The kinds of arrays that annotations name, and arrays of records, which kernels take and make as well."""
+"""Types of arrays for annotations, and arrays of records for kernels."""
 
 from typing import Any, cast
 

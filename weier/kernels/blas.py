@@ -1,7 +1,7 @@
-"""BLAS on one thread, for the dense matrices and the vectors of some thousand unknowns that a load takes.
+"""Restrict BLAS to one thread, for matrices and vectors of some thousand unknowns.
 
-A second thread makes them no faster. It spins while it waits, and on a busy machine the solver then has to wait for
-it, so that a load takes ten times as long. Each case has one core; the other cores are for other cases.
+A second thread is no faster here, and spins while it waits: on a loaded machine a load takes ten times as long. Cases
+run in parallel instead, one per core.
 """
 
 from contextlib import ContextDecorator

@@ -1,7 +1,6 @@
-"""One decorator for all kernels: numba, from the first call on, with a cache on disk that cannot go stale.
+"""The decorator of all kernels: numba, imported on the first call, with a disk cache that cannot go stale.
 
-A program that calls no kernel does not import numba, which takes half a second. The page "Compiled kernels" of the
-documentation says what is here beside numba, and why.
+docs/compiling.md explains the additions to numba and their reasons.
 """
 
 from __future__ import annotations

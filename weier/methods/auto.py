@@ -24,10 +24,10 @@ from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
 TOLERANCE = 1e-3
-# Tolerance of h, in g_0, over that of R. Arbitrary: the stated error of R is checked after the solution.
+# tolerance of h, in g_0, over that of R; arbitrary, since the stated error of R is checked after the solution
 COMPLIANCE_SHARE = 1e-2
-MAX_LISTED = 5  # Loads in a message.
-MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the least one within reach.
+MAX_LISTED = 5  # loads in a message
+MARGIN = 1.05  # so that a suggested tolerance, rounded to two digits, is within reach
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,7 +127,7 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
 def _fewest_terms(surface: Waves, tolerance: float) -> tuple[Waves, float]:
     """Return the first terms of a surface whose tail is at most half of the tolerance, and that tail, in g_0.
 
-    They are as many terms as can be resolved if more are needed.
+    If more are needed than can be resolved, return the largest number of terms that can.
     """
     if not isinstance(surface, Profile):
         patches.METHOD.check_applies(surface)

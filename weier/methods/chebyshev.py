@@ -42,7 +42,7 @@ class Rule(NamedTuple):
 
 @lru_cache(maxsize=256)
 def gauss_rule(count: int, of_second_kind: bool) -> Rule:
-    """Return the rule of so many nodes. Angles are reduced in integers, so that the highest degrees lose no digit."""
+    """Return the rule with this number of nodes; angles are reduced in integers, exact for the highest degrees."""
     if of_second_kind:
         degree, angle = np.arange(1, count + 1), np.arange(count, 0, -1)
         sine = np.sin(np.pi / (count + 1) * angle)

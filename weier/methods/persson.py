@@ -24,10 +24,10 @@ from weier.methods.method import AreaEstimate, Method, Style
 from weier.surface.profile import Profile
 from weier.surface.series import MAX_TERMS, leading_amplitude
 
-MAX_EXPONENT = 750.0  # exp(-750) underflows.
+MAX_EXPONENT = 750.0  # exp(-750) underflows
 NEGLIGIBLE = 40.0  # exp(-40) is below rounding.
 SMALL = -NEGLIGIBLE  # ln x below which E_1(x) = -ln x - 0.577... to rounding.
-MAX_VALUES = 2**20  # Loads times terms in one array, 8 MB.
+MAX_VALUES = 2**20  # loads times terms in one array: 8 MB
 
 
 class Rates(NamedTuple):

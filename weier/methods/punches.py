@@ -1,6 +1,6 @@
 """Approximate forces on flat punches from their displacements, in the time O(punches).
 
-They are a preconditioner of conjugate gradients, or a part of one, and need not be exact (docs/patches.md, "Given
+As (part of) a preconditioner they need not be exact (docs/patches.md, "Given
 edges").
 
 A unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
@@ -20,9 +20,9 @@ from weier.theory.halfplane import displacement_at_distance
 
 Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
 
-MAX_COARSEST = 32  # Each of the coarsest punches, so many at most, is predicted from all before it.
-NEIGHBOURS = 8  # Neighbours of a punch on either side: 12 save no step of conjugate gradients.
-# An offset of all displacements, which makes the matrix positive definite and changes nothing for forces of sum 0.
+MAX_COARSEST = 32  # number of coarsest punches, each of which is conditioned on all before it
+NEIGHBOURS = 8  # on either side of a punch; 12 save no step of conjugate gradients
+# offset of all displacements, which makes the matrix positive definite and has no effect on forces of sum 0
 OFFSET = 2.0
 
 

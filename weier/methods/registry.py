@@ -26,7 +26,7 @@ METHODS: tuple[Method, ...] = (
     patches.METHOD,
     auto.METHOD,
 )
-# Those of the paper's figures, and Persson's theory beside them.
+# methods of the paper's figures, and Persson's theory
 PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, layer, patches))
 
 

@@ -1,7 +1,7 @@
-"""The crests, or local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
+"""Crests, the local maxima, of a cosine series sum a_n cos(2 pi k_n x/L + phi_n) with k_n waves in a period L.
 
-They are looked for among samples, and found by Newton's method on Taylor's polynomials (docs/numerics.md, "Heights of
-any number of waves").
+They are bracketed by samples and found by Newton's method on Taylor polynomials (docs/numerics.md, "Heights of any
+number of waves").
 """
 
 from __future__ import annotations
@@ -23,19 +23,17 @@ from weier.surface.expansions import (
     values,
 )
 
-SAMPLES_PER_WAVE = 16  # So many samples of the finest wave resolve every crest.
-# The offsets of the samples from the nearest node, in steps between nodes.
+SAMPLES_PER_WAVE = 16  # samples per finest wave that resolve every crest
+# offsets of the samples from the nearest node, in steps
 SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)
-MAX_SAMPLES = 2**17  # All crests of a period are located before a solution if it has at most so many samples.
-# Newton's method starts at most 1/16 of the finest wave away. It reaches rounding in 6 steps, and in 25 where the
-# curvature vanishes as well.
+MAX_SAMPLES = 2**17  # per period, up to which all crests are located before a solution
+# Newton's method starts within 1/16 of the finest wave: 6 steps to rounding, 25 if the curvature vanishes as well
 MAX_NEWTON_STEPS = 40
-# The interval of two samples about a sampled maximum is divided into so many parts if it may hold several crests. The
-# number is odd, so that the parts are symmetric about the maximum.
+# subdivisions of the interval around a sampled maximum that may hold several crests; odd, for symmetry
 SUBDIVISIONS = 31
-MIN_SEPARATION = 1e-5  # Crests closer together than this part of the finest wave are one to rounding.
-MAX_SAMPLED_WAVES = 10**6  # The samples of so many of the finest waves take 128 MB.
-MAX_DIRECT_TERMS = 32  # A Fourier transform takes less time than a direct sum of more terms.
+MIN_SEPARATION = 1e-5  # of crests, in the finest wave; closer ones are equal to rounding
+MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
+MAX_DIRECT_TERMS = 32  # an FFT is faster for more terms
 
 
 def countable(waves: int) -> bool:

@@ -1,13 +1,8 @@
-"""Taylor's polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n), k_n waves in a period L.
+"""Taylor polynomials of a cosine series sum a_n cos(2 pi k_n x/L + phi_n) with k_n waves in a period L.
 
-They are those of docs/numerics.md, "Heights of any number of waves". About N equally spaced nodes x_l = l L/N, the
-coefficients of one order at all nodes are one Fourier transform of a_n exp(i phi_n) (i kappa_n)^j/j!, with
-kappa_n = 2 pi k_n/N: what it takes to evaluate the series at a point does not depend on the number of its waves.
-Distances t are in steps L/N.
-
-With 4 nodes or more for each of the finest waves, kappa_n <= pi/2. A polynomial is used as far as one step from its
-node: half a step to a point or a crest, and half a step from there. The remainder of the second derivative, the
-largest, is then at most (pi/2)^(q-1)/(q-1)! of sum |a_n| kappa_n^2, for the order q: 3e-16 for q = 22.
+docs/numerics.md, "Heights of any number of waves", derives the method and its remainder. Distances t are in steps L/N
+between N nodes. With 4 nodes per finest wave, theta_n = 2 pi k_n/N <= pi/2; a polynomial is used up to one step from
+its node, where the second derivative has the largest remainder, 3e-16 of sum |a_n| theta_n^2.
 """
 
 from __future__ import annotations
@@ -20,8 +15,8 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 
-NODES_PER_WAVE = 4  # So many nodes for each of the finest waves make kappa_n <= pi/2.
-ORDER = 22  # This order leaves a remainder of 3e-16, as shown above.
+NODES_PER_WAVE = 4  # per finest wave, so that theta_n <= pi/2
+ORDER = 22  # remainder 3e-16, see above
 # Degrees of the terms of a polynomial, and binomial coefficients for its translation.
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
@@ -30,7 +25,7 @@ Expansions = NDArray[np.float64]  # of which each row has the coefficients of t^
 
 
 def count_nodes(waves: int) -> int:
-    """Return the power of 2 that is large enough for so many of the finest waves in a period."""
+    """Return the power of 2 of nodes that resolves this number of finest waves per period."""
     return 1 << (NODES_PER_WAVE * waves - 1).bit_length()
 
 
@@ -40,7 +35,7 @@ def phase_angle(waves: int, node: Indices, nodes: int) -> Array:
 
 
 def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> Expansions:
-    """Return the series about all nodes, as many as `count_nodes`.
+    """Return the expansions about all `count_nodes` nodes.
 
     By `irfft`, a wave of k_n in N nodes has the spectrum N/2 a_n exp(i phi_n) at k_n.
     """
@@ -54,13 +49,13 @@ def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> E
 def expand_at(
     amplitude: Array, waves_per_period: Sequence[int], phase: Array, node: Indices, nodes: int
 ) -> Expansions:
-    """Return the series about some of so many nodes, by direct sums."""
+    """Return the expansions about some nodes, by direct sums."""
     angle = np.stack([phase_angle(k, node, nodes) for k in waves_per_period], axis=-1)
     return np.asarray((np.exp(1j * (angle + phase)) @ _of_waves(amplitude, waves_per_period, nodes)).real)
 
 
 def _of_waves(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
-    """Return the coefficients a (i kappa)^j/j! of each wave, shape (terms, ORDER + 1)."""
+    """Return the coefficients a (i theta)^j/j! of each wave, shape (terms, ORDER + 1)."""
     factor = np.empty((len(waves_per_period), ORDER + 1), complex)
     factor[:, 0] = amplitude
     factor[:, 1:] = (2j * np.pi / nodes) * np.array(waves_per_period, float)[:, None] / DEGREE[1:]

@@ -8,11 +8,11 @@ from weier.checks import shown
 from weier.surface.profile import Profile
 from weier.surface.waves import MAX_POINTS, Waves
 
-MAX_WAVES = 100_000  # So many of the finest waves in a period take 6.4 million nodes by default, and 1.2 GB.
-# A message suggests a gamma of small numbers that differs by at most this from the given one, relative.
+MAX_WAVES = 100_000  # finest waves per period: 6.4 million nodes by default, 1.2 GB
+# largest relative difference of a suggested rational gamma
 NEARBY = 0.01
-NEARBY_DENOMINATOR = 99  # The suggestion has at most two digits in its denominator, to be easy to type.
-MAX_DENSE_POINTS = 10_000  # A dense matrix of so many nodes takes 0.8 GB, and its factors as much.
+NEARBY_DENOMINATOR = 99  # largest denominator of a suggestion
+MAX_DENSE_POINTS = 10_000  # dense matrix of 0.8 GB, and its factors again
 
 
 def resolvable(profile: Waves) -> bool:

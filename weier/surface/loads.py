@@ -1,4 +1,4 @@
-"""Checks of loads: in all calls, and the narrower ones of scenes and commands."""
+"""Checks of loads: general ones, and narrower ones for scenes and commands."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from weier.checks import checked_number, checked_numbers
 from weier.kernels.arrays import Array, Indices
 from weier.surface.waves import Waves
 
-MAX_LOADS = 10_000  # A scene or a command has at most so many loads, so that a typing error does not fill the memory.
-LOAD_RANGE = 1e-12, 1e12  # p_0*: rounding leaves few digits of the compliance beyond this range.
-MAX_PASCAL = 1e13  # Larger values cannot be contact pressures in Pa, since no modulus is as large.
-FAR_BEYOND = 100.0  # Loads that all exceed full contact by this factor are probably in Pa.
+MAX_LOADS = 10_000  # of a scene or command, so that a typing error does not fill the memory
+LOAD_RANGE = 1e-12, 1e12  # p_0*; outside, rounding leaves few digits of the compliance
+MAX_PASCAL = 1e13  # above any modulus, in Pa
+FAR_BEYOND = 100.0  # factor above full contact from which loads are probably in Pa
 
 
 LoadsOf = Callable[[Waves], Array]  # From a surface to its loads in p_0*, where the common loads are in Pa.

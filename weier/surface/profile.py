@@ -25,13 +25,13 @@ from weier.surface import series
 from weier.surface.waves import Waves
 from weier.tables import html_table
 
-# The parameters that define a series beside its phases: fields of a profile, and coordinates of data.
+# parameters of a series besides its phases: fields of a profile and coordinates of data
 PARAMETERS = ("D", "gamma", "m")
-MAX_PHASES_DESCRIBED = 8  # A description lists at most so many phases, to stay in one line.
-MAX_DEGREES = 3600  # Phases from 2 pi to this value, ten turns, are probably in degrees.
-MAX_PHASES_LISTED = 1000  # Of random phases, labels list at most so many, since the seed defines them.
-MAX_TERMS_SHOWN = 12  # A table in a notebook has at most so many rows.
-# A gamma given as a float is a ratio of numbers up to this: 1.1 is 11/10, and pi is no ratio.
+MAX_PHASES_DESCRIBED = 8  # in a description, to stay in one line
+MAX_DEGREES = 3600  # phases between 2 pi and ten turns are probably in degrees
+MAX_PHASES_LISTED = 1000  # random phases in labels; the seed defines them
+MAX_TERMS_SHOWN = 12  # rows of a table in a notebook
+# largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
 
 

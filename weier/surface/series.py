@@ -1,7 +1,7 @@
-"""The terms of the Weierstrass series in closed form, without a profile: amplitudes, pressures, and their sums.
+"""Terms of the Weierstrass series in closed form: amplitudes, full-contact pressures and their sums.
 
-The formulas are those of docs/closed_forms.md: "Flat waves", and "Bounds on the terms left out" for the tail. Heights
-are in g_0, pressures in p_0* = 2 pi M g_0/lambda_0.
+docs/closed_forms.md: "Flat waves", and "Bounds on the terms left out" for the tail. Heights are in g_0, pressures in
+p_0* = 2 pi M g_0/lambda_0.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from weier.checks import checked_number
 from weier.kernels.arrays import Array
 
-INFINITE = ("inf", ".inf", "infinity")  # Python and YAML write infinity in these ways.
-MAX_TERMS = 10**6  # A finite series has at most so many terms, since its amplitudes are an array.
+INFINITE = ("inf", ".inf", "infinity")  # spellings of Python and YAML
+MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:
@@ -56,7 +56,6 @@ def checked_terms(m: float | str) -> float:
 
 def _power(gamma: ArrayLike, exponent: Array, n: ArrayLike) -> Array:
     """Return gamma^(exponent n) to the last digits."""
-    # A rounded product exponent * n would cost the power up to 700 units in the last place. The leading
-    # 29 bits of the exponent times n < 2^24 are exact, and what they leave is too small to magnify anything.
+    # rounding of exponent * n would cost up to 700 ulp; the leading 29 bits of the exponent times n < 2^24 are exact
     n, gamma, leading = np.asarray(n, float), np.asarray(gamma, float), np.trunc(exponent * 2.0**29) / 2.0**29
     return np.asarray(np.power(gamma, leading * n, dtype=float) * np.exp((exponent - leading) * n * np.log(gamma)))

@@ -1,8 +1,8 @@
-"""The Weierstrass series that stands for a measured surface: the one with its spectrum between two wavelengths.
+"""Fit of the Weierstrass series to the spectrum of a measured surface between two wavelengths.
 
-From one wave of the series to the next the variance changes by the factor gamma^(2 (D - 2)). On a surface whose
-power spectral density falls with the wavenumber k as k^-beta, beta = 5 - 2 D, it does so from one band of wavelengths
-to the next, where each band is gamma times as fine as the one before.
+From one term to the next the variance changes by the factor gamma^(2 (D - 2)). On a surface whose power spectral
+density falls with the wavenumber k as k^-beta, beta = 5 - 2 D, the same holds for bands of wavelengths with the ratio
+gamma.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from weier.surface.profile import Profile, checked_ratio
 from weier.surface.series import amplitude
 from weier.tables import html_table
 
-PARTS = 20  # Parts of a line, each of which is left out of the spectrum in turn.
-# A part dominates a fit if D without it is this many standard errors from the median of D without another part:
-# on 4 050 random lines of 200 to 4 000 heights, 3 had such a part.
+PARTS = 20  # parts of a line, each omitted from the spectrum in turn
+# standard errors of D without a part from the median over the parts, from which that part dominates the fit: 3 of 4
+# 050 random lines of 200 to 4 000 heights had one
 DOMINANT = 2.0
-WAVES_IN_LENGTH = 4  # By default, the longest waves compared fit so many times into the trace: fewer are no sample.
-MIN_RATIO = 4.0  # The slope of a spectrum over less than two octaves is too uncertain.
-EMPTY = 0.01  # Waves with less than this part of the power of their neighbours were removed by a filter or stylus.
-AROUND = math.sqrt(2)  # This factor on either side of a wavelength gives an octave.
-# Variance of the heights that the ends of a trace leave: tapers sin^2 of length a at both ends keep 1 - 5 a/4.
+WAVES_IN_LENGTH = 4  # default length of the trace over the longest wavelength: fewer waves are no sample
+MIN_RATIO = 4.0  # of the wavelengths: two octaves; less makes the slope too uncertain
+EMPTY = 0.01  # power over that of the neighbours below which a wave was removed by a filter or stylus
+AROUND = math.sqrt(2)  # half an octave on either side
+# fraction of the variance kept by the extension: sin^2 tapers of length a at both ends keep 1 - 5 a/4
 KEPT_VARIANCE = {MIRRORED: 1.0, PERIODIC: 1.0, TAPERED: 1 - 5 * TAPER / 4}
 # Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a
 # periodic trace, and one square in a mirrored one. A taper correlates neighbours, which raises the variance of sums
 # by the mean of the fourth power of the window, 1 - 93 a/64, over the square of the mean of its second power.
 SCATTER = {MIRRORED: 2.0, PERIODIC: 1.0, TAPERED: (1 - 93 * TAPER / 64) / KEPT_VARIANCE[TAPERED] ** 2}
-STEEPEST = 40.0  # The exponent is sought between -40 and 40; a series has 1 to 3.
+STEEPEST = 40.0  # bracket of the exponent; a series has 1 to 3
 
 
 @dataclass(frozen=True)

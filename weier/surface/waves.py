@@ -1,7 +1,7 @@
-"""A surface that is a finite sum of waves: the common interface of the Weierstrass series and of a trace.
+"""A surface as a finite sum of waves: common interface of the Weierstrass series and of traces.
 
-Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0; each surface says what its
-lambda_0 and g_0 are.
+Lengths along x are in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0; each surface defines its
+lambda_0 and g_0.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from weier.checks import checked_count, checked_numbers, shown
 from weier.kernels.arrays import Array
 from weier.surface.crests import highest_crest, sample
 
-MAX_POINTS = 10**7  # A sampled period, and so a grid, has at most so many points, which take 80 MB.
-MAX_X = 1e15  # lambda_0: beyond it the rounding of a float is of the order of a wavelength.
+MAX_POINTS = 10**7  # of a sampled period or grid: 80 MB
+MAX_X = 1e15  # lambda_0; above, rounding is of the order of a wavelength
 
 
 class Waves(ABC):
@@ -142,7 +142,7 @@ class Waves(ABC):
 
 
 def checked_surface(profile: Waves, name: str = "profile") -> Waves:
-    """Return the surface, if it is one; `name` is that of the argument."""
+    """Return the surface; TypeError if it is none. `name` is the argument's name."""
     if not isinstance(profile, Waves):
         raise ValueError(f"{name} must be a weier.Profile or a weier.Trace, got {shown(profile)}")
     return profile

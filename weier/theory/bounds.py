@@ -1,13 +1,12 @@
-"""Barber's bounds on the effect of the terms left out of a series, Section 5.5.
+"""Barber's bounds on the effect of the terms left out of a series (Section 5.5).
 
-Roughness within a band of half-height G moves the mean gap at a given load by at most G (27). So the complete curve H
-lies within G of the truncated one, h, when both count from the same mean plane. As H is concave, its slope at p is no
-more than that of its chord from a lighter load p' and no less than that of its chord to a heavier one:
+docs/closed_forms.md, "Bounds on the terms left out", proves them; docs/bem.md, "Bounds", has their use by boundary
+elements. Roughness within a band of half-height G moves the mean gap by at most G (27). The complete curve H is
+concave and within G of the truncated one, h, so that for p' < p (and reversed, with -2 G, for p' > p)
 
-    R(p) <= [H(p) - H(p')]/(p - p') <= [h(p) - h(p') + 2 G]/(p - p') for p' < p, and the reverse for p' > p with -2 G.
+    R(p) <= [H(p) - H(p')]/(p - p') <= [h(p) - h(p') + 2 G]/(p - p').
 
-docs/closed_forms.md, "Bounds on the terms left out", proves both, and docs/bem.md, "Bounds", says how boundary
-elements use the chords. All but the last two functions take any consistent units.
+All but the last two functions take any consistent units.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """From stiffness to resistance, Eqs (2)-(5), and from normalised results to SI units.
 
-The formulas are those of docs/closed_forms.md, "From compliance to resistance". The scales of `Bodies` follow
-from (7): lengths in lambda_0, heights in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, and by (2) resistances times
-area in M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
+docs/closed_forms.md, "From compliance to resistance", derives the formulas. By (7) and (2) the units are lambda_0,
+g_0, p_0* = 2 pi M g_0/lambda_0 and M (rho_1 + rho_2) g_0/p_0* = (rho_1 + rho_2) lambda_0/(2 pi).
 """
 
 from __future__ import annotations
@@ -126,7 +125,7 @@ def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     return np.asarray(_checked("rho_1", rho_1) + _checked("rho_2", rho_2))
 
 
-# The condition on each quantity, in words that follow "must" and as a function, and its unit.
+# condition on each quantity, as words after "must" and as a function, and its unit
 RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(
         ("mu_1", "mu_2", "E_1", "E_2", "modulus"),
@@ -140,7 +139,7 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
     **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0, units.METRE)),
 }
-# Values outside these ranges are unusual enough for a warning, which names the likely slip.
+# ranges outside which a warning names the likely mistake
 USUAL = {
     "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
     "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
@@ -275,23 +274,23 @@ class Bodies:
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Any:
-        """Return pressures in Pa, from pressures in p_0*: a DataArray where one is given, else an array."""
+        """Convert pressures from p_0* to Pa; a DataArray remains one."""
         return self._of_unit("p_0*", normalised)
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
-        """Return pressures in p_0*, which `weier.solve` takes, from pressures in Pa, of any shape."""
+        """Convert pressures of any shape from Pa to p_0*, as `weier.solve` takes them."""
         return np.asarray(checked_numbers("pressure", pressure, unit=units.PASCAL) / self.full_contact_pressure)
 
     def compliance(self, normalised: ArrayLike) -> Any:
-        """Return compliances, heights and gaps in m, from those in g_0, likewise."""
+        """Convert compliances, heights and gaps from g_0 to m; a DataArray remains one."""
         return self._of_unit("g_0", normalised)
 
     def resistance(self, normalised: ArrayLike) -> Any:
-        """Return specific contact resistances in ohm m^2, from those in g_0/p_0*, likewise (2)."""
+        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2); a DataArray remains one."""
         return self._of_unit("g_0/p_0*", normalised)
 
     def in_si(self, data: Any, unit: str | None = None) -> Any:
-        """Return all of a Dataset or DataArray in SI units, coordinates too.
+        """Convert a Dataset or DataArray with its coordinates to SI units.
 
         Parameters
         ----------
@@ -377,7 +376,7 @@ class Bodies:
     def _scales(
         self, lambda_0: ArrayLike | None = None, g_0: ArrayLike | None = None
     ) -> dict[str, tuple[Array, str]]:
-        """Return the value of each normalised unit in SI units, at the scale given or at that of these bodies."""
+        """Return the value of each normalised unit in SI units, at the given scale or that of these bodies."""
         scale = self._scale() if lambda_0 is None or g_0 is None else (lambda_0, g_0)
         length, height = (np.asarray(value, float) for value in scale)
         p = full_contact_pressure(self.composite_modulus, length, height)

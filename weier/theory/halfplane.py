@@ -1,14 +1,9 @@
-"""The elastic half-plane under periodic pressure: displacements under elements of pressure and line forces.
+"""Elastic half-plane under periodic pressure: displacements by pressure elements and line forces.
 
-The formulas are those of docs/bem.md, "The discrete problem", and of docs/patches.md, "Contacts and gaps".
-
-A pressure wave p_k displaces the surface by u_k = p_k/|k|, with k in waves per lambda_0; the mean pressure is
-removed, u_0 = 0. On N equal elements with linear pressure the same is a circulant matrix, known exactly through its
-eigenvalues: no sum over image loads is cut off (Section 5.1 of the paper; Johnson 1985, Eq. 2.37 and Fig. 5.17c).
-
-A unit force on a line, with its images, displaces the surface by -2 ln|2 sin(pi x/L)|. In an array, the sine and the
-logarithm are their series, in loops without a call or a branch, which the compiler turns into operations on four or
-eight numbers at once: that is three times as fast as the functions of the library.
+docs/bem.md, "The discrete problem", and docs/patches.md, "Contacts and gaps", derive the formulas. Elements form a
+circulant matrix with exact eigenvalues, without truncated image sums (Section 5.1; Johnson 1985, Eq. 2.37). For
+arrays, sine and logarithm are evaluated by their series, in branch-free loops that the compiler vectorises: three
+times as fast.
 """
 
 from __future__ import annotations
@@ -24,16 +19,16 @@ from weier.kernels.jit import kernel
 
 Number = TypeVar("Number", float, Array)
 
-# 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2, the next term is below 1e-16 of the whole.
+# 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2 the next term is below a relative 1e-16
 SINE = tuple(float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11))
-MANTISSA_BITS = 52  # A double has so many bits after those of its exponent (IEEE 754).
-ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # These are the bits of 1/sqrt(2) as an integer.
+MANTISSA_BITS = 52  # of a double (IEEE 754)
+ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # bits of 1/sqrt(2) as an integer
 LN_2 = float(np.log(2.0))
 
 
 @lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again
 def eigenvalues(points: int, period: float = 1.0) -> Array:
-    """Return displacement per pressure for each wave that `points` nodes can carry.
+    """Return the eigenvalues of the influence matrix, displacement per pressure for each number of waves.
 
     Parameters
     ----------
@@ -62,7 +57,7 @@ def eigenvalues(points: int, period: float = 1.0) -> Array:
 
 
 def influence_coefficients(points: int, period: float = 1.0) -> Array:
-    """Return displacement at node j when the pressure is 1 at node 0, shape (points,), in g_0/p_0*."""
+    """Return the displacement of node j by unit pressure at node 0, shape (points,), in g_0/p_0*."""
     return np.fft.irfft(eigenvalues(points, period), points)
 
 
@@ -74,7 +69,7 @@ def displacement_at_distance(x: float, period: float) -> float:
 
 @kernel
 def displacement_of_punch(half_width: Number, period: float) -> Number:
-    """Return displacement under a flat punch of unit force, far narrower than the period: -2 ln(pi r/L)."""
+    """Return the displacement under a narrow flat punch of unit force, -2 ln(pi r/L)."""
     return -2 * np.log(np.pi / period * half_width)
 
 

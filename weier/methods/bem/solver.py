@@ -159,7 +159,7 @@ def full_contact_load(profile: Waves, points: int) -> float:
 
 
 def checked_points(profile: Waves, points: int | None = None, points_per_wave: int | None = None) -> int:
-    """Return points in one period: so many, or so many for each of the finest waves, or the default.
+    """Return the points per period: given, given per finest wave, or by default.
 
     Raises
     ------

@@ -10,8 +10,8 @@ from weier.methods.hybrid.truncation_bounds import check_infinite
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 
-DEFAULT_POINTS = 2**11  # As many terms are resolved as fit on so many nodes.
-SECONDS_START, SECONDS_LOAD = 0.1, 0.013  # On so many nodes.
+DEFAULT_POINTS = 2**11  # nodes that limit the default number of resolved terms
+SECONDS_START, SECONDS_LOAD = 0.1, 0.013  # on DEFAULT_POINTS nodes
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> HybridCurve:

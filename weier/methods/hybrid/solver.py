@@ -1,4 +1,4 @@
-"""The best estimate of the infinite series from its first terms, with bounds beside it.
+"""Estimate of the infinite series from its first terms, with bounds.
 
 The formulas are those of docs/hybrid.md: "The equations" and "Bounds"; "Error and limits" has the grid.
 """

@@ -21,7 +21,7 @@ from weier.theory.bounds import complete_bounds
 MESH_FRACTION = 0.1  # The error of boundary elements for the bounds, over the amplitude of the tail.
 # Their residual, over the same, and in g_0 at most: the tail of a gamma close to 1 is many times as high.
 RESIDUAL_FRACTION, MAX_RESIDUAL = 0.01, 0.01
-MAX_POINTS = 2**20  # A load on so many points takes a second.
+MAX_POINTS = 2**20  # a second per load
 
 
 class TooManyPointsError(ValueError):

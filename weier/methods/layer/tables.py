@@ -68,7 +68,7 @@ def lattice(bottom: float, top: float) -> Array:
 
 
 def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
-    """Return rows at the first positions, and as many between them as the cubics need to meet the next midpoints."""
+    """Return rows at the initial positions, refined until the cubics agree with the next midpoints."""
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
     for _ in range(MAX_HALVINGS):

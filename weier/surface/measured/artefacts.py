@@ -1,9 +1,8 @@
 """Checks of measured heights: missing values, jumps that are not roughness, tilt and form.
 
-docs/measured.rst, "Artefacts of measurements", says what is refused and what is filled. Each height is judged by the
-rest of the line. Standard deviations are estimated from medians and quartiles, as those of a normal distribution
-would be, so that a few spoilt heights do not change what they are judged by. The limits are tested on roughness of
-many kinds, which no check may refuse, and on steps and spikes in it (`tests/theory/test_heights.py`).
+docs/measured.rst, "Artefacts of measurements", lists what is refused and what is filled. Each height is compared with
+the rest of the line, by standard deviations estimated from medians and quartiles, which a few outliers do not change.
+Tests check that no kind of roughness is refused and that steps and spikes are (`tests/surface/measured`).
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
 DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # The degree of the polynomial that each of these removes.
-MAX_GAP = 5  # By default, at most so many adjacent missing heights are interpolated.
-NORMAL_MEDIAN = 0.6745  # The median of the magnitudes of a normal distribution, in standard deviations.
-# A value that stands for a missing height recurs exactly and is ten standard deviations from the median of all
-# values. No other value lies within 0.6 of this distance from it, unlike in a groove with its flanks.
+MAX_GAP = 5  # default of adjacent missing heights that are interpolated
+NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard deviations
+# A code for missing heights recurs exactly, ten standard deviations from the median, and no other value lies within
+# 0.6 of this distance from it, unlike in a groove with its flanks.
 SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
 # Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
 # by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
@@ -39,14 +38,14 @@ MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS, MAX_SENTINELS = 3, 0.9, 3.0,
 # alike within a factor of three. Any other is a jump if it exceeds a tenth of the range of heights and twice every
 # other change.
 ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
-MAX_SPIKE_WIDTH = 10  # A jump is a spike if the heights return within so many steps.
+MAX_SPIKE_WIDTH = 10  # steps within which the heights return after a spike
 # Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
 # side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
 # for D near 2 or with flat crests.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
 # A period that repeats its first height at its end does so to this part of the range of heights.
 SAME_HEIGHT = 1e-6
-DOMINANT_FORM = 5.0  # A form gives a warning if it is so many times as high as the roughness, root mean square.
+DOMINANT_FORM = 5.0  # ratio of form to roughness, root mean square, from which a warning is given
 
 
 class Filled(NamedTuple):
@@ -121,7 +120,7 @@ def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], st
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly as an outlier, since it stands for missing heights."""
+    """Refuse a value that recurs exactly as an outlier: a code for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
     for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:MAX_SENTINELS].tolist():
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
@@ -245,7 +244,7 @@ def detrended(z: Array, detrend: str) -> Array:
 
 
 def warn_of_form(level: Array) -> None:
-    """Warn where a tilt or a parabola is higher than the roughness: contact would be that of the form."""
+    """Warn if a tilt or parabola exceeds the roughness, so that the form would decide the contact."""
     rough = float(np.std(detrended(level, FORM)))
     form = float(np.std(level - detrended(level, FORM)))
     if form > DOMINANT_FORM * rough:
@@ -279,5 +278,5 @@ def _runs(flags: Flags) -> tuple[Any, Any]:
 
 
 def _is_missing(height: Any) -> bool:
-    """Return whether an element of a list stands for a missing height."""
+    """Return whether an element of a list is a missing height."""
     return height is None or height is np.ma.masked or type(height).__name__ == "NAType"

@@ -1,4 +1,4 @@
-"""The content of a file: text in its encoding, or a named kind of file that is no text."""
+"""Content of a file: text in its encoding, or a named kind of binary file."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pathlib import Path
 
 from weier.checks import shown
 
-HEAD = 2**16  # Bytes that show the kind of a file.
-MAX_BYTES = 2 * 10**8  # A text of 10^6 rows with 200 characters each.
+HEAD = 2**16  # bytes that identify the kind of a file
+MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
 MARKS = {  # Byte-order marks; UTF-32 before UTF-16, whose mark it begins with.
     b"\xff\xfe\0\0": "utf-32",
     b"\0\0\xfe\xff": "utf-32",
     b"\xff\xfe": "utf-16",
     b"\xfe\xff": "utf-16",
 }
-WINDOWS = "cp1252"  # The encoding of text that is not UTF-8, as old programs write it.
+WINDOWS = "cp1252"  # encoding of text that is not UTF-8
 END_OF_FILE = "\x1a"  # DOS programs end a text by this sign.
-MOST_CONTROLS = 0.01  # A text has less control characters; random bytes have 0.1.
+MOST_CONTROLS = 0.01  # fraction of control characters in text; random bytes have 0.1
 BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # Control characters that no text has.
 
 # Kinds of files that are no text, by their first bytes, and the remedy for each.

@@ -1,4 +1,4 @@
-"""How a table of text is written: what a call says of it, and which signs its numbers show."""
+"""Layout of a table of text: the arguments of the call, and the separators of its numbers."""
 
 from __future__ import annotations
 

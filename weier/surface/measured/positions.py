@@ -1,4 +1,4 @@
-"""Heights at equal steps from heights at positions, which may be rounded or left out."""
+"""Heights at equal steps from heights at positions, which may be rounded or incomplete."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.surface.measured.artefacts import MAX_HEIGHTS
 
-UNEVEN = 0.01  # Equal steps in files may differ by this part of a step.
-MOST_DIGITS = 9  # Rounded positions have at most this many decimals or significant digits.
+UNEVEN = 0.01  # tolerance of equal steps in files, in steps
+MOST_DIGITS = 9  # decimals or significant digits of rounded positions
 # The step of rounded positions is the decimal number with the fewest digits within four standard errors, and these
 # may not exceed this part of a step, which is then the error of the length.
 STANDARD_ERRORS, MAX_ERROR = 4.0, 0.005
-ROUNDING = 1 + 1e-6  # Rounded decimals, as floats, may be off by this factor.
+ROUNDING = 1 + 1e-6  # tolerance for rounded decimals as floats
 
 
 def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int], str]) -> tuple[Array, float]:

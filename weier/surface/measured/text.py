@@ -1,8 +1,8 @@
-"""Files of text with heights, or positions and heights, in columns of one table.
+"""Text files with heights, or positions and heights, in the columns of one table.
 
-The table is one block of lines. Everything in it is read as a number or as a word for a missing height, or refused
-with its line. The lines above and below are kept as `Line.left_out`. Those next to the table are refused if they may
-belong to it. Each message names the argument that settles the question.
+The table is one block of lines of numbers or words for missing heights; anything else in it is refused with its line
+and the argument that resolves the ambiguity. Lines above and below are kept as `Line.left_out`; those next to the
+table are refused if they may belong to it.
 """
 
 from __future__ import annotations

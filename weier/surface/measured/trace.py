@@ -1,11 +1,9 @@
-"""A measured surface: heights at equal steps, as the finite sum of waves that the numerical methods take.
+"""Measured surfaces: heights at equal steps as the finite sum of waves that the numerical methods solve.
 
-docs/measured.rst says what becomes of heights ("The trace") and which are refused ("Artefacts of measurements"). The
-waves are those of the discrete Fourier transform of one period of N heights: a_k exp(i phi_k) = (2/N) sum_j z_j
-exp(-2 pi i j k/N). Their root mean square is sqrt(sum a_k^2/2).
-
-Lengths along x are in lambda_0, the length of the trace, heights in g_0, the root mean square height of its waves,
-and pressures in p_0* = 2 pi M g_0/lambda_0.
+docs/measured.rst explains the processing ("The trace") and the checks ("Artefacts of measurements"). The waves are
+the discrete Fourier transform of one period of N heights, a_k exp(i phi_k) = (2/N) sum_j z_j exp(-2 pi i j k/N).
+Lengths are in lambda_0, the length of the trace, heights in g_0 = sqrt(sum a_k^2/2), pressures in p_0* = 2 pi M
+g_0/lambda_0.
 """
 
 from __future__ import annotations
@@ -38,13 +36,13 @@ from weier.surface.waves import Waves
 from weier.tables import html_table
 
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
-TAPER = 0.1  # A tapered trace falls to its mean over this part of its length at each end.
-ROUNDING = 1e-14  # Waves below this part of g_0 are rounding errors.
-# Comparisons of wavelengths allow for this factor, by which quotients of decimal numbers are rounded.
+TAPER = 0.1  # fraction of the length at each end over which a tapered trace falls to its mean
+ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
+# tolerance for wavelengths that are quotients of decimal numbers
 DECIMAL_ROUNDING = 1 + 1e-9
-LENGTH_TOLERANCE = 0.01  # A given length and that of the file may differ by this part, as both may be rounded.
-MAX_LENGTH = 100.0  # m: a longer trace means a wrong unit, since no instrument measures it.
-# Root mean square slopes beyond these mean a wrong unit: no instrument measures such flanks, and mirrors are rougher.
+LENGTH_TOLERANCE = 0.01  # relative difference of a given length and that of the file, both rounded
+MAX_LENGTH = 100.0  # m; a longer trace indicates a wrong unit
+# root mean square slopes outside this range indicate a wrong unit
 MIN_SLOPE, MAX_SLOPE = 1e-7, 10.0
 
 
@@ -62,7 +60,7 @@ class Trace(Waves):
         At equal steps, upwards out of the body. NaN, None and masked values are missing. An array of xarray may name
         its unit in the attribute `units`, and have the positions in a coordinate with a unit.
     length : float
-        Length of the trace, which is as many steps as heights, in m, or in `x_unit` or `unit` where one is given.
+        Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
     shortest : float, optional
         The shortest wavelength that is kept, in the unit of `length`, which metrology calls lambda_s; by default two
         steps, so that all are.
@@ -84,7 +82,7 @@ class Trace(Waves):
     max_gap : int
         The largest number of adjacent missing heights that are interpolated, on a straight line.
     missing_value : float or list of float, optional
-        Numbers that stand for missing heights, such as -9999, in the unit of the heights.
+        Numbers for missing heights, such as -9999, in the unit of the heights.
 
     Attributes
     ----------
@@ -213,7 +211,7 @@ class Trace(Waves):
     def _identity(self) -> tuple[str, str, int | None]:
         return self.digest, self.source, self.line
 
-    # The properties return copies, so that changes to an array do not change the trace.
+    # properties return copies, so that a trace is immutable
 
     @property
     def amplitude(self) -> Array:
@@ -522,7 +520,7 @@ def _waves(level: Array, ends: str, length: float, shortest: float) -> tuple[int
     """Return the period in lengths of the trace, the wave numbers above rounding, and their amplitudes, in m."""
     z = _continued(level, ends)
     period = z.size // level.size  # 2 if it is mirrored
-    # A wave of two samples may have any phase, so that N/2 waves are left out of N heights.
+    # the phase of a wave of two samples is undetermined, so that the N/2-th wave is omitted
     most = min(math.floor(period * length / shortest * DECIMAL_ROUNDING), (z.size - 1) // 2)
     waves = np.arange(1, most + 1)
     coefficient = 2 * np.fft.rfft(z)[waves] / z.size

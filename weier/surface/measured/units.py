@@ -1,4 +1,4 @@
-"""Units of length: their names, and how files and arrays name them."""
+"""Units of length: their names, and their notation in files and arrays."""
 
 from __future__ import annotations
 
