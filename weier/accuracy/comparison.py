@@ -40,7 +40,7 @@ Measure = Callable[[Comparison, Variant], Mapping[str, Any]]
 
 
 def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping[str, Variable]) -> xr.Dataset:
-    """An empty dataset for the comparisons.
+    """Return an empty dataset for the comparisons.
 
     It is like that of a scene, over variants instead of methods, whose method is the coordinate solution_method.
     `kept` names variables of the common table; `own` are further ones, whose dimension of variants is called

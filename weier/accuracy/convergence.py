@@ -23,7 +23,7 @@ OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that
 
 
 def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, max_terms: int) -> xr.Dataset:
-    """The estimate and its bounds with 1, 2, ... resolved terms.
+    """Return the estimate and its bounds with 1, 2, ... resolved terms.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
 
 
 def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
-    """The estimate with its bounds, or the bounds alone if the estimate takes too many points."""
+    """Return the estimate with its bounds, or the bounds alone if the estimate takes too many points."""
     points = POINTS_PER_WAVE * profile.truncated(terms).waves_per_period[-1]
     try:
         if points <= MAX_POINTS:

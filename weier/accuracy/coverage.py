@@ -38,17 +38,17 @@ class Judged(NamedTuple):
 
 
 def by_elements(draw: Draw, loads: Array) -> Any:
-    """Boundary elements on the grid of a draw, their staircase removed."""
+    """Return boundary elements on the grid of a draw, their staircase removed."""
     return bem.curve(draw.profile, loads, **draw.settings)
 
 
 def by_staircase(draw: Draw, loads: Array) -> Any:
-    """Boundary elements on the same grid with their staircase, as in Section 5.1."""
+    """Return boundary elements on the same grid with their staircase, as in Section 5.1."""
     return bem.curve(draw.profile, loads, **draw.settings, staircase="kept")
 
 
 def by_patches(draw: Draw, loads: Array) -> Any:
-    """Contact patches at a tolerance of 1e-10 to 1e-2 g_0: below, the reference is no finer than what they state."""
+    """Return contact patches at a tolerance of 1e-10 to 1e-2 g_0; below, the reference is not finer."""
     random = np.random.default_rng(draw.loads.view(np.uint64))  # the same for the whole draw and its single loads
     return patches.curve(draw.profile, loads, 10 ** random.uniform(-10, -2))
 
@@ -75,7 +75,7 @@ def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
 
 
 def _numbers(curve: Any) -> Array:
-    """Compliance, resistance and what is stated of their errors, shape (4, loads)."""
+    """Return compliance, resistance and what is stated of their errors, shape (4, loads)."""
     return np.array([curve.compliance, curve.resistance, curve.compliance_error, curve.resistance_error])
 
 
@@ -88,7 +88,7 @@ def _solve_or_refuse(draw: Draw, load: float, solve: Callable[[Draw, Array], Any
 
 
 def judge_all(draw: Draw) -> dict[str, Judged]:
-    """All methods on a draw."""
+    """Return all methods on a draw."""
     return {name: judge(draw, solve) for name, solve in METHODS.items()}
 
 
@@ -96,7 +96,7 @@ Found = list[tuple[Draw, dict[str, Judged]]]
 
 
 def row(family: str, found: Found) -> list[str]:
-    """The numbers of a family, below HEADER."""
+    """Return the numbers of a family, below HEADER."""
     cells, refused = [family, str(sum(draw.loads.size for draw, _ in found))], 0
     for name in METHODS:
         for quantity in range(2):
@@ -108,7 +108,7 @@ def row(family: str, found: Found) -> list[str]:
 
 
 def exceeded(found: Found) -> Iterator[tuple[float, str]]:
-    """Errors larger than stated: their ratio to the statement, and their places."""
+    """Yield errors larger than stated: their ratio to the statement, and their places."""
     for draw, by_method in found:
         D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase.tolist()
         for name, judged in by_method.items():

@@ -53,7 +53,7 @@ def exponents(seeds: int, series: tuple[float, int, int] = (1.25, 5, 3)) -> dict
 
 
 def _solved(method: str, profile: Profile, loads: Array) -> Array:
-    """Compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
+    """Return compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
     solved = find_method(method).solve(profile, loads)
     area = getattr(solved, "contact_fraction", np.full(loads.size, np.nan))
     return np.stack([solved.compliance, solved.resistance, area])

@@ -29,7 +29,7 @@ HEADER = ("surface", "waves", "method", "seconds at 0.001 / 0.01 / 0.1 / 0.4 / 0
 
 
 def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
-    """Series of random phases, and traces of self-affine heights, of at most so many waves."""
+    """Return series of random phases and self-affine traces with a limited number of waves."""
     for D, gamma, terms in SERIES:
         for m in terms:
             if gamma ** (m - 1) <= most:
@@ -48,7 +48,7 @@ def _trace(waves: int, exponent: float) -> Trace:
 
 
 def seconds_of_loads(method: Method, profile: Waves) -> Array:
-    """Processor seconds of each load, without compiling; NaN where it is not solved."""
+    """Return processor seconds of each load, without compiling; NaN where it is not solved."""
     seconds = np.full(len(FRACTIONS), np.nan)
     for number, fraction in enumerate(FRACTIONS):
         load = np.array([fraction * profile.full_contact_load])
@@ -60,7 +60,7 @@ def seconds_of_loads(method: Method, profile: Waves) -> Array:
 
 
 def row(name: str, profile: Waves, method: Method) -> list[str]:
-    """The numbers of a method on a surface, below HEADER."""
+    """Return the numbers of a method on a surface, below HEADER."""
     seconds = seconds_of_loads(method, profile)
     expected = method.seconds(profile, np.ones(1))
     cells = [name, f"{profile.waves_per_period[-1]}", method.name, " / ".join(f"{value:.2g}" for value in seconds)]

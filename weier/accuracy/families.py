@@ -21,7 +21,7 @@ from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import patches
 
-MAX_WAVES = 1000  # Contact patches take at most a third of a second a load with so many waves in a period.
+MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
 LOADS = 8  # So many loads of each series are compared.
 # Tolerances of the patches, and of those on the reflected profile: the first one that can be met counts.
 REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
@@ -50,22 +50,22 @@ class Draw(NamedTuple):
 
 
 def usual(random: Generator) -> tuple[float, Fraction, int]:
-    """Whole ratios to 10."""
+    """Draw whole ratios to 10."""
     return random.uniform(1.02, 1.98), Fraction(int(random.integers(2, 11))), int(random.integers(1, 6))
 
 
 def rational(random: Generator) -> tuple[float, Fraction, int]:
-    """Ratios of whole numbers, whose periods are many lambda_0."""
+    """Draw ratios of whole numbers, whose periods are many lambda_0."""
     return random.uniform(1.02, 1.98), Fraction(str(random.choice(RATIOS))), int(random.integers(2, 6))
 
 
 def coarse(random: Generator) -> tuple[float, Fraction, int]:
-    """Ratios of 20 to 1000: a few crests of the first wave bear hundreds of contacts."""
+    """Draw ratios of 20 to 1000: a few crests of the first wave bear hundreds of contacts."""
     return random.uniform(1.02, 1.98), Fraction(round(np.exp(random.uniform(np.log(20), np.log(1000))))), 2
 
 
 def long(random: Generator) -> tuple[float, Fraction, int]:
-    """Five to seven terms."""
+    """Draw five to seven terms."""
     return (
         random.uniform(1.02, 1.98),
         Fraction(str(random.choice(["3/2", "4/3", "2", "3"]))),
@@ -74,35 +74,35 @@ def long(random: Generator) -> tuple[float, Fraction, int]:
 
 
 def extreme_dimension(random: Generator) -> tuple[float, Fraction, int]:
-    """D within 1e-9 to 1e-1 of 1 and 2."""
+    """Draw D within 1e-9 to 1e-1 of 1 and 2."""
     _, gamma, m = (usual, rational)[random.integers(2)](random)
     distance = 10 ** random.uniform(-9, -1)
     return float(random.choice([1 + distance, 2 - distance])), gamma, m
 
 
-# Phases, of a series with so many waves in its period.
+# phases of a series
 
 
 def any_phases(random: Generator, waves: Array) -> Array:
-    """Anywhere."""
+    """Draw phases anywhere."""
     return random.uniform(0, 2 * np.pi, waves.size)
 
 
 def near_symmetry(random: Generator, waves: Array) -> Array:
-    """Within 1e-15 to 1e-3 of 0 and pi."""
+    """Draw phases within 1e-15 to 1e-3 of 0 and pi."""
     distance = 10 ** random.uniform(-15, -3, waves.size) * random.choice([-1, 0, 1], waves.size)
     return np.pi * random.integers(0, 2, waves.size) + distance
 
 
 def aligned(random: Generator, waves: Array) -> Array:
-    """All crests, or all troughs, meet at one place: on a node, between two, or anywhere."""
+    """Return phases for which all crests, or all troughs, meet at one place: on a node, between two, or anywhere."""
     points = 32 * waves[-1]
     place = float(random.choice([0.0, 0.5, 0.25, random.random()])) / points
     return np.asarray(-2 * np.pi * waves * place + np.pi * float(random.random() < 0.2))
 
 
 def twin_crests(random: Generator, waves: Array) -> Array:
-    """An even profile, whose crests come in pairs, but for one phase by 1e-12 to 1e-2."""
+    """Return an even profile, whose crests come in pairs, but for one phase by 1e-12 to 1e-2."""
     phases = np.asarray(np.pi * random.integers(0, 2, waves.size), np.float64)
     phases[random.integers(waves.size)] += 10 ** random.uniform(-12, -2) * random.choice([-1, 1])
     return phases
@@ -112,12 +112,12 @@ def twin_crests(random: Generator, waves: Array) -> Array:
 
 
 def any_loads(random: Generator, profile: Profile) -> Array:
-    """From 1e-9 p_0* to full contact."""
+    """Draw loads from 1e-9 p_0* to full contact."""
     return np.exp(random.uniform(np.log(1e-9), np.log(profile.full_contact_load), LOADS))
 
 
 def near_events(random: Generator, profile: Profile) -> Array:
-    """Within 1e-10 to 1e-1 of a birth or a merger, on either side."""
+    """Draw loads within a relative 1e-10 to 1e-1 of a birth or merger, on either side."""
     low, high = (profile.full_contact_load * 10 ** random.uniform(*decades) for decades in ((-7, -2), (-2, -1e-3)))
     count = _count(profile, low)
     if count == _count(profile, high):
@@ -133,7 +133,7 @@ def _count(profile: Profile, load: float) -> int:
 
 
 def near_full_contact(random: Generator, profile: Profile) -> Array:
-    """Below full contact by 1e-10 to 1e-1 of it."""
+    """Draw loads below full contact by a relative 1e-10 to 1e-1."""
     return profile.full_contact_load * (1 - np.abs(_near(random)))
 
 
@@ -145,12 +145,12 @@ def _near(random: Generator) -> Array:
 
 
 def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
-    """The default of 64 points a wave, or another number: 12 are the paper's."""
+    """Draw the default of 64 points a wave, or another number: 12 are the paper's."""
     return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
 
 
 def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
-    """Odd numbers of points a wave, or any number in the period."""
+    """Draw odd numbers of points per wave, or any number in the period."""
     waves = profile.waves_per_period[-1]
     if random.random() < 0.5:
         return {"points_per_wave": 2 * int(random.integers(6, 51)) + 1}
@@ -158,7 +158,7 @@ def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
 
 
 def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
-    """Residuals from 1e-6 to 1e-12 g_0."""
+    """Draw residuals from 1e-6 to 1e-12 g_0."""
     return usual_settings(random, profile) | {"max_residual": 10 ** random.uniform(-12, -6)}
 
 
@@ -172,7 +172,7 @@ Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, 
 
 
 def _family(*features: Callable[..., Any]) -> Features:
-    """The features that are named, and what is usual for the others."""
+    """Return the features that are named, and what is usual for the others."""
     kinds: Features = (SERIES, PHASES, PRESSURES, SETTINGS)
     chosen = [tuple(f for f in features if f in kind) for kind in kinds]
     usual_of_kind: Features = tuple((feature,) for feature in DEFAULT)
@@ -197,7 +197,7 @@ FAMILIES: dict[str, Features] = {
 
 
 def draw_one(random: Generator, family: str) -> Draw:
-    """A fresh series of a family with its exact curve."""
+    """Return a fresh series of a family with its exact curve."""
     series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
     profile = _profile(random, series, phases)
     pressures = _pressures(random, profile, loads)
@@ -214,7 +214,7 @@ def _profile(random: Generator, series: Callable[..., Any], phases: Callable[...
 
 
 def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, Profile], Array]) -> Array:
-    """Increasing loads near births and mergers, or any where contact patches find none of these."""
+    """Return increasing loads near births and mergers, or any where contact patches find none of these."""
     try:
         return np.unique(loads(random, profile))
     except ConvergenceError as error:
@@ -223,7 +223,7 @@ def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, 
 
 
 def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
-    """Compliance and resistance, shape (2, loads), and how uncertain they are; NaN where patches find no solution."""
+    """Return h and R, shape (2, loads), and their uncertainty; NaN where patches find no solution."""
     reflected = Profile(profile.D, profile.gamma, profile.m, tuple((-profile.phase).tolist()))
     exact, twin, uncertainty = np.full((3, 2, loads.size), np.nan)
     for number, load in enumerate(loads):
@@ -246,7 +246,7 @@ def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patc
 
 
 def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Draws of the families with so many loads: first those in the file, then fresh ones, which are added to it."""
+    """Yield draws of the families: first those in the file, then fresh ones, which are added to it."""
     kept = [_from_line(line) for line in path.read_text().splitlines()] if path and path.exists() else []
     kept = [draw for draw in kept if draw.family in names]
     yield from kept

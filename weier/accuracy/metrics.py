@@ -13,18 +13,18 @@ import xarray as xr
 from weier.accuracy.multiprecision import DIGITS
 from weier.kernels.arrays import Array
 
-MAX_DIGITS = 16.0  # An error of 0 counts as so many digits, those of a double.
+MAX_DIGITS = 16.0  # digits of a double, for an error of 0
 TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.
 MEASURED, STATED = "deviation", "error"  # These are the endings of the variables of measured and stated errors.
 
 
 def deviation(values: Array, right: Sequence[Any]) -> Array:
-    """Distance of each value from its reference, numbers of mpmath or floats; NaN where either is unknown."""
+    """Return distance of each value from its reference, numbers of mpmath or floats; NaN where either is unknown."""
     return np.array([float(abs(mp.mpf(float(value)) - true)) for value, true in zip(values, right, strict=True)])
 
 
 def digits(values: Array, right: Sequence[Any]) -> Array:
-    """Correct digits of each value, -log10 of its relative error, from 0 to 16; NaN where either is unknown."""
+    """Return the correct digits, -log10 of the relative error, from 0 to 16; NaN where unknown."""
     return np.array([_digits(float(value), true) for value, true in zip(values, right, strict=True)])
 
 
@@ -39,7 +39,7 @@ def _digits(value: float, right: Any) -> float:
 
 
 def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
-    """Measured or stated errors of a tradeoff, shape (case, variant, mean_pressure); NaN where there are none.
+    """Return measured or stated errors of a tradeoff, shape (case, variant, mean_pressure); NaN where there are none.
 
     Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from some
     g_0/p_0* at light loads to 0 at full contact, so an error relative to itself is meaningless at full contact, and
@@ -52,17 +52,17 @@ def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
 
 
 def worst_over_loads(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
-    """The largest errors over the loads, shape (case, variant)."""
+    """Return the largest errors over the loads, shape (case, variant)."""
     return np.fmax.reduce(by_load(data, quantity, kind), axis=-1)
 
 
 def seconds_per_load(data: xr.Dataset) -> Array:
-    """Seconds a load of each case and variant, shape (case, variant)."""
+    """Return seconds a load of each case and variant, shape (case, variant)."""
     return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
 
 
 def pareto(cost: Array, error: Array) -> list[int]:
-    """Indices of the Pareto front by rising cost, without NaN: no other entry is both cheaper and more accurate."""
+    """Return the Pareto front by increasing cost, as indices: no other entry is cheaper and more accurate."""
     front: list[int] = []
     for number in np.lexsort((error, cost)):
         if np.isfinite(cost[number] + error[number]) and (not front or error[number] < error[front[-1]]):

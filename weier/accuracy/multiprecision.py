@@ -16,13 +16,13 @@ Pair = tuple[Any, Any]
 
 
 def westergaard(p: float, *series: float) -> Pair:
-    """One wave (12)-(14)."""
+    """Return one wave (12)-(14)."""
     with mp.workdps(DIGITS):
         return _compliance(mp.mpf(p)), _resistance(mp.mpf(p))
 
 
 def archard(p: float, D: float, gamma: float, m: float) -> Pair:
-    """Each wave under the peak pressure of the coarser one (15)-(21)."""
+    """Sum the series with each wave under the peak pressure of the coarser one (15)-(21)."""
     with mp.workdps(DIGITS):
         down, falls = _ratios(D, gamma)
         xi, slope, g = mp.mpf(p), mp.mpf(1), mp.mpf(1)  # xi_n, its derivative with p, g_n
@@ -41,7 +41,7 @@ def archard(p: float, D: float, gamma: float, m: float) -> Pair:
 
 
 def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
-    """Each wave under the mean pressure (23)-(26)."""
+    """Sum the series with each wave under the mean pressure (23)-(26)."""
     with mp.workdps(DIGITS):
         if m == mp.inf:
             return _infinite_demelio(mp.mpf(p), mp.mpf(D), mp.mpf(gamma))
@@ -55,7 +55,7 @@ def demelio(p: float, D: float, gamma: float, m: float) -> Pair:
 
 
 def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
-    """All flattened terms, then sum n r^n = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
+    """Sum all flattened terms, then n r^n = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
     flat = max(mp.ceil(mp.log(p) / ((D - 1) * mp.log(gamma))), 0)
     g, xi, r = gamma ** ((D - 2) * flat), p * gamma ** ((1 - D) * flat), 1 / gamma
     logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # of sum -r^n ln xi_n
@@ -64,7 +64,7 @@ def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
 
 
 def _ratios(D: float, gamma: float) -> Pair:
-    """p_n*/p_{n+1}* and g_{n+1}/g_n."""
+    """Return p_n*/p_{n+1}* and g_{n+1}/g_n."""
     return mp.mpf(gamma) ** (1 - mp.mpf(D)), mp.mpf(gamma) ** (mp.mpf(D) - 2)
 
 

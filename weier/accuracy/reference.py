@@ -52,14 +52,14 @@ class Reference(NamedTuple):
 
 
 def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Array) -> Reference:
-    """The sums that define an estimate, in many digits."""
+    """Return the sums that define an estimate, in many digits."""
     series = profile.D, float(profile.gamma), profile.m
     pairs = [terms(float(p), *series) for p in loads]
     return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
 
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
-    """The layer on a mesh of twice the points, which leaves a quarter of the error; None where that takes minutes."""
+    """Return the layer on twice the points, with a quarter of the error; None if that takes minutes."""
     if MAX_FINER_SCALES < profile.m < math.inf:
         return None
     series = profile.D, float(profile.gamma), profile.m
@@ -76,7 +76,7 @@ OF_ESTIMATES: dict[str, Callable[[Profile, Array], Reference | None]] = {
 
 
 def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
-    """The reference of a method at these loads; NaN where the method has no result, or there is no reference in time.
+    """Return the reference of a method at these loads; NaN without a result or an affordable reference.
 
     For one wave all methods are exact. Otherwise an estimate has its own reference. The exact contact is the
     reference of numerical methods, and of those that state the error of each number.
@@ -101,7 +101,7 @@ def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Ref
 
 
 def is_in_reach(profile: Profile, loads: Array) -> bool:
-    """Whether the exact contact of a profile takes less than `MAX_REFERENCE_SECONDS`."""
+    """Return whether the exact contact of a profile takes less than `MAX_REFERENCE_SECONDS`."""
     if math.isinf(profile.m) or not resolvable(profile):
         return False
     return patches.METHOD.seconds(profile, loads) <= MAX_REFERENCE_SECONDS
@@ -109,7 +109,7 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 
 @cache  # for all methods on one profile
 def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
-    """The exact curve of a finite series that can be resolved; NaN where the contact patches fail."""
+    """Return the exact curve of a finite series that can be resolved; NaN where the contact patches fail."""
     if profile.m == 1:
         return _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
     pairs, error = _by_patches(_shift(profile), np.array(loads))
@@ -123,7 +123,7 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
 
 
 def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pair], Array]:
-    """Compliance and resistance by contact patches, and the stated error of the resistance.
+    """Return compliance and resistance by contact patches, and the stated error of the resistance.
 
     Each load is solved to the smallest of `TOLERANCES` that can be met; the values are NaN where none can.
     """
@@ -137,7 +137,7 @@ def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pai
 
 
 def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Array, Array]:
-    """Errors of the reference itself, in compliance and resistance, each of shape (loads,).
+    """Return errors of the reference itself, in compliance and resistance, each of shape (loads,).
 
     Close to a birth, rounding of the phases may put the shifted profile on its other side. Its stated error covers
     this.
@@ -149,14 +149,14 @@ def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Ar
 
 
 def _single_crest(profile: Profile) -> bool:
-    """Whether the lightest loads rest on one crest in each lambda_0."""
+    """Return whether the lightest loads rest on one crest in each lambda_0."""
     expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
     height = find_crests(profile.amplitude, profile.waves_per_period, expansion).expansion[:, 0]
     return profile.period == 1 and int((height > height.max() - TOUCH_HEIGHT).sum()) == 1
 
 
 def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
-    """One contact so small that only the curvature k of its crest matters: h = h_0 + p (1 - ln(4 pi^2 p/k)).
+    """Return h = h_0 + p (1 - ln(4 pi^2 p/k)) of a contact so small that only its curvature k matters.
 
     It is Hertz's, of half-width a = 2 sqrt(p/k), and Westergaard's wave of curvature 4 pi^2 is the case
     h = p (1 - ln p).
@@ -171,7 +171,7 @@ def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
 
 
 def _height(profile: Profile, x: mp.mpf, order: int) -> mp.mpf:
-    """The series, or its derivative of an order, at x."""
+    """Return the series, or its derivative of an order, at x."""
     falls, total = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2), mp.mpf(0)
     for n, phase in enumerate(profile.phase):
         k = 2 * mp.pi * mp.mpf(float(profile.gamma)) ** n
@@ -186,6 +186,6 @@ def _total(profile: Profile) -> mp.mpf:
 
 
 def _shift(profile: Profile) -> Profile:
-    """A profile shifted along x: it has the curves of the one given, but other numbers."""
+    """Return a profile shifted along x: it has the curves of the one given, but other numbers."""
     cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

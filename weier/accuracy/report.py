@@ -23,12 +23,12 @@ class Column(NamedTuple, Generic[Row]):
 
 
 def rows_as_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> str:
-    """A Markdown table with a line for each row."""
+    """Return a Markdown table with a line for each row."""
     return table([column.heading for column in columns], ([column.cell(row) for column in columns] for row in rows))
 
 
 def number(value: float, form: str = ".0e") -> str:
-    """A number in this format; empty for NaN."""
+    """Return a number in this format; empty for NaN."""
     return "" if np.isnan(value) else format(float(value), form)
 
 

@@ -22,7 +22,7 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
-# The median of so many runs counts. Other programs lengthen some runs, and the clock of a virtual machine may shorten
+# runs, of which the median counts: load lengthens some, and the clock of a virtual machine may shorten
 # others.
 REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
@@ -67,7 +67,7 @@ class Run(NamedTuple):
 
 
 def run(variant: Variant, profile: Profile, loads: Array) -> Run:
-    """The curve of a variant; raises what `weier.solve` raises."""
+    """Return the curve of a variant; raises what `weier.solve` raises."""
     method, start = find_method(variant.method), process_time()
     method.check_applies(profile)
     solved = method.solve(profile, loads, **variant.settings)
@@ -80,7 +80,7 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
 
 
 def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:
-    """The curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
+    """Return the curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
     run(variant, profile, loads[:1])  # loads compiled code
     runs = [run(variant, profile, loads)]
     while len(runs) < REPEAT and runs[-1].seconds <= MAX_REPEATED:
@@ -110,14 +110,14 @@ def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 
 
 def _join(parts: list[Run]) -> Run:
-    """Runs of single loads as one, without what else they returned."""
+    """Return runs of single loads as one, without what else they returned."""
     h, R, h_error, R_error, solution_error, outcome, *_ = zip(*parts, strict=True)
     h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
     return Run(h, R, h_error, R_error, max(solution_error), outcome)
 
 
 def is_clear(error: Exception, method: Method) -> bool:
-    """Whether an error was raised on purpose by weier or the file of the method, with a text without NaN."""
+    """Return whether an error was raised on purpose by weier or the file of the method, with a text without NaN."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
     of_method = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
     own = PACKAGE in Path(last.filename).parents or last.filename == of_method
@@ -126,6 +126,6 @@ def is_clear(error: Exception, method: Method) -> bool:
 
 
 def _description(error: Exception) -> str:
-    """The kind of the error and its sentence."""
+    """Return the kind of the error and its sentence."""
     kind = "ValueError" if isinstance(error, NotApplicableError) else type(error).__name__
     return f"{kind}: {error}"

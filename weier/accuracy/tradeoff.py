@@ -65,7 +65,7 @@ def measure(scene: Scene) -> xr.Dataset:
 
 
 def variants(profile: Profile) -> list[Variant]:
-    """All variants that can be run on a finite series."""
+    """Return all variants that can be run on a finite series."""
     if math.isinf(profile.m):
         raise ValueError(
             f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"

@@ -30,7 +30,7 @@ class Variant(NamedTuple):
 
 
 def variants_of(method: Method, profile: Profile) -> Iterator[Variant]:
-    """The variants of a method for a finite series, from the coarsest; none of "auto", which runs others."""
+    """Yield the variants of a method for a finite series, from the coarsest; none of "auto", which runs others."""
     tolerances = TOLERANCES if TOLERANCE in defaults(method) else ()
     if tolerances and not method.numerical:
         return

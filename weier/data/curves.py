@@ -19,12 +19,12 @@ FULL_CONTACT_COMPLIANCE = 0.99
 
 
 def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
-    """The cases of the studies as separate datasets, without the dimension `case`."""
+    """Return the cases of the studies as separate datasets, without the dimension `case`."""
     return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
 
 
 def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
-    """The cases, grouped by the values of the named coordinates, in order of appearance."""
+    """Return the cases, grouped by the values of the named coordinates, in order of appearance."""
     members: dict[tuple[float, ...], list[xr.Dataset]] = {}
     for case in cases:
         members.setdefault(tuple(float(case.variables[name]) for name in names), []).append(case)
@@ -32,7 +32,7 @@ def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
 
 
 def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
-    """The values of a variable over the loads by one method, or None if it has none."""
+    """Return the values of a variable over the loads by one method, or None if it has none."""
     variables = case.variables  # Access to each of them through the dataset takes ten times as long.
     methods = variables["solution_method"].values.tolist()
     if method not in methods:
@@ -42,7 +42,7 @@ def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
 
 
 def most_accurate(study: xr.Dataset) -> tuple[Flags, Indices]:
-    """Whether a numerical method solved each case of a study, and the column of the most accurate one."""
+    """Return whether a numerical method solved each case of a study, and the column of the most accurate one."""
     methods = study["solution_method"].values.tolist()
     columns = [methods.index(name) for name in numerical_names() if name in methods]
     if not columns:
@@ -52,32 +52,32 @@ def most_accurate(study: xr.Dataset) -> tuple[Flags, Indices]:
 
 
 def numerical_methods(case: xr.Dataset) -> list[str]:
-    """The numerical methods that solved the case, the most accurate first."""
+    """Return the numerical methods that solved the case, the most accurate first."""
     return [method for method in numerical_names() if curve(case, "compliance", method) is not None]
 
 
 def numerical_method(case: xr.Dataset) -> str | None:
-    """The most accurate numerical method that solved the case, or None."""
+    """Return the most accurate numerical method that solved the case, or None."""
     return next(iter(numerical_methods(case)), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:
-    """The values of a variable by the most accurate numerical method, or None if there are none."""
+    """Return the values of a variable by the most accurate numerical method, or None if there are none."""
     return curve(case, name, numerical_method(case))
 
 
 def as_study(case: xr.Dataset) -> xr.Dataset:
-    """A study of one case."""
+    """Return a study of one case."""
     return case.reset_coords().expand_dims("case")
 
 
 def full_contact_load(cases: Iterable[xr.Dataset]) -> float:
-    """The first load at which all cases are close to full contact, or the last load."""
+    """Return the first load at which all cases are close to full contact, or the last load."""
     return max((float(full_contact_loads(as_study(case))[0]) for case in cases), default=np.nan)
 
 
 def full_contact_loads(study: xr.Dataset) -> Array:
-    """The first load at which each case is close to full contact, or the last load, shape (cases,)."""
+    """Return the first load at which each case is close to full contact, or the last load, shape (cases,)."""
     loads, h = study["mean_pressure"].values, study["compliance"].values
     solved, best = most_accurate(study)
     known = np.isfinite(h).any(axis=-1)
@@ -88,7 +88,7 @@ def full_contact_loads(study: xr.Dataset) -> Array:
 
 
 def profile(case: xr.Dataset) -> Profile:
-    """The profile of a case, from its coordinates alone."""
+    """Return the profile of a case, from its coordinates alone."""
     m = float(case["m"])
     phases = case["phases"].values[: int(m)] if np.isfinite(m) else 0.0
     series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
@@ -96,6 +96,6 @@ def profile(case: xr.Dataset) -> Profile:
 
 
 def phase_angle(case: xr.Dataset) -> float:
-    """The phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
+    """Return the phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
     phase = case["phases"].values
     return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0

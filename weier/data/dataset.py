@@ -29,7 +29,7 @@ from weier.units import NORMALISED_PRESSURE
 def curve(
     loads: Array, values: Mapping[str, Any], labels: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> xr.Dataset:
-    """One curve over mean_pressure, with its labels as coordinates.
+    """Return one curve over mean_pressure, with its labels as coordinates.
 
     Scalars among the values become attributes, and so do the settings: each by itself, and all of them as JSON.
     """
@@ -60,7 +60,7 @@ def blank(
     returned: Collection[str] = (),
     unit: str = NORMALISED_PRESSURE,
 ) -> xr.Dataset:
-    """An empty dataset of all variables of the table, for so many cases, terms and edges of contact.
+    """Return an empty dataset of all variables, for these numbers of cases, terms and contact edges.
 
     It has those optional variables whose names the methods return. `unit` is that of the loads, p_0* or Pa.
     """
@@ -118,7 +118,7 @@ def read(path: str | Path) -> xr.Dataset:
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[xr.Dataset]:
-    """A netCDF file of weier, opened lazily and closed at the end; corrupted values raise an error, too."""
+    """Open a netCDF file of weier lazily and close it at the end; corrupted values raise an error."""
     with open_lazily(path) as data:
         try:
             yield data
@@ -129,7 +129,7 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
-    """A netCDF file of weier, opened lazily: its values are read on access."""
+    """Return a netCDF file of weier, opened lazily: its values are read on access."""
     if Path(path).is_file():
         netcdf.check_intact(path)
     try:

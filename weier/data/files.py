@@ -14,12 +14,12 @@ from weier.checks import readable
 
 # The names of temporary files of `replacing`.
 LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
-PROBE = 2**20  # Writing so many bytes again yields the error that netCDF hides, such as a full disk.
+PROBE = 2**20  # bytes written to find the error that netCDF hides, such as a full disk
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A temporary path in the same folder, which replaces the given one unless an error is raised.
+    """Yield a temporary path in the same folder, which replaces the given one unless an error is raised.
 
     A missing folder is made, and a link is followed.
     """
@@ -117,5 +117,5 @@ def _check_space(beside: Path, path: Path) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> OSError:
-    """The error with the name of the given file in place of the temporary one."""
+    """Return the error with the name of the given file in place of the temporary one."""
     return OSError(f"{path} cannot be written: {error.strerror}; mend that and run again")

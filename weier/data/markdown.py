@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of cells that are Markdown, one line per row."""
+    """Return a table of cells that are Markdown, one line per row."""
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *rows))
 
 
 def plain(text: str) -> str:
-    """Text that Markdown does not read as emphasis or a new column."""
+    """Return text that Markdown does not read as emphasis or a new column."""
     return text.replace("_", r"\_").replace("*", r"\*").replace("|", r"\|")

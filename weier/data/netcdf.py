@@ -78,7 +78,7 @@ def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) ->
 
 
 def seal(path: str | Path, name: str = UNNAMED) -> None:
-    """Append a line with a name and a digest of the whole file, which HDF5 ignores, and removes when it writes.
+    """Append a line with a name and a digest of the file, which HDF5 ignores, and removes when it writes.
 
     The checksums of HDF5 cover chunks of values only, and not the header or the index of chunks.
     """
@@ -168,7 +168,7 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
 
 
 def damaged_error(path: str | Path, error: Exception) -> Exception:
-    """The error to be raised for a file that cannot be opened; only one that was read and is not whole is damaged."""
+    """Return the error for a file that cannot be opened; only an incomplete one that was read is damaged."""
     if not str(path).isprintable() or not Path(path).is_file():
         return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     try:
@@ -190,7 +190,7 @@ def _unreadable(path: str | Path, error: OSError) -> OSError:
 
 
 def _is_locked(file: BinaryIO) -> bool:
-    """Whether another process holds the lock that HDF5 takes on files that it writes."""
+    """Return whether another process holds the lock that HDF5 takes on files that it writes."""
     try:
         import fcntl  # which Windows does not have
     except ImportError:
@@ -205,7 +205,7 @@ def _is_locked(file: BinaryIO) -> bool:
 
 
 def text_widths(data: xr.Dataset) -> dict[str, int]:
-    """Bytes of the longest text in each variable of text: the table gives those of its own variables."""
+    """Return bytes of the longest text in each variable of text: the table gives those of its own variables."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
     return {name: WIDTHS.get(name) or _encoded(values.values).itemsize for name, values in texts.items()}
 
@@ -293,7 +293,7 @@ def _encoded_for(stored: netCDF4.Variable[Any], values: xr.Variable) -> NDArray[
 
 
 def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Texts in UTF-8, padded to the length of the longest; ValueError if a value is not a text."""
+    """Return texts in UTF-8, padded to the length of the longest; ValueError if a value is not a text."""
     try:
         return np.asarray(np.strings.encode(texts.astype(np.dtypes.StringDType(coerce=False)), "utf-8"))
     except (TypeError, ValueError):  # The message of NumPy does not name the value.

@@ -63,7 +63,7 @@ FIXED = {
 def attributes(
     title: str, step: str, scene: str = "", before: Iterable[str] = (), in_si: bool = False
 ) -> dict[str, str]:
-    """Global attributes of a file.
+    """Return global attributes of a file.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def attributes(
 
 
 def run_date() -> tuple[str, str]:
-    """The date of this run or of SOURCE_DATE_EPOCH in ISO 8601, and a sentence that says which of the two it is."""
+    """Return the date of this run or SOURCE_DATE_EPOCH in ISO 8601, and a sentence that says which it is."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         date = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.now(UTC)
@@ -107,14 +107,14 @@ def run_date() -> tuple[str, str]:
 
 
 def of_results(title: str = "") -> dict[str, str]:
-    """Attributes of results in memory."""
+    """Return attributes of results in memory."""
     named = {"title": title} if title else {}
     return {"program": FIXED["program"], "normalisation": NORMALISED, "references": PAPER, **named, **versions()}
 
 
 @cache
 def versions() -> dict[str, str]:
-    """The versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
+    """Return the versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
     from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
 
     made = commit()
@@ -128,7 +128,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def commit() -> str:
-    """The commit of the checkout, with a note if the package has uncommitted changes; empty outside of a checkout."""
+    """Return the commit of the checkout, with a note on uncommitted changes; empty outside a checkout."""
     if not (PACKAGE.parent / ".git").exists():  # A parent repository, in which weier is installed, does not count.
         return ""
     name, changed = _git("rev-parse", "HEAD"), _git("status", "--porcelain", "--", PACKAGE.name)

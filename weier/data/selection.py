@@ -30,7 +30,7 @@ COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
     "weier.Interface(...).solve([trace, ...], pressures in Pa)"
 )
-MAX_VALUES_IN_MESSAGE = 10  # A message lists at most so many values, to stay short.
+MAX_VALUES_IN_MESSAGE = 10  # values listed in a message
 # A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 
@@ -55,7 +55,7 @@ class CurvesAccessor:
         study: str | Sequence[str] | None = None,
         **settings: Any,
     ) -> xr.Dataset:
-        """The cases that have the labels given.
+        """Return the cases that have the labels given.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class CurvesAccessor:
         return data.isel(case=np.flatnonzero(_having_phases(data, phases)))
 
     def table(self) -> pd.DataFrame:
-        """The curves as a pandas.DataFrame, one row for each case, method and load that was solved.
+        """Return the curves as a pandas.DataFrame, one row for each case, method and load that was solved.
 
         Returns
         -------
@@ -125,7 +125,7 @@ class CurvesAccessor:
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
     def ensemble(self) -> pd.DataFrame:
-        """The mean of each curve over the cases, with its scatter and its numerical error, as a pandas.DataFrame.
+        """Return the mean of each curve over the cases with its scatter and numerical error, as a DataFrame.
 
         Returns
         -------
@@ -214,7 +214,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
 
 
 def _dims(name: str, data: xr.Dataset) -> tuple[str, ...]:
-    """The dimensions of a variable of the table in this dataset; empty if it is not in the table."""
+    """Return the dimensions of a variable of the table in this dataset; empty if it is not in the table."""
     if LOAD not in data.dims:
         return VARIABLES[name].dims if name in VARIABLES else ()
     if name == LOADS:
@@ -223,7 +223,7 @@ def _dims(name: str, data: xr.Dataset) -> tuple[str, ...]:
 
 
 def profile_of(data: xr.Dataset) -> Profile:
-    """The profile of one curve, or of one case of a file.
+    """Return the profile of one curve, or of one case of a file.
 
     Parameters
     ----------
@@ -266,12 +266,12 @@ def profile_of(data: xr.Dataset) -> Profile:
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
-    """The curves with a name for each case."""
+    """Return the curves with a name for each case."""
     return data.assign_coords(case=("case", np.array(case_names(data), object), {"long_name": "case"}))
 
 
 def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
-    """A name for each case: its study, D, gamma, m, seed or phases, and settings that differ, except labels in `but`.
+    """Return a name per case: study, D, gamma, m, seed or phases, and settings that differ, except labels in `but`.
 
     A trace is named by its file and its digest, which determine all else.
     """
@@ -283,7 +283,7 @@ def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
 
 
 def _labels(data: xr.Dataset) -> list[str]:
-    """The names of the coordinates that every case has one value of."""
+    """Return the names of the coordinates that every case has one value of."""
     return [str(name) for name in data.coords if data[name].dims == ("case",)]
 
 
@@ -297,7 +297,7 @@ def _case_name(labels: Mapping[str, str]) -> str:
 
 
 def label_text(value: Any) -> str:
-    """A label as text, empty if it is missing; phases are one number if all terms but the first have it."""
+    """Return a label as text, empty if it is missing; phases are one number if all terms but the first have it."""
     if np.ndim(value):
         known = value[np.isfinite(value)]
         alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
@@ -308,7 +308,7 @@ def label_text(value: Any) -> str:
 
 
 def _list(name: str, wanted: Any) -> list[Any]:
-    """The wanted values as a list; ValueError if it is empty, since it would select nothing."""
+    """Return the wanted values as a list; ValueError if it is empty, since it would select nothing."""
     listed = isinstance(wanted, list | tuple) or bool(getattr(wanted, "shape", ()))  # an array of any library
     if listed and len(wanted) == 0:
         raise ValueError(f"{name} must have a value to select by, got an empty list")
@@ -316,7 +316,7 @@ def _list(name: str, wanted: Any) -> list[Any]:
 
 
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
-    """Whether each case has one of the wanted values; it may belong to several studies, separated by commas."""
+    """Return whether each case has one of the values; a case may belong to several comma-separated studies."""
     known = [label for label in _labels(data) if label != "case"]
     if name not in known:
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
@@ -341,7 +341,7 @@ def _number(name: str, value: Any, unit: str) -> float:
 
 
 def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
-    """Whether each case has these phases: of every term but the first, or of each; an infinite series has any."""
+    """Return whether each case has these phases, of all terms but the first or of each; m = inf has any."""
     given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
     if "phases" not in data.coords:
         raise ValueError("phases are not among the coordinates: select by them before single variables are taken")
@@ -364,12 +364,12 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
 
 
 def _texts(name: str, label: Any) -> list[str]:
-    """The values of a label that is a text: the name of a file may have a comma, the name of a study has none."""
+    """Return the values of a text label: file names may contain a comma, names of studies do not."""
     return str(label).split(", ") if name == "study" else [str(label)]
 
 
 def _some(name: str, values: NDArray[Any]) -> str:
-    """The distinct values of a label."""
+    """Return the distinct values of a label."""
     if values.dtype.kind in "UOT":
         values = np.array([part for text in values for part in _texts(name, text)])
     texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]

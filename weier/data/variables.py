@@ -60,7 +60,7 @@ class Check(IntEnum):
 
     @classmethod
     def of(cls, holds: bool | None) -> Check:
-        """The result of a condition that holds, does not hold, or could not be measured (None)."""
+        """Return the result of a condition that holds, does not hold, or could not be measured (None)."""
         return cls.not_measured if holds is None else cls(holds)
 
     @property
@@ -79,7 +79,7 @@ class Variable(NamedTuple):
     content : the kind of its content, in the terms of ISO 19115
     optional : whether only files of methods that return it have it; seconds, which differ from run to run, are in
         batches only
-    files : the files beside those of a scene that have it
+    files : further files that have it, besides those of a scene
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
     """
@@ -115,7 +115,7 @@ def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: 
     return Variable(CURVE, f"{side} bound on the {quantity} of the infinite series", unit, comment=comment, **others)
 
 
-# Text has a fixed width, so that files of many cases can be joined, compressed and read by any netCDF library.
+# text of fixed width, so that files can be joined, compressed and read by any netCDF library
 VARIABLES = {
     "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
     "mean_pressure": Variable(
@@ -261,12 +261,12 @@ COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content =
 
 
 def variables_of_file(file: str) -> list[str]:
-    """The variables of a file: TRADEOFF, EXTREMES or CONVERGENCE."""
+    """Return the variables of a file: TRADEOFF, EXTREMES or CONVERGENCE."""
     return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
 def of_curves(returned: Collection[str], edges: bool) -> list[str]:
-    """The variables of curves by methods that return these names, with the edges of contact or without."""
+    """Return the variables of curves by methods that return these names, with the edges of contact or without."""
     return [
         name
         for name, entry in VARIABLES.items()
@@ -277,7 +277,7 @@ def of_curves(returned: Collection[str], edges: bool) -> list[str]:
 def blank(
     name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
 ) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    """Dimensions, empty values and attributes of a variable."""
+    """Return dimensions, empty values and attributes of a variable."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
     nothing = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
@@ -287,7 +287,7 @@ def blank(
 
 
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:
-    """The attributes of a variable in a file, by the CF conventions; with a `unit` other than that of the table."""
+    """Return the CF attributes of a variable in a file; `unit` overrides that of the table."""
     entry = table[name] if not unit else table[name]._replace(unit=unit)
     known: dict[str, Any] = units.described(entry.long_name, entry.unit) | {"coverage_content_type": entry.content}
     if entry.dtype != "f8":  # texts and numbers of things have no units
@@ -300,12 +300,12 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str =
 
 
 def ancillary(name: str, present: Container[Any]) -> dict[str, str]:
-    """The attribute in which CF lists the variables of a file on the quality of a quantity."""
+    """Return the attribute in which CF lists the variables of a file on the quality of a quantity."""
     names = (*(f"{name}_{part}" for part in ("error", "deviation", "lower", "upper")), "residual", "status")
     related = [other for other in names if name in QUANTITIES and other in present]
     return {"ancillary_variables": " ".join(related)} if related else {}
 
 
 def flags(meanings: type[IntEnum]) -> dict[str, Any]:
-    """The attributes with the meaning of the numbers of a variable, by the CF conventions."""
+    """Return the attributes with the meaning of the numbers of a variable, by the CF conventions."""
     return {"flag_values": np.array(list(meanings), "i1"), "flag_meanings": " ".join(flag.name for flag in meanings)}

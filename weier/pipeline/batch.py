@@ -112,7 +112,7 @@ def solve_batch(
 
 
 def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report) -> dict[str, Any]:
-    """The stored values of a curve; `failed` is called with the reason if there is none."""
+    """Return the stored values of a curve; `failed` is called with the reason if there is none."""
     method, given = find_method(name), case.settings.get(name, {})
     found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
     if isinstance(outcome, Exception):
@@ -124,7 +124,7 @@ def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report
 
 
 def arrays(data: xr.Dataset) -> Arrays:
-    """The values of each variable, to be filled in, since access through the dataset is slower."""
+    """Return the values of each variable, to be filled in, since access through the dataset is slower."""
     return {str(name): variable.values for name, variable in data.variables.items()}
 
 
@@ -153,7 +153,7 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
 
 
 def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str, Array]:
-    """Bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
+    """Return bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
     profile = case.profile
     if not method.numerical or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
         return {}
@@ -161,6 +161,6 @@ def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str
 
 
 def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
-    """The index of values of this shape in the array of a variable, for a case and method."""
+    """Return the index of values of this shape in the array of a variable, for a case and method."""
     sizes = iter(shape)
     return tuple(position[dim] if dim in position else slice(next(sizes, None)) for dim in VARIABLES[name].dims)

@@ -190,11 +190,11 @@ class CasesOfParts(Sequence[Case]):
         self._parts, self._owner, self._number = parts, owner, number
 
     def __len__(self) -> int:
-        """The number of cases."""
+        """Return the number of cases."""
         return len(self._owner)
 
     def __getitem__(self, position: Any) -> Any:
-        """The case at a position."""
+        """Return the case at a position."""
         return self._parts[self._owner[position]].batch_case(int(self._number[position]))
 
 

@@ -242,7 +242,7 @@ class Store:
         return os.scandir(self.folder) if self.folder.is_dir() else ()
 
     def _batches_of(self, kind: str) -> list[tuple[int, Keys]]:
-        """The numbers of the batches of a kind, with the keys of their surfaces."""
+        """Return the numbers of the batches of a kind, with the keys of their surfaces."""
         if kind not in self._known:
             self._known[kind] = []
             for path in (self.folder / f"{batch}.json" for batch in self.solved if batch.startswith(f"{kind}-")):

@@ -36,7 +36,7 @@ ATTRIBUTES = {
 def fields(
     profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:
-    """Pressure, gap and displacement along one period under one mean pressure.
+    """Return pressure, gap and displacement along one period under one mean pressure.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def fields(
 
 
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
-    """Mean pressures at which contacts are born or merge.
+    """Return mean pressures at which contacts are born or merge.
 
     Parameters
     ----------

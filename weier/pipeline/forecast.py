@@ -17,7 +17,7 @@ MAX_SECONDS = 1e5  # A solution of more than a day is refused.
 
 
 def forecast(case: Case, loads: Array) -> list[str]:
-    """A sentence for each method of a case that is expected to take longer than `LONG`.
+    """Return a sentence for each method of a case that is expected to take longer than `LONG`.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def forecast(case: Case, loads: Array) -> list[str]:
 
 
 def forecast_scene(scene: Scene, batches: Collection[Batch], cores: int) -> tuple[list[str], str]:
-    """The expected seconds of the batches to be solved, in lines of text, and why they may not run, if they may not.
+    """Return the expected seconds of the batches as lines of text, and the reason if they must not run.
 
     There are no lines for a short scene without a limit. A scene that would exceed its limit is refused with the key
     that raises it.
@@ -58,7 +58,7 @@ def forecast_scene(scene: Scene, batches: Collection[Batch], cores: int) -> tupl
 
 
 def _cheaper(profile: Waves, loads: Array) -> str:
-    """The methods that take less than `LONG`, "auto" at its default tolerance among them."""
+    """Return the methods that take less than `LONG`, "auto" at its default tolerance among them."""
     fast = [method.name for method in registry.METHODS if method.takes(profile)]
     fast = [name for name in fast if find_method(name).seconds(profile, loads) < LONG]
     within = f" (within {auto.TOLERANCE:g} g_0)" * (auto.METHOD.name in fast)

@@ -29,7 +29,7 @@ BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
 def read_study(solutions: Solutions, study: str) -> xr.Dataset:
-    """The cases of a study in memory; ValueError if one is not solved."""
+    """Return the cases of a study in memory; ValueError if one is not solved."""
     scene = solutions.scene
     cases = scene.cases_of_study(study)
     return Reader(solutions, scene.layout_of(study), (study,)).read(cases)
@@ -84,7 +84,7 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
-    """The labels of the cases of a scene, in its order.
+    """Return the labels of the cases of a scene, in its order.
 
     `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
     1 for the cases of a study and 0 for others; it is not a coordinate, so that files of other studies can be joined.
@@ -115,7 +115,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
 
 
 def _of_study(name: str) -> dict[str, Any]:
-    """The attributes of the flag of a study."""
+    """Return the attributes of the flag of a study."""
     meanings = {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "other_study this_study"}
     return {
         "long_name": f"whether the case is of study {name}",
@@ -125,7 +125,7 @@ def _of_study(name: str) -> dict[str, Any]:
 
 
 def _column(values: list[Any]) -> NDArray[Any]:
-    """Numbers with NaN, or texts with "", where there is None."""
+    """Return numbers with NaN, or texts with "", where there is None."""
     if any(isinstance(value, str | bool) for value in values):
         return np.array([json.dumps(value) if isinstance(value, bool) else value or "" for value in values])
     return np.array(values, float)
@@ -195,7 +195,7 @@ class Reader:
 
 
 def _copy(blank: xr.Dataset, part: xr.Dataset, there: Indices, rows: Indices, column: int) -> None:
-    """Copy curves of a method, and the parameters of their cases, from their rows of a batch into these rows."""
+    """Copy curves of a method and the parameters of their cases from rows of a batch to these rows."""
     for name in blank.variables.keys() & part.variables.keys() - blank.sizes.keys():
         target, values, here = blank.variables[name], part.variables[name].values[there], rows
         if "solution_method" in target.dims:

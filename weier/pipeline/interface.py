@@ -67,7 +67,7 @@ class Interface(Bodies):
         method: str | Sequence[str] | None = None,
         **options: Any,
     ) -> xr.Dataset:
-        """Compliance and contact resistance in m and ohm m^2, under mean pressures in Pa.
+        """Return compliance and contact resistance in m and ohm m^2, under mean pressures in Pa.
 
         Parameters
         ----------
@@ -112,12 +112,12 @@ class Interface(Bodies):
         return self.in_si(in_order(solve_under(surface, loads, self._loads(loads), method, **options), position))
 
     def _loads(self, pressures: Array) -> LoadsOf:
-        """The function from a surface to its loads in p_0* under pressures in Pa."""
+        """Return the function from a surface to its loads in p_0* under pressures in Pa."""
         return lambda surface: self.at(surface).normalised_pressure(pressures)
 
     @hinting
     def find_pressure(self, surface: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
-        """Mean pressure in Pa at which one quantity has a given value.
+        """Return mean pressure in Pa at which one quantity has a given value.
 
         Parameters
         ----------

@@ -50,7 +50,7 @@ QUANTITIES = tuple(Wanted.__annotations__)
 
 
 def checked_wanted(wanted: Mapping[str, Any]) -> tuple[str, ArrayLike]:
-    """The name and the value of the quantity whose load is wanted."""
+    """Return the name and the value of the quantity whose load is wanted."""
     for name in wanted:
         checked_word("the quantity", name, QUANTITIES)
     if len(wanted) != 1:
@@ -70,7 +70,7 @@ class Value(NamedTuple):
 
 @hinting
 def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
-    """Mean pressure at which one quantity has a given value.
+    """Return mean pressure at which one quantity has a given value.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ class _Search:
         self.tolerance = TOLERANCE
 
     def load(self, target: float) -> tuple[float, float]:
-        """The load, and its error, in p_0*."""
+        """Return the load, and its error, in p_0*."""
         self._check(target)
         value = target - self.offset
 
         def rising(log_load: float) -> float:
-            """What increases with the load, and vanishes at the target."""
+            """Return what increases with the load, and vanishes at the target."""
             return (value - self.at(log_load).value) if self.falls else self.at(log_load).value - value
 
         high = math.log(self.full)
@@ -160,7 +160,7 @@ class _Search:
         return load, load * math.expm1(off) + from_heights
 
     def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
-        """How far from the root, in ln p, the quantity is certain to lie on the side of the target."""
+        """Return the distance from the root, in ln p, beyond which the side of the target is certain."""
         distance = LOG_ACCURACY
         while side * rising(root + side * distance) <= self.at(root + side * distance).error:
             if root + side * distance >= math.log(self.full):
@@ -169,7 +169,7 @@ class _Search:
         return distance
 
     def at(self, log_load: float) -> Value:
-        """The quantity under one load."""
+        """Return the quantity under one load."""
         if log_load not in self.known:
             found = self._curve(min(math.exp(log_load), self.full))
             values = {"compliance": found.indentation, "resistance": found.resistance}
@@ -181,7 +181,7 @@ class _Search:
         return self.known[log_load]
 
     def _curve(self, load: float) -> patches.PatchCurve:
-        """The solution under one load, as accurate as it can be had."""
+        """Return the solution under one load, as accurate as it can be had."""
         while True:
             try:
                 return patches.curve(self.profile, [load], self.tolerance)

@@ -17,7 +17,7 @@ TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # Intervals between two messages: a lo
 
 
 def clock() -> float:
-    """Seconds from an arbitrary start, without those of compiling."""
+    """Return seconds from an arbitrary start, without those of compiling."""
     return perf_counter() - COMPILING_SECONDS.get()
 
 
@@ -64,7 +64,7 @@ class Watch:
     """
 
     def __init__(self, total: int, expected: float, max_seconds: float | None, silent: bool = False) -> None:
-        """For `total` loads that are expected to take so many seconds; a silent one only ends them."""
+        """Watch `total` loads with these expected seconds; if silent, only enforce the limit."""
         self.total, self.max_seconds, self.silent = total, max_seconds, silent
         self.done, self.announced = 0, False
         self.start, self.said, self.begun = clock(), perf_counter(), perf_counter()

@@ -30,7 +30,7 @@ from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
 from weier.theory.bounds import infinite_series_bounds
 
-PART_SECONDS = 5.0  # Ctrl-C loses the loads of so many seconds at most.
+PART_SECONDS = 5.0  # seconds of work that Ctrl-C may lose
 OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
 
 
@@ -50,7 +50,7 @@ def solve_one(
     workers: int = 1,
     max_seconds: float | None = None,
 ) -> xr.Dataset:
-    """The curves of one profile, as a dataset of one case with the seconds of each method.
+    """Return the curves of one profile, as a dataset of one case with the seconds of each method.
 
     The reason why a method has no curve goes to standard error, or is raised if no method has one.
 
@@ -105,7 +105,7 @@ def solve_one(
 
 
 def _parts(case: Case, loads: Array) -> list[Array]:
-    """The loads in parts of a few seconds, if all numbers of a load are independent of the other loads."""
+    """Return the loads in parts of a few seconds, if all numbers of a load are independent of the other loads."""
     seconds = sum(case.seconds(name, loads) for name in case.methods)
     independent = {*case.methods} == {patches.METHOD.name}
     count = math.ceil(seconds / PART_SECONDS) if independent and seconds > LONG else 1
@@ -113,7 +113,7 @@ def _parts(case: Case, loads: Array) -> list[Array]:
 
 
 def _joined(case: Case, parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """The curve of one case by one method, under the loads of all parts."""
+    """Return the curve of one case by one method, under the loads of all parts."""
     if len(parts) == 1:
         return parts[0]
     data = xr.concat(
@@ -137,7 +137,7 @@ def _joined(case: Case, parts: Sequence[xr.Dataset]) -> xr.Dataset:
 def applicable(
     profile: Mapping[str, Any], methods: Sequence[str], within_tolerance: bool = False
 ) -> tuple[list[str], list[str]]:
-    """The methods that apply to a profile, and the reasons why others do not; the default one if none are given.
+    """Return the methods that apply to a profile and the reasons why others do not; by default one method.
 
     If none of the given methods applies, all are returned, so that their solution raises the reasons.
     """
@@ -157,12 +157,12 @@ def applicable(
 
 
 def surface_of(profile: Mapping[str, Any]) -> Waves:
-    """The surface of a profile or a trace, given as in a scene."""
+    """Return the surface of a profile or a trace, given as in a scene."""
     return Case(_parameters(profile), (), {}).profile
 
 
 def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The parameters of a case: of a trace with its name and a digest of its heights."""
+    """Return the parameters of a case: of a trace with its name and a digest of its heights."""
     if "trace" not in profile:
         return profile
     trace = {"source": readable(Path(profile["trace"]["file"]).name)} | profile["trace"]
@@ -176,7 +176,7 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _text(title: str, case: Case, loads: Array) -> str:
-    """A scene file that gives the same curves."""
+    """Return a scene file that gives the same curves."""
     # Lists of phases are one to a profile in a scene.
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}

@@ -36,7 +36,7 @@ def solve(
     max_seconds: float | None = None,
     **settings: Any,
 ) -> xr.Dataset:
-    """Compliance and contact resistance of profiles pressed against a plane.
+    """Return compliance and contact resistance of profiles pressed against a plane.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def _list(name: str, given: Any) -> list[Any]:
 
 
 def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
-    """One curve with its labels and settings, over mean_pressure."""
+    """Return one curve with its labels and settings, over mean_pressure."""
     given = checked_settings(method, settings)
     method.check_applies(profile)
     start = clock()
@@ -201,7 +201,7 @@ def _solve_all(
 
 
 def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """The settings of each of several methods, checked; a tolerance is for all that take one."""
+    """Return the settings of each of several methods, checked; a tolerance is for all that take one."""
     tolerance = settings.get(TOLERANCE)
     settings = {name: own for name, own in settings.items() if name != TOLERANCE}
     for name, own in settings.items():
@@ -217,7 +217,7 @@ def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> d
 
 
 def _listed(lines: Iterable[str]) -> str:
-    """Lines of a list, for the docstring."""
+    """Return lines of a list, for the docstring."""
     return "\n        ".join(f"* {line}." for line in lines)
 
 

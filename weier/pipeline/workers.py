@@ -56,7 +56,7 @@ class Solver:
         self.count, self.known = Loads(loads, add), dict[object, tuple[Any, float]]()
 
     def __call__(self, curve: CurveTask) -> Outcome:
-        """The solution of a curve, or the error."""
+        """Return the solution of a curve, or the error."""
         outcome: Outcome
         try:
             with reporting_to(self.count):
@@ -82,7 +82,7 @@ class Solver:
 def solve_curves(
     curves: Sequence[CurveTask], workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
-    """The outcome of each curve, in their order.
+    """Return the outcome of each curve, in their order.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def solve_curves(
 
 
 def _side_by_side(curves: Sequence[CurveTask], loads: int, workers: int, progress: Progress) -> Iterator[Outcome]:
-    """The outcomes by other processes.
+    """Yield the outcomes by other processes.
 
     They are spawned, since a forked process could wait for ever for locks that threads of this one hold.
     """

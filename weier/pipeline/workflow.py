@@ -91,23 +91,23 @@ class Scenes:
         self.store = Store(self.results / "curves")
 
     def _checked_scene(self, name: str) -> Scene:
-        """The scene of this name."""
+        """Return the scene of this name."""
         with ending_in_one_sentence():
             return self._load(name)
 
     def _solved(self, name: str) -> Solutions:
-        """The curves of a scene."""
+        """Return the curves of a scene."""
         self._begin()
         scene = self.scene(name)
         with ending_in_one_sentence():
             return Solutions(scene, self.store)
 
     def scene_file(self, wildcards: Any) -> str:
-        """The file of a scene, as jobs read it."""
+        """Return the file of a scene, as jobs read it."""
         return str(self.config / "scenes" / f"{wildcards.scene}.yaml")
 
     def products(self, wildcards: Any) -> list[str]:
-        """All products of the scenes of the configuration: data, claims and figures.
+        """Return all products of the scenes of the configuration: data, claims and figures.
 
         No job reads the data, so that damaged files and those of other programs are detected here.
         """
@@ -122,32 +122,32 @@ class Scenes:
         return made
 
     def figures(self, wildcards: Any) -> list[str]:
-        """The files of all figures of a scene."""
+        """Return the files of all figures of a scene."""
         return self.figures_of(wildcards.scene)
 
     def figures_of(self, name: str) -> list[str]:
-        """The files of all figures of the scene of this name."""
+        """Return the files of all figures of the scene of this name."""
         folder = self.results / name / "figures"
         return [
             str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in (*FORMATS, VALUES)
         ]
 
     def batches(self, wildcards: Any) -> list[str]:
-        """The files that hold all curves of a scene."""
+        """Return the files that hold all curves of a scene."""
         return self._batches(wildcards.scene)
 
     def batches_of_figure(self, wildcards: Any) -> list[str]:
-        """The files that hold the curves of a figure."""
+        """Return the files that hold the curves of a figure."""
         with ending_in_one_sentence():
             figure = self.scene(wildcards.scene).figure(wildcards.figure)
         return self._batches(wildcards.scene, figure.all_studies)
 
     def settled_batches(self, wildcards: Any) -> list[str]:
-        """The batches of the data or a figure that are fresh, and stay so if a batch is made again."""
+        """Return the batches of the data or a figure that are fresh, and stay so if a batch is made again."""
         return self._batches_where(wildcards, fresh=True)
 
     def unsettled_batches(self, wildcards: Any) -> list[str]:
-        """The batches of the data or a figure that are missing or stale.
+        """Return the batches of the data or a figure that are missing or stale.
 
         Snakemake does not make a product all of whose inputs are ancient while one of them is made again.
         """
@@ -162,7 +162,7 @@ class Scenes:
         return paths if (found == {self._inputs(wildcards.scene, figure)}) == fresh else []
 
     def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
-        """The batches of these studies of a scene, or of all.
+        """Return the batches of these studies of a scene, or of all.
 
         The expected cost of missing batches is reported here, so that a dry run reports it, too.
         """
@@ -191,52 +191,52 @@ class Scenes:
                 check_sealed(path, path.stem)
 
     def description(self, wildcards: Any) -> str:
-        """The description of a batch."""
+        """Return the description of a batch."""
         return str(self.store.folder / f"{wildcards.batch}.json")
 
     def batch_label(self, wildcards: Any) -> str:
-        """The content of a batch, and its expected time."""
+        """Return the content of a batch, and its expected time."""
         with ending_in_one_sentence():
             return self.store.batch(wildcards.batch).label
 
     def batch_memory(self, wildcards: Any, attempt: int) -> int:
-        """The megabytes that a batch may need, more at each attempt."""
+        """Return the megabytes that a batch may need, more at each attempt."""
         with ending_in_one_sentence():
             cases = len(self.store.batch(wildcards.batch).surfaces)
         return round(attempt * (BATCH_MB + CASE_MB * cases))
 
     def batch_minutes(self, wildcards: Any, attempt: int) -> int:
-        """The minutes that a batch may need, more at each attempt."""
+        """Return the minutes that a batch may need, more at each attempt."""
         with ending_in_one_sentence():
             seconds = self.store.batch(wildcards.batch).seconds
         return round(attempt * (BATCH_MINUTES + SECONDS_FACTOR * seconds / 60))
 
     def memory(self, wildcards: Any, attempt: int) -> int:
-        """The megabytes that a product of a scene may need, more at each attempt."""
+        """Return the megabytes that a product of a scene may need, more at each attempt."""
         return round(attempt * 2 * (BATCH_MB + CASE_MB * len(self.scene(wildcards.scene).distinct) / 10))
 
     def minutes(self, wildcards: Any, attempt: int) -> int:
-        """The minutes that a product of a scene may need, more at each attempt."""
+        """Return the minutes that a product of a scene may need, more at each attempt."""
         return round(attempt * (10 + len(self.scene(wildcards.scene).distinct) / 10_000))
 
     def kernels(self, wildcards: Any) -> list[str]:
-        """The files that mark the kernels of the method of a batch as compiled."""
+        """Return the files that mark the kernels of the method of a batch as compiled."""
         return kernels_of(methods_of(wildcards.batch.partition("-")[0]))
 
     def outdated_data(self, wildcards: Any) -> list[str]:
-        """An input of the data and claims that makes them stale if they were made of something else."""
+        """Return an input of the data and claims that makes them stale if they were made of something else."""
         return self._outdated(wildcards.scene, "", *DATA)
 
     def outdated_figure(self, wildcards: Any) -> list[str]:
-        """The same for a figure."""
+        """Return the same for a figure."""
         return self._outdated(wildcards.scene, wildcards.figure, *_files(wildcards.figure))
 
     def outdated_page(self, wildcards: Any) -> list[str]:
-        """The same for the page of a scene."""
+        """Return the same for the page of a scene."""
         return self._outdated(wildcards.scene, "page.html", "page.html")
 
     def _outdated(self, name: str, product: str, *files: str) -> list[str]:
-        """An input that is older than a product, or newer if the product was made of something else."""
+        """Return an input that is older than a product, or newer if the product was made of something else."""
         paths = [path for path in (self.results / name / file for file in files) if path.exists()]
         with ending_in_one_sentence():
             stale = bool({made_of(path) for path in paths} - {self._inputs(name, product)})
@@ -254,7 +254,7 @@ class Scenes:
         return [str(marker)]
 
     def _made_of(self, name: str, product: str) -> str:
-        """The digest of the inputs of the data, the page or a figure of a scene."""
+        """Return the digest of the inputs of the data, the page or a figure of a scene."""
         solutions = self.solutions(name)
         if product in solutions.scene.figures:
             return inputs_of_figure(solutions, product)
@@ -298,7 +298,7 @@ class Scenes:
 
 
 def _files(figure: str) -> list[str]:
-    """The files of a figure in the folder of its scene."""
+    """Return the files of a figure in the folder of its scene."""
     return [f"figures/{figure}.{suffix}" for suffix in FORMATS]
 
 
@@ -308,7 +308,7 @@ def _is_newer(path: Path, other: Path) -> bool:
 
 @cache
 def _temporary_file(name: str) -> Path:
-    """A file of this date, which is removed at the end of the process."""
+    """Return a file of this date, which is removed at the end of the process."""
     folder = Path(tempfile.mkdtemp(prefix="weier-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     (folder / name).touch()
@@ -316,13 +316,13 @@ def _temporary_file(name: str) -> Path:
 
 
 def methods_of(name: str) -> Sequence[Method]:
-    """The methods that a method runs: itself, or all where it chooses among them."""
+    """Return the methods that a method runs: itself, or all where it chooses among them."""
     method = find_method(name)
     return METHODS if method is auto.METHOD else [method]
 
 
 def kernels_of(methods: Iterable[Method]) -> list[str]:
-    """The files that mark the kernels of these methods as compiled.
+    """Return the files that mark the kernels of these methods as compiled.
 
     Closed forms compile in seconds and need no job of their own. The list is empty if kernels are not compiled or the
     cache is not writable; each job then compiles its own kernels.
@@ -335,7 +335,7 @@ def kernels_of(methods: Iterable[Method]) -> list[str]:
 
 
 def kernels_file(method: str) -> str:
-    """The file that marks a method as compiled: in the cache, so that it serves runs in all folders.
+    """Return the file that marks a method as compiled: in the cache, so that it serves runs in all folders.
 
     Without a home directory there is no cache, and the file is not used.
     """

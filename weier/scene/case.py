@@ -27,13 +27,13 @@ from weier.surface.waves import Waves
 
 # Limits of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
-MAX_GAMMA = 10**6  # Larger ratios are typing errors, since no surface has a spectrum of so many decades.
+MAX_GAMMA = 10**6  # larger ratios are typing errors
 MAX_PHASE = 1e6  # radians: larger floats have too few digits within one turn.
 # The parameters of a trace that are numbers.
 NUMBERS_OF_TRACE = ("shortest", "length")
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
-KEPT_TRACES = 16  # So many traces are kept in memory, since each method of a case reads its trace.
+KEPT_TRACES = 16  # traces kept in memory, since each method of a case reads its trace
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Case:
 
     @classmethod
     def of(cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
-        """The case of a surface, which is kept, since measured heights may not be in a file."""
+        """Return the case of a surface, which is kept, since measured heights may not be in a file."""
         return cls(surface.parameters, methods, settings, surface)
 
     @cached_property
@@ -81,7 +81,7 @@ class Case:
         return Profile(number("D", p["D"]), p["gamma"], number("m", p["m"]), phases)
 
     def seconds(self, method: str, loads: Array) -> float:
-        """Expected seconds of one of its methods on one core; 0 where the method does not apply."""
+        """Return expected seconds of one of its methods on one core; 0 where the method does not apply."""
         found = find_method(method)
         if not found.takes(self.profile):
             return 0.0
@@ -120,7 +120,7 @@ def short_key(key: Keys) -> str:
 
 
 def identity(name: str, value: Any) -> Any:
-    """The value that identifies a parameter: of a trace its name and content, not the location of its file."""
+    """Return the value that identifies a parameter: of a trace its name and content, not the location of its file."""
     if name == "trace":
         return [value.get("name", value["file"]), value["digest"]]
     return int(value) if isinstance(value, float) and value.is_integer() else value
@@ -186,13 +186,13 @@ def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, A
 
 
 def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameters of a trace as arguments of `Trace.read`."""
+    """Return the parameters of a trace as arguments of `Trace.read`."""
     given = {name: value for name, value in parameters.items() if name not in ("file", "name", "digest")}
     return {"path": parameters["file"], **given}
 
 
 def _number_or_word(value: Any) -> Any:
-    """A number that stands for missing heights, also where YAML takes it for a text; or a word that does."""
+    """Return a number that stands for missing heights, also where YAML takes it for a text; or a word that does."""
     try:
         found = number("missing_value", value)
     except ValueError:
@@ -202,7 +202,7 @@ def _number_or_word(value: Any) -> Any:
 
 @lru_cache(maxsize=KEPT_TRACES)
 def _kept_trace(parameters: str) -> Trace:
-    """The trace of a file; ValueError if the file has changed since its digest was computed."""
+    """Return the trace of a file; ValueError if the file has changed since its digest was computed."""
     known = json.loads(parameters)
     trace: Trace = Trace.read(**_arguments(known))
     if known["digest"] != trace.digest:

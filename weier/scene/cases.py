@@ -27,7 +27,7 @@ from weier.units import NORMALISED_PRESSURE, PASCAL
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
 NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
-MAX_BATCH_CASES = 10_000  # A process that solves and writes so many cases together takes 0.5 GB.
+MAX_BATCH_CASES = 10_000  # a process that solves and writes them takes 0.5 GB
 
 
 class Layout(NamedTuple):
@@ -46,7 +46,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
-    """The sizes and variables of the arrays for these cases alone."""
+    """Return the sizes and variables of the arrays for these cases alone."""
     methods = dict.fromkeys(method for case in cases for method in case.methods)
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
     resolved = filter(resolvable, finite) if contact_edges else ()
@@ -128,7 +128,7 @@ class Scene:
         return self._distinct[0] - starts[self.product_of_cases]
 
     def cases_of_study(self, name: str) -> Indices:
-        """The numbers of the cases of a study among all distinct ones, in the order of the study."""
+        """Return the numbers of the cases of a study among all distinct ones, in the order of the study."""
         study = self.study(name)
         start = sum(
             len(other) for other in itertools.takewhile(lambda other: other is not study, self.studies.values())
@@ -159,17 +159,17 @@ class Scene:
         return self.layout_of(*self.studies)
 
     def layout_of(self, *studies: str) -> Layout:
-        """The sizes and variables of the arrays for the cases of some studies."""
+        """Return the sizes and variables of the arrays for the cases of some studies."""
         products = [product for name in studies for product in self.study(name).products]
         cases = [case for product in products for case in product.of_all_kinds("gamma", "m")]
         return layout_of(cases, self.contact_edges)
 
     def study(self, name: str) -> Study:
-        """The cases of a study; a SceneError if there is no such study."""
+        """Return the cases of a study; a SceneError if there is no such study."""
         return self._item("study", self.studies, name)
 
     def figure(self, name: str) -> Figure:
-        """The description of a figure; SceneError if there is no such figure."""
+        """Return the description of a figure; SceneError if there is no such figure."""
         return self._item("figure", self.figures, name)
 
     @property
@@ -190,7 +190,7 @@ class Scene:
         return table[name]
 
     def digest_of_cases(self, *studies: str) -> str:
-        """A digest of the cases of some studies in their order."""
+        """Return a digest of the cases of some studies in their order."""
         return digest(
             [digest(as_text(product.case_keys)) for name in studies for product in self.study(name).products]
         )

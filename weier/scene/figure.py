@@ -33,13 +33,13 @@ class Grouping(NamedTuple):
     band: tuple[float, float] = PERCENTILES
 
     def of(self, cases: int) -> Grouping:
-        """The grouping for so many cases: by default a panel for each of few cases, or a median over phases."""
+        """Return the grouping; by default a panel for each of few cases, or a median over phases."""
         if self != BY_DEFAULT._replace(band=self.band):
             return self
         return (EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES)._replace(band=self.band)
 
     def reduce(self, values: Array) -> Array:
-        """The line and both ends of the band of curves of shape (curves, loads): shape (3, loads)."""
+        """Return the line and both ends of the band of curves of shape (curves, loads): shape (3, loads)."""
         if self.band == MEAN:
             mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
             return np.stack([mean, mean - error, mean + error])
@@ -59,14 +59,14 @@ class Grouping(NamedTuple):
         return "all" if self.band == ALL else f"{low:g} to {high:g} %"
 
     def hidden(self, varying: Iterable[str]) -> list[str]:
-        """The parameters that vary among the curves without being shown; each method always has its own line."""
+        """Return the parameters that vary among the curves without being shown; methods are always shown."""
         shown = {self.colour, *self.facet, *self.median_over, "method"}
         if shown.intersection(PHASES):
             shown |= {*PHASES}
         return [name for name in varying if name not in shown and self.facet != EACH_CASE.facet]
 
     def proposal(self, hidden: Sequence[str]) -> str:
-        """A sentence that proposes how to show the parameters that are hidden."""
+        """Return a sentence that proposes how to show the parameters that are hidden."""
         first, *others = self.facet or ("",)
         facet = f"facet: [{first}, {hidden[0]}]" if first else f"facet: {hidden[0]}"
         free = [f"colour: {hidden[0]}"] * (not self.colour) + [facet] * (not others)

@@ -72,7 +72,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
-    """The scene of this name in a folder of scenes; a SceneError if there is none."""
+    """Return the scene of this name in a folder of scenes; a SceneError if there is none."""
     if not re.fullmatch(NAME, name):
         raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
     known = sorted(path.stem for path in Path(folder).glob("*.yaml"))
@@ -117,7 +117,7 @@ def _without_mistakes(values: Mapping[str, Any], keys: Keys, mistakes: Mistakes)
 
 
 def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
-    """The scene without the parts that have mistakes."""
+    """Return the scene without the parts that have mistakes."""
     count = sum(study.count for study in keys.studies.values())
     mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
     wanted = {} if mistakes.within("max_cases") else keys.studies
@@ -155,7 +155,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
 
 
 def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes: Mistakes) -> Study | None:
-    """The cases of a study; None if it has mistakes, or if its methods do."""
+    """Return the cases of a study; None if it has mistakes, or if its methods do."""
     keys: Keys = ("studies", name)
     methods = scene.methods if study.methods is None else study.methods
     tolerance = None if scene.tolerance is None else float(scene.tolerance)
@@ -205,7 +205,7 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
 
 
 def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
-    """The values of each parameter; a trace is read if its study has no mistake, and its file must exist anyway."""
+    """Return the values of each parameter; a trace is read if its study has no mistake, but must exist anyway."""
     if "trace" not in product:
         return dict(product)
     trace = product["trace"]
@@ -215,7 +215,7 @@ def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistak
 
 
 def _batch_size(scene: Scene, wanted: int | None) -> int:
-    """The most cases in a batch, which must fit into memory."""
+    """Return the most cases in a batch, which must fit into memory."""
     methods, _, edges, optional = scene.layout
     variables = len(of_curves(optional, edges=False))
     case = 8 * scene.loads.size * (len(methods) * variables + edges)

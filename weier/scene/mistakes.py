@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 from weier.checks import MAX_SHOWN
 from weier.scene.yaml import Document
 
-MAX_LISTED = 30  # A message lists at most so many mistakes, to fit on a screen.
+MAX_LISTED = 30  # mistakes in a message, to fit on a screen
 
 Value = TypeVar("Value")
 Other = TypeVar("Other")
@@ -37,15 +37,15 @@ class Mistakes(dict[Keys, str]):
                 self[keys] = text
 
     def listed(self) -> list[Mistake]:
-        """The mistakes in the order in which they were found."""
+        """Return the mistakes in the order in which they were found."""
         return [Mistake(keys, text) for keys, text in self.items()]
 
     def within(self, *keys: str | int) -> bool:
-        """Whether there are mistakes in the part of the file at these keys."""
+        """Return whether there are mistakes in the part of the file at these keys."""
         return any(place[: len(keys)] == keys for place in self)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
-        """The result of `read`, or `instead` after a mistake, which `read` reports by a ValueError or OSError."""
+        """Return the result of `read`, or `instead` after a mistake (ValueError or OSError), which is noted."""
         if self.within(*keys):
             return instead
         try:
@@ -55,7 +55,7 @@ class Mistakes(dict[Keys, str]):
             return instead
 
     def error(self, path: Path, document: Document) -> SceneError:
-        """All mistakes as one error, in the order of their lines; several are listed one per line."""
+        """Return all mistakes as one error, in the order of their lines; several are listed one per line."""
         ordered = sorted((document.line(keys), _described(keys, text)) for keys, text in self.items())
         listed = [f"line {line}: {text}" for line, text in ordered[:MAX_LISTED]]
         if len(ordered) == 1:
@@ -70,5 +70,5 @@ def _described(keys: Keys, text: str) -> str:
 
 
 def one_line(text: object) -> str:
-    """A text without the ends of its lines."""
+    """Return a text without the ends of its lines."""
     return " ".join(str(text).split())

@@ -277,7 +277,7 @@ class ProfileKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Phases are given or drawn."""
+        """Yield phases are given or drawn."""
         if {"phases", "seed"} <= values.keys():
             yield Mistake((), "a profile takes phases or a seed, not both")
 
@@ -383,7 +383,7 @@ class StudyKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """A study has one kind of surfaces."""
+        """Yield a study has one kind of surfaces."""
         kinds = "product", "cases", "trace"
         given = [kind for kind in kinds if kind in values]
         if len(given) != 1:
@@ -432,7 +432,7 @@ class InterfaceKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Each body has one modulus."""
+        """Yield each body has one modulus."""
         for kinds in ("mu_1", "E_1"), ("mu_2", "E_2"):
             given = [kind for kind in kinds if kind in values]
             if len(given) != 1:
@@ -538,7 +538,7 @@ class FigureKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """A parameter is shown in one way."""
+        """Yield a parameter is shown in one way."""
         parts = [_as_list(values.get(key, [])) for key in ("colour", "facet", "median over")]
         for name in set[str]().union(*(filter(lambda name: isinstance(name, str), part) for part in parts)):
             if sum(name in part for part in parts) > 1:
@@ -632,7 +632,7 @@ class SceneKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Keys go together, and figures and claims are of studies of the scene."""
+        """Yield keys go together, and figures and claims are of studies of the scene."""
         if not values.keys() & {"methods", "tolerance"}:
             yield Mistake(("methods",), f"this key is missing: {cls.keys()['methods']}")
         studies, figures, claims, bodies = (

@@ -20,7 +20,7 @@ from weier.scene.case import Case, identity
 from weier.scene.identity import Keys, key_of, keys_of
 from weier.surface.profile import random_phases
 
-MAX_CASES = 10_000  # By default, more cases are refused, since a typing error would take hours.
+MAX_CASES = 10_000  # default limit, since a typing error would take hours
 
 
 def check_number(count: int, most: int) -> None:
@@ -48,7 +48,7 @@ class CaseProduct:
         return math.prod(map(len, self.axes.values()))
 
     def case(self, position: int) -> Case:
-        """The case at this position."""
+        """Return the case at this position."""
         chosen = {}
         for name, values in reversed(list(self.axes.items())):
             position, index = divmod(position, len(values))
@@ -70,7 +70,7 @@ class CaseProduct:
         return self.surface_keys + key_of([self.methods, self.settings])
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:
-        """Cases with each combination of the values of some parameters; the others have their first value."""
+        """Return cases with each combination of the values of some parameters; the others have their first value."""
         chosen = {name: values if name in names else values[:1] for name, values in self.axes.items()}
         product = CaseProduct(chosen, self.methods, self.settings)
         return map(product.case, range(product.count))
@@ -112,11 +112,11 @@ class Study(Sequence[Case]):
         self._positions = range(self._ends[-1]) if positions is None else positions
 
     def __len__(self) -> int:
-        """The number of cases."""
+        """Return the number of cases."""
         return len(self._positions)
 
     def __getitem__(self, position: Any) -> Any:
-        """The case at a position, or the study of a slice."""
+        """Return the case at a position, or the study of a slice."""
         if isinstance(position, slice):
             return Study(self.products, self._positions[position])
         chosen = int(self._positions[position])

@@ -38,7 +38,7 @@ ONE_LOAD = np.array([0.1])
 
 
 def extremes() -> Iterator[Comparison]:
-    """All extremes with their loads and variants; some loads are those of events, which are computed here."""
+    """Yield all extremes with their loads and variants; some loads are those of events, which are computed here."""
     for name, case, chosen in EXTREMES:
         loads = chosen(case) if callable(chosen) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
@@ -47,20 +47,20 @@ def extremes() -> Iterator[Comparison]:
 
 
 def beside(*loads: float) -> Array:
-    """Each load, and those one and two units in its last place below and above."""
+    """Return each load, and those one and two units in its last place below and above."""
     below = np.nextafter(loads, 0)
     above = np.nextafter(loads, np.inf)
     return np.unique([np.nextafter(below, 0), below, loads, above, np.nextafter(above, np.inf)])
 
 
 def around(loads: ArrayLike) -> Array:
-    """Each load, and those a little below and above."""
+    """Return each load, and those a little below and above."""
     steps = np.array([*(-distance for distance in DISTANCES), 0.0, *DISTANCES])
     return np.unique(np.multiply.outer(np.asarray(loads, float), 1 + steps))
 
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
-    """All methods that take the profile and end in time, each with all its algorithms."""
+    """Return all methods that take the profile and end in time, each with all its algorithms."""
     return tuple(
         Variant(_name(method, algorithm), method.name, settings)
         for method in registry.METHODS
@@ -79,7 +79,7 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
 
 
 def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
-    """Each algorithm with all its settings: the default, and dense matrices where a reference is in reach.
+    """Yield each algorithm with all its settings: the default, and dense matrices where a reference is in reach.
 
     These have the coarsest settings of the tradeoff, and are left out above `MAX_DENSE_NODES` nodes.
     """
@@ -99,7 +99,7 @@ def _name(method: Method, algorithm: Settings) -> str:
 
 
 def around_events(case: Case, apart: float = 0.0) -> Array:
-    """The loads around the births and merges of contacts, which `weier.pipeline.fields.events` finds.
+    """Return the loads around the births and merges of contacts, which `weier.pipeline.fields.events` finds.
 
     The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
     `apart`, in rad.
@@ -116,13 +116,13 @@ def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> 
 
 
 def _on_grid(grid: Settings) -> tuple[Variant, ...]:
-    """Boundary elements on a grid, by each of their algorithms."""
+    """Return boundary elements on a grid, by each of their algorithms."""
     method = bem.METHOD
     return tuple(Variant(_name(method, own), method.name, {**own, **grid}) for own in ({}, DENSE))
 
 
 def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, Array]]:
-    """Series with D or gamma at one end of its range; slow methods are run at a single load."""
+    """Yield series with D or gamma at one end of its range; slow methods are run at a single load."""
     long = _case(D, gamma, 1000)
     yield f"{text}, m = 3", _case(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL
     yield f"{text}, m = inf", _case(D, gamma, math.inf), USUAL

@@ -38,36 +38,36 @@ OF_TABLES = {"layer": Noise(1e-6, 1e-5), "hybrid": Noise(1e-6, 1e-4)}
 
 
 def noise_of(method: Method) -> Noise:
-    """The noise of a method at its default settings."""
+    """Return the noise of a method at its default settings."""
     return OF_TABLES.get(method.name, ROUNDING)
 
 
 def monotone(h: Array, noise: float, stated: Stated) -> bool:
-    """Whether h never falls by more than `noise`, a height, and its stated errors."""
+    """Return whether h never falls by more than `noise`, a height, and its stated errors."""
     return bool(np.all(np.diff(h) >= -noise - _both_ends(stated.compliance)))
 
 
 def _both_ends(error: Array) -> Array:
-    """The sum of the errors at both ends of each interval of loads."""
+    """Return the sum of the errors at both ends of each interval of loads."""
     return np.asarray(error[:-1] + error[1:])
 
 
 def concave(p: Array, h: Array, R: Array, noise: Noise, amplitude: float, stated: Stated) -> bool:
-    """Whether the slope falls, and every chord lies between the slopes at its ends; noise is of this amplitude."""
-    of_R = stated.resistance
+    """Return whether the slope falls and every chord lies between the slopes at its ends, within the noise."""
+    R_error = stated.resistance
     with np.errstate(over="ignore", invalid="ignore"):
         slack = (noise.height * amplitude + _both_ends(stated.compliance)) / np.diff(p)
         chord = np.diff(h) / np.diff(p)
-        steepest = R[:-1] * (1 + noise.slope) + of_R[:-1] + slack
-        flattest = R[1:] * (1 - noise.slope) - of_R[1:] - slack
-        falls = np.diff(R) <= noise.slope * R[:-1] + _both_ends(of_R) + slack
+        steepest = R[:-1] * (1 + noise.slope) + R_error[:-1] + slack
+        flattest = R[1:] * (1 - noise.slope) - R_error[1:] - slack
+        falls = np.diff(R) <= noise.slope * R[:-1] + _both_ends(R_error) + slack
     return bool(np.all(falls & (chord <= steepest) & (chord >= flattest)))
 
 
 def within_band(
     profile: Profile, p: Array, h: Array, R: Array, noise: Noise, stated: Stated, solution_error: float = 0.0
 ) -> bool:
-    """Whether compliance and resistance lie within the bounds of the first wave alone.
+    """Return whether compliance and resistance lie within the bounds of the first wave alone.
 
     The error of the whole solution, in g_0, and the noise are added to the amplitude of the waves left out.
     """
@@ -77,12 +77,12 @@ def within_band(
     low, high = compliance_bounds(one, band)
     within = (low <= h - total + 1) & (h - total + 1 <= high)
     low, high = resistance_bounds(p, one, band, first_contact=0.0)
-    of_R = noise.slope * R + stated.resistance
-    return bool(np.all(within & (low - of_R <= R) & (R - of_R <= high)))
+    R_error = noise.slope * R + stated.resistance
+    return bool(np.all(within & (low - R_error <= R) & (R - R_error <= high)))
 
 
 def within_stated_error(deviation: Array, stated: Array, uncertainty: Array) -> bool | None:
-    """Whether no deviation from a reference exceeds the stated error and the uncertainty of the reference together.
+    """Return whether no deviation exceeds the stated error plus the uncertainty of the reference.
 
     None where there is no number with both a reference and a stated error.
     """

@@ -26,13 +26,13 @@ OWN = {
 
 
 def operator(points: int) -> float:
-    """Condition number of the influence matrix on pressures of mean 0: its largest over its least eigenvalue."""
+    """Return the condition number of the influence matrix on pressures of mean 0."""
     values = eigenvalues(points)[1:]
     return float(values.max() / values.min())
 
 
 def system(points: int, contact: int) -> float:
-    """Condition number of the paper's dense equations, with so many neighbouring nodes in contact.
+    """Return the condition number of the paper's dense equations for a number of neighbouring nodes in contact.
 
     The influence of the nodes on each other, bordered by the height of the rigid plane and the load.
     """
@@ -42,7 +42,7 @@ def system(points: int, contact: int) -> float:
 
 
 def conditioning() -> xr.Dataset:
-    """Condition numbers over the dimension nodes; NaN where no matrix is decomposed."""
+    """Return condition numbers over the dimension nodes; NaN where no matrix is decomposed."""
     values = {"nodes": NODES, "condition_operator": np.array([operator(n) for n in NODES])}
     for name, divisor in (("full", 1), ("half", 2)):
         of_systems = [system(n, -(-n // divisor)) if n <= MAX_DENSE else np.nan for n in NODES]

@@ -70,7 +70,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
 
 def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
-    """The values of one run: its curve, outcomes, errors and checks."""
+    """Return the values of one run: its curve, outcomes, errors and checks."""
     method, profile = find_method(variant.method), compared.case.profile
     result = attempt(variant, profile, compared.loads)
     solved, right = result.outcome == Outcome.finite, find_reference(method, profile, compared.loads, result)
@@ -101,7 +101,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
 def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
 ) -> dict[str, Check]:
-    """The checks of a curve at the solved loads; those of its shape need at least two loads."""
+    """Return the checks of a curve at the solved loads; those of its shape need at least two loads."""
     found, noise, total = {}, checks.noise_of(method), profile.total_amplitude
     if p.size > 0 and method.name not in UNBOUNDED:
         found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))

@@ -46,7 +46,7 @@ def _list(texts: Iterable[str]) -> str:
 
 
 def _matrix(runs: Sequence[xr.Dataset], variants: Sequence[str]) -> str:
-    """A row for each extreme, with the least correct digits of h by each variant."""
+    """Return a row for each extreme, with the least correct digits of h by each variant."""
     by_name = {(run["extreme"].item(), run["variant"].item()): run for run in runs}
     extremes = dict.fromkeys(extreme for extreme, _ in by_name)
     rows = (
@@ -76,7 +76,7 @@ def _count(runs: Sequence[xr.Dataset], refused: bool) -> str:
 
 
 def failures(data: xr.Dataset) -> list[str]:
-    """The faults, one line for each run that has any."""
+    """Return the faults, one line for each run that has any."""
     found = ((run, _faults(run)) for run in _runs(data))
     return [
         f"{run['extreme'].item()}, {run['variant'].item()}: {', '.join(faults)}" for run, faults in found if faults
@@ -93,7 +93,7 @@ def _faults(run: xr.Dataset) -> list[str]:
 
 
 def _runs(data: xr.Dataset) -> list[xr.Dataset]:
-    """One dataset for each variant that was run on an extreme."""
+    """Return one dataset for each variant that was run on an extreme."""
     run = (data["outcome"].values != Outcome.not_run).any(axis=-1)
     return [data.isel(case=case, variant=variant) for case, variant in np.argwhere(run)]
 

@@ -19,7 +19,7 @@ __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
-    """Mistakes for claims of a scene that are not in CLAIMS."""
+    """Yield mistakes for claims of a scene that are not in CLAIMS."""
     for name in scene.claims:
         if name not in CLAIMS:
             what = f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"

@@ -46,29 +46,29 @@ class Limits(NamedTuple):
     nominal: float
 
     def check(self, value: float, uncertainty: float) -> Check:
-        """Whether a value meets or violates the condition, beyond its uncertainty."""
+        """Return whether a value meets or violates the condition, beyond its uncertainty."""
         if self.sign * (self.met - value) >= uncertainty:
             return Check.yes
         return Check.no if self.sign * (value - self.missed) >= uncertainty else Check.not_decided
 
 
 def at_most(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """Limits for values that must not exceed a limit; up to `factor` times it they are not decided."""
+    """Return limits for values that must not exceed a limit; up to `factor` times it they are not decided."""
     return Limits(limit, factor * limit, 1, "at most", limit)
 
 
 def at_least(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """Limits for values that must reach a limit; below `factor` times it they are not decided."""
+    """Return limits for values that must reach a limit; below `factor` times it they are not decided."""
     return Limits(factor * limit, limit, -1, "at least", limit)
 
 
 def negative(error: float) -> Limits:
-    """Limits for negative values, whose sign is uncertain within an error."""
+    """Return limits for negative values, whose sign is uncertain within an error."""
     return Limits(-error, error, 1, "below", 0.0)
 
 
 def positive(error: float) -> Limits:
-    """Limits for positive values, whose sign is uncertain within an error."""
+    """Return limits for positive values, whose sign is uncertain within an error."""
     return Limits(error, -error, -1, "above", 0.0)
 
 
@@ -181,7 +181,7 @@ class Judgement(NamedTuple):
 
 
 def written(value: float, unit: str) -> str:
-    """A value in its unit, with two digits."""
+    """Return a value in its unit, with two digits."""
     if value == 0:
         return "0"
     return f"{significant(100 * value, 2)} %" if unit == "%" else f"{significant(value, 2)} {unit}".rstrip()
@@ -202,7 +202,7 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
 
 
 def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
-    """The result of a condition on the members of an ensemble.
+    """Return the result of a condition on the members of an ensemble.
 
     Notes
     -----
@@ -226,7 +226,7 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
 
 
 def stated_error(case: Case, quantity: str) -> float:
-    """The median stated error of the most accurate numerical curve: of h in g_0, of R relative; 0 without one."""
+    """Return the median stated error of the most accurate numerical curve (h in g_0, R relative); 0 without one."""
     if not quantity:
         return 0.0
     method = curves.numerical_method(case)
@@ -240,7 +240,7 @@ def stated_error(case: Case, quantity: str) -> float:
 
 
 def _every_second_load(case: Case) -> Case:
-    """The case at every second load, and at the last."""
+    """Return the case at every second load, and at the last."""
     return case.isel(mean_pressure=slice((case.sizes["mean_pressure"] - 1) % THIN, None, THIN))
 
 

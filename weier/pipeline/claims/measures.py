@@ -34,7 +34,7 @@ def need(available: object, what: str) -> None:
 
 
 def curve(case: Case, method: str | None, quantity: str = "compliance") -> Array:
-    """The values of a quantity over the loads by one method; raises MissingError if the method has none."""
+    """Return the values of a quantity over the loads by one method; raises MissingError if the method has none."""
     values = curves.curve(case, quantity, method)
     if values is None:
         what = f"{quantity} by {find_method(method).label}" if method else "numerical solution"
@@ -43,17 +43,17 @@ def curve(case: Case, method: str | None, quantity: str = "compliance") -> Array
 
 
 def numerical(case: Case, quantity: str = "compliance") -> Array:
-    """The values by the most accurate method that solved the case; raises MissingError if none did."""
+    """Return the values by the most accurate method that solved the case; raises MissingError if none did."""
     return curve(case, curves.numerical_method(case), quantity)
 
 
 def describe(case: Case) -> str:
-    """The profile of a case in words."""
+    """Return the profile of a case in words."""
     return curves.profile(case).describe()
 
 
 def _total(case: Case) -> float:
-    """The compliance at full contact, sum g_n, in g_0."""
+    """Return the compliance at full contact, sum g_n, in g_0."""
     return float(case["total_amplitude"])
 
 
@@ -62,14 +62,14 @@ def _largest(values: Array) -> float:
 
 
 def _partial_contact(case: Case) -> Flags:
-    """Whether the contact is partial at each load; raises MissingError if it is at none."""
+    """Return whether the contact is partial at each load; raises MissingError if it is at none."""
     partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
     need(partial.any(), "loads of partial contact")
     return partial
 
 
 def _between(case: Case, values: Array, low: float, high: float) -> tuple[Array, Array]:
-    """Loads, and values there, where the numerical compliance lies in a range, in parts of that at full contact.
+    """Return loads and values where the numerical compliance lies in a range, relative to full contact.
 
     The ends of the range are interpolated, so that they do not depend on the spacing of the loads. A range up to
     full contact ends at the last load of partial contact, since all methods agree above. MissingError is raised if
@@ -86,12 +86,12 @@ def _between(case: Case, values: Array, low: float, high: float) -> tuple[Array,
 
 
 def _mean(loads: Array, values: Array) -> float:
-    """The mean of the values over the load, by the trapezoidal rule."""
+    """Return the mean of the values over the load, by the trapezoidal rule."""
     return float(np.trapezoid(values, loads) / (loads[-1] - loads[0]))
 
 
 def errors_of_elements(case: Case) -> tuple[float, float]:
-    """The largest relative errors of elements on one wave, with one of them in contact and with more."""
+    """Return the largest relative errors of elements on one wave, with one of them in contact and with more."""
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
     points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
     single = points * fraction < 1.5
@@ -100,12 +100,12 @@ def errors_of_elements(case: Case) -> tuple[float, float]:
 
 
 def _relative_curves(phases: tuple[Case, ...]) -> Array:
-    """The curves of some phases, shape (phases, loads), relative to the compliance at full contact."""
+    """Return the curves of some phases, shape (phases, loads), relative to the compliance at full contact."""
     return np.array([numerical(case) / _total(case) for case in phases])
 
 
 def distances_from_average(*phases: Case) -> tuple[float, float]:
-    """The largest distance of a curve from the average of all, among phases close to zero and pi and among others."""
+    """Return the largest distance of a curve from the average, for phases close to 0 and pi and for others."""
     h, angle = _relative_curves(phases), np.array([curves.phase_angle(case) for case in phases])
     close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
     need(close.any() and not close.all(), "phases close to zero or pi and phases between")
@@ -114,40 +114,40 @@ def distances_from_average(*phases: Case) -> tuple[float, float]:
 
 
 def spread_of_phases(*phases: Case) -> float:
-    """The largest distance between the curves of two phases."""
+    """Return the largest distance between the curves of two phases."""
     return float(np.ptp(_relative_curves(phases), axis=0).max())
 
 
 def excess(case: Case, method: str) -> Array:
-    """The compliance by an estimate less the numerical one, in g_0, shape (loads,)."""
+    """Return the compliance by an estimate less the numerical one, in g_0, shape (loads,)."""
     return curve(case, method) - numerical(case)
 
 
 def least_excess(case: Case, method: str, from_first_contact: bool = False) -> float:
-    """The least excess in partial contact; numerical curves may count from first contact, as Archard's does."""
+    """Return the least excess in partial contact; numerical curves may count from first contact."""
     first = float(case["first_contact"]) if from_first_contact else 0.0
     return float((excess(case, method) + first)[_partial_contact(case)].min())
 
 
 def mean_error(case: Case, method: str) -> float:
-    """The mean absolute excess up to full contact, over the compliance at full contact."""
+    """Return the mean absolute excess up to full contact, over the compliance at full contact."""
     return _mean(*_between(case, np.abs(excess(case, method)), 0, 1)) / _total(case)
 
 
 def mean_resistance_error(case: Case, method: str) -> float:
-    """The mean absolute relative error of the resistance at intermediate compliances."""
+    """Return the mean absolute relative error of the resistance at intermediate compliances."""
     loads, error = resistance_errors(case, method)
     return _mean(loads, np.abs(error))
 
 
 def largest_rise_of_resistance(case: Case) -> float:
-    """The largest rise of a resistance from one load to the next, by any estimate and the most accurate method."""
+    """Return the largest rise of R from one load to the next, by any estimate and the most accurate method."""
     rows = [curve(case, method, "resistance") for method in (*ESTIMATES, curves.numerical_method(case))]
     return max(float((np.diff(row) / row.max()).max()) for row in rows)
 
 
 def width_of_bounds(case: Case) -> float:
-    """The mean relative width of the bounds on the resistance over that of the compliance."""
+    """Return the mean relative width of the bounds on the resistance over that of the compliance."""
     widths = []
     for quantity in ("resistance", "compliance"):
         width = numerical(case, f"{quantity}_upper") - numerical(case, f"{quantity}_lower")
@@ -157,13 +157,13 @@ def width_of_bounds(case: Case) -> float:
 
 
 def later_full_contact(*dimensions: Case) -> float:
-    """The load close to full contact of the last case over that of the first."""
+    """Return the load close to full contact of the last case over that of the first."""
     first, last = (float(curves.full_contact_load([case])) for case in (dimensions[0], dimensions[-1]))
     return last / first
 
 
 def ensemble_mean(cases: Cases) -> Case:
-    """The mean curves of profiles that differ in their phases alone, with the largest of their stated errors."""
+    """Return the mean curves of an ensemble of phases, with the largest of their stated errors."""
     first = cases[0]
     averaged = ("compliance", "resistance", "contact_fraction", "first_contact")
     largest = ("compliance_error", "resistance_error")
@@ -173,28 +173,28 @@ def ensemble_mean(cases: Cases) -> Case:
 
 
 def excess_at_low_loads(case: Case, method: str) -> Array:
-    """The excess at low loads."""
+    """Return the excess at low loads."""
     return _between(case, excess(case, method), 0, LOW_COMPLIANCE)[1]
 
 
 def mean_excess_at_high_loads(case: Case, method: str) -> float:
-    """The mean excess at high loads."""
+    """Return the mean excess at high loads."""
     return _mean(*_between(case, excess(case, method), LOW_COMPLIANCE, 1))
 
 
 def error_at_low_loads(case: Case, method: str) -> float:
-    """The largest absolute excess at low loads, over the compliance at full contact."""
+    """Return the largest absolute excess at low loads, over the compliance at full contact."""
     return _largest(excess_at_low_loads(case, method)) / _total(case)
 
 
 def growth_of_error(method: str, *cases: Case) -> float:
-    """The growth of the largest error of an estimate, over full contact, from the first case to the last."""
+    """Return the growth of the largest error of an estimate, over full contact, from the first case to the last."""
     first, last = (_largest(excess(case, method)) / _total(case) for case in (cases[0], cases[-1]))
     return last - first
 
 
 def resistance_errors(case: Case, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
-    """Loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
+    """Return loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
     exact = numerical(case, "resistance")
     with np.errstate(divide="ignore", invalid="ignore"):  # in full contact, which is no intermediate compliance
         error = curve(case, method, "resistance") / exact - 1
@@ -202,67 +202,67 @@ def resistance_errors(case: Case, method: str, lowest: float = INTERMEDIATE[0]) 
 
 
 def resistance_range(case: Case, method: str) -> tuple[float, float]:
-    """The least and the largest of these errors."""
+    """Return the least and the largest of these errors."""
     error = resistance_errors(case, method)[1]
     return float(error.min()), float(error.max())
 
 
 def mean_resistance_error_at_high_loads(case: Case, method: str) -> float:
-    """The mean of these errors at high loads."""
+    """Return the mean of these errors at high loads."""
     return _mean(*resistance_errors(case, method, LOW_COMPLIANCE))
 
 
 def layer_behind_others(case: Case) -> float:
-    """The root mean square of these errors of the layer less that of the better of the other estimates."""
+    """Return the root mean square of these errors of the layer less that of the better of the other estimates."""
     squares = {method: resistance_errors(case, method) for method in ESTIMATES}
     size = {method: np.sqrt(_mean(loads, error**2)) for method, (loads, error) in squares.items()}
     return float(size["layer"] - min(size["archard"], size["demelio"]))
 
 
 def discretisation_ratio(case: Case) -> float:
-    """The largest relative error of boundary elements in resistance over that in compliance, of full contact."""
+    """Return the largest ratio of the relative errors of boundary elements in R and in h."""
     partial = _partial_contact(case)
     resistance, exact = (curve(case, method, "resistance")[partial] for method in ("bem", "patches"))
     return _largest(resistance / exact - 1) / (_largest(curve(case, "bem") - curve(case, "patches")) / _total(case))
 
 
 def _change(shorter: Case, longer: Case) -> float:
-    """The largest change of the mean gap between two series, in g_0."""
+    """Return the largest change of the mean gap between two series, in g_0."""
     gaps = [_total(case) - numerical(case) for case in (shorter, longer)]
     return _largest(gaps[1] - gaps[0])
 
 
 def last_change(*lengths: Case) -> float:
-    """The largest change of the mean gap with the last term, of full contact."""
+    """Return the largest change of the mean gap with the last term, of full contact."""
     return _change(*lengths[-2:]) / _total(lengths[-1])
 
 
 def last_change_over_others(*lengths: Case) -> float:
-    """The largest change with the last term over the least with the terms before."""
+    """Return the largest change with the last term over the least with the terms before."""
     return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
 
 
 def growth_of_area(*lengths: Case) -> float:
-    """The largest ratio of the contact fractions of two successive numbers of terms, in partial contact of both."""
+    """Return the largest ratio of contact fractions for successive numbers of terms, in partial contact."""
     ratios = [_area_ratio(shorter, longer) for shorter, longer in itertools.pairwise(lengths)]
     return float(max(ratio.max() for ratio in ratios))
 
 
 def decay_of_area(*lengths: Case) -> float:
-    """The geometric mean over the loads of the factor by which the last term changes the area, times gamma^(D-1)."""
+    """Return the geometric mean over the loads of the area ratio of the last two m, times gamma^(D-1)."""
     mean = np.exp(np.log(_area_ratio(*lengths[-2:])).mean())
     return float(mean * full_contact_pressure(1, float(lengths[-1]["D"]), float(lengths[-1]["gamma"])))
 
 
 def _area_ratio(shorter: Case, longer: Case) -> Array:
-    """The ratios of the contact fractions of two series at the loads of partial contact of the shorter one."""
+    """Return the ratios of the contact fractions of two series at the loads of partial contact of the shorter one."""
     partial = _partial_contact(shorter)
     ratio: Array = numerical(longer, "contact_fraction")[partial] / numerical(shorter, "contact_fraction")[partial]
     return ratio
 
 
 def last_change_of_resistance(*lengths: Case) -> float:
-    """The mean relative change of the resistance with the last term, at intermediate compliances."""
+    """Return the mean relative change of the resistance with the last term, at intermediate compliances."""
     change = numerical(lengths[-1], "resistance") - numerical(lengths[-2], "resistance")
     loads, values = _between(lengths[-1], change, *INTERMEDIATE)
     _, resistance = _between(lengths[-1], numerical(lengths[-1], "resistance"), *INTERMEDIATE)
@@ -270,14 +270,14 @@ def last_change_of_resistance(*lengths: Case) -> float:
 
 
 def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:
-    """The compliance of one wave, by the closed form if there is one, and the amplitude G_1 of all finer ones."""
+    """Return the compliance of one wave, in closed form if available, and the amplitude G_1 of all finer ones."""
     exact = curves.curve(wave, "compliance", "westergaard")
     tail = float(tail_amplitude(1, float(case["D"]), float(case["gamma"])))
     return numerical(wave) if exact is None else exact, tail
 
 
 def distance_from_one_wave(case: Case, wave: Case) -> float:
-    """The largest distance of an estimate of the compliance from the one-wave solution, of G_1.
+    """Return the largest distance of an estimate of the compliance from the one-wave solution, of G_1.
 
     Counted from the mean plane, the infinite series lies within G_1 of that solution, and a series of m terms, such
     as the estimates are of, within g_1 + ... + g_(m-1) < G_1.
@@ -289,7 +289,7 @@ def distance_from_one_wave(case: Case, wave: Case) -> float:
 
 
 def resistance_beyond_bounds(case: Case, wave: Case) -> float:
-    """The largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
+    """Return the largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
     low, high = resistance_bounds(case["mean_pressure"].values, *_wave_and_tail(case, wave), 0.0)
     estimates = np.array([curve(case, method, "resistance") for method in ESTIMATES])
     return float(np.maximum(low - estimates, estimates - high).max())

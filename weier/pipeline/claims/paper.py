@@ -30,7 +30,7 @@ from weier.surface.profile import PARAMETERS
 CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.
 CLOSE = 0.05  # "Fairly close", "good results" and "relatively small", over the compliance at full contact.
 EXTREMELY_SMALL = 0.02  # "Extremely small", over the compliance at full contact.
-DEMELIO_ERROR = 0.30  # The relative error of the resistance that the paper gives: "by as much as".
+DEMELIO_ERROR = 0.30  # relative error of the resistance in the paper: "by as much as"
 LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives: "about".
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
 QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
@@ -58,7 +58,7 @@ MEANINGS = (
 
 
 def by_phases(cases: Cases) -> list[Ensemble]:
-    """The cases by D, gamma and m, each a member of its ensemble; a single wave has no phases to differ in."""
+    """Return the cases by D, gamma and m, each a member of its ensemble; a single wave has no phases to differ in."""
     need(cases, "cases")
     return [
         Ensemble(describe(group[0]), tuple((case,) for case in group), float(group[0]["m"]) == 1)
@@ -67,7 +67,7 @@ def by_phases(cases: Cases) -> list[Ensemble]:
 
 
 def by_mean(cases: Cases) -> list[Ensemble]:
-    """The mean of each ensemble, which decides, and its members beside it."""
+    """Return the mean of each ensemble, which decides, and its members beside it."""
     single = by_phases(cases)
     means = [
         Ensemble(
@@ -81,7 +81,7 @@ def by_mean(cases: Cases) -> list[Ensemble]:
 
 
 def series(cases: Cases, varied: str) -> list[Ensemble]:
-    """Members whose cases differ in one parameter, in its order, and agree in the phases of the terms of all."""
+    """Return members whose cases differ in one parameter, in its order, and share the phases of common terms."""
     found = []
     for group in curves.groups(cases, *(name for name in PARAMETERS if name != varied)):
         largest = max(float(case[varied]) for case in group)
@@ -97,7 +97,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
 
 
 def _row(cases: Cases, last: Case, varied: str) -> Cases:
-    """One case of each value of a parameter, in its order, with the phases of the last."""
+    """Return one case of each value of a parameter, in its order, with the phases of the last."""
     same = {float(case[varied]): case for case in cases if _same_phases(case, last)}
     return [same[value] for value in sorted(same)]
 
@@ -108,7 +108,7 @@ def _same_phases(one: Case, other: Case) -> bool:
 
 
 def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
-    """The phases for the smallest and for the largest gamma: they are the subject, so all are one member."""
+    """Return the phases for the smallest and for the largest gamma: they are the subject, so all are one member."""
     groups = sorted(curves.groups(cases, "gamma"), key=lambda group: float(group[0]["gamma"]))
     need(len(groups) > 1, "phases for two values of gamma")
     return [Ensemble(f"gamma = {float(group[0]['gamma']):g}", (group,), True) for group in (groups[0], groups[-1])]
@@ -118,7 +118,7 @@ COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
 
 
 def _beside_one_wave(cases: Cases) -> list[Ensemble]:
-    """One case of each longer series, since the estimates know no phases, beside the one-wave solution."""
+    """Return one case of each longer series, since the estimates know no phases, beside the one-wave solution."""
     waves = [case for case in cases if float(case["m"]) == 1]
     longer = curves.groups([case for case in cases if float(case["m"]) > 1], *PARAMETERS)
     need(waves and longer, "one-wave solution and longer series")

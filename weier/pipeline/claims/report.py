@@ -21,7 +21,7 @@ DETAILS = ("condition", "profiles", "measured", "between", "limit", "results", "
 
 
 def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
-    """The claims as variables over the dimension claim; an empty dataset if there are none."""
+    """Return the claims as variables over the dimension claim; an empty dataset if there are none."""
     import xarray as xr
 
     if not judged:
@@ -52,7 +52,7 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
 
 
 def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
-    """The claims that a dataset holds, by their names."""
+    """Return the claims that a dataset holds, by their names."""
     if "claim" not in data.variables:
         return {}
     names = ("claim", "claim_statement", "claim_holds", "claim_conditions", "claim_missing")
@@ -64,7 +64,7 @@ def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
 
 
 def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
-    """The decisive number, its limit, and the results of the profiles."""
+    """Return the decisive number, its limit, and the results of the profiles."""
     if judged.missing:
         return f"Not measured: {judged.missing}.", "", ""
     finding = judged.decisive
@@ -73,13 +73,13 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
 
 
 def decisive_line(judged: Judgement) -> str:
-    """The decisive number, its limit and the results of the profiles in one line."""
+    """Return the decisive number, its limit and the results of the profiles in one line."""
     number, limit, votes = decisive_cells(judged)
     return "; ".join(filter(None, [number, limit and f"limit: {limit}", votes]))
 
 
 def details(finding: Finding) -> list[str]:
-    """A row of DETAILS."""
+    """Return a row of DETAILS."""
     low, high = (written(end(finding.values), finding.unit) for end in (min, max))
     return [
         f"{finding.statement}: {finding.quantity}",
@@ -93,7 +93,7 @@ def details(finding: Finding) -> list[str]:
 
 
 def to_markdown(title: str, judged: Mapping[str, Judgement]) -> str:
-    """A table with a line for each claim, the rule, and a section for each claim."""
+    """Return a table with a line for each claim, the rule, and a section for each claim."""
     if not judged:
         return f"# {title}\n\nThis scene checks no claims.\n"
     rows = [
