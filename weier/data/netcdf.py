@@ -277,12 +277,12 @@ def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
 
 
 def _missing(stored: netCDF4.Variable[Any], values: xr.Variable) -> bool:
-    """Whether all values are the fill value, so that nothing has to be written."""
+    """Return whether all values are the fill value, so that nothing has to be written."""
     return "_FillValue" in stored.ncattrs() and bool(np.isnan(values.values).all())
 
 
 def _encoded_for(stored: netCDF4.Variable[Any], values: xr.Variable) -> NDArray[Any]:
-    """The values as stored in the file: texts are characters along a dimension of their own."""
+    """Return the values as stored in the file: texts are characters along a dimension of their own."""
     if values.dtype.kind not in "UO":
         return values.values
     stored.set_auto_chartostring(False)

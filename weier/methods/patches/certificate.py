@@ -1,10 +1,7 @@
-"""The certificate of a state: its residual at other points, the bound on its compliance, and what is left to doubt.
+"""Certificate of a state: residual at other points, bound on the compliance, route of the solution.
 
-The formulas are those of docs/patches.md, "The bound on the compliance".
-
-`contact_residual` evaluates what the equations leave at points where they were not imposed. `certify` collects this
-and the violated inequalities, refuses a state that violates too much, and bounds the error of the others
-(`error_bound`).
+docs/patches.md, "The bound on the compliance", derives the formulas. `contact_residual` samples the residual,
+`certify` refuses large violations, and `error_bound` bounds the error.
 """
 
 from __future__ import annotations
@@ -21,19 +18,16 @@ from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima
 from weier.methods.patches.segments import ContactState, Segments, contacts_of
 from weier.methods.patches.surface import CosineSeries
 
-# The largest residual that is accepted, over the relative tolerance. Looser targets, which are tried where rounding
-# keeps edges from settling, are held to this as well.
-MAX_RESIDUAL = 100
+MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, also of looser targets
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
 # twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
-DIRECT_SUMS = 40  # The residuals of many segments are checked at so many points without fast sums.
+DIRECT_SUMS = 40  # points at which residuals of many segments are checked without fast sums
 # A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
 # largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
 # of e comes from tension or load, this is an estimate.
 GAP_FACTOR = 4.0
-# Rounding of a gap, over the sum of the amplitudes: twice the largest difference that was measured between the gaps
-# of profiles and of the same ones shifted along x.
+# rounding of a gap over the sum of the amplitudes: twice the largest measured difference between shifted profiles
 GAP_ROUNDING = 1e-13
 
 
@@ -82,13 +76,13 @@ def largest_displacement(pressure: float, width: float, period: float) -> float:
 
 
 def _indentation(state: ContactState, series: CosineSeries) -> float:
-    """The indentation from first contact, in g_0; of gaps (dual) the whole compliance, sum g_n - d, which is more."""
+    """Return the indentation from first contact, in g_0; for gaps (dual) the larger compliance sum g_n - d."""
     heights = np.abs(series.amplitude) * 2 * np.pi / series.wavenumber  # of tensions: p_n* is g_n times its waves
     return float(heights.sum()) + state.approach if state.dual else state.approach
 
 
 def carried_load(state: ContactState, period: float) -> float:
-    """The mean pressure that contacts carry, (pi/2) sum r a_0 / L; gaps are solved for under the load itself."""
+    """Return the mean pressure carried by contacts, (pi/2) sum r a_0/L; for gaps, the load itself."""
     if state.dual:
         return state.load
     of_each = state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
@@ -96,7 +90,7 @@ def carried_load(state: ContactState, period: float) -> float:
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> Array:
-    """The largest residual on each segment: the gap on a contact or, dual, the pressure in a gap.
+    """Return the largest residual on each segment: the gap on a contact or, dual, the pressure in a gap.
 
     The potentials come from closed forms, or from fast sums for many segments, at points between the nodes, so that
     neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some
@@ -116,7 +110,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
 
 
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
-    """Points for the residual: the first of each segment and, last, their number; their crests and distances.
+    """Return points for the residual: the first of each segment and, last, their number; their crests and distances.
 
     They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
     2 of them among K nodes, which serve for fast sums; else they are so many that the factor `SAMPLED_FACTOR` holds.
@@ -138,7 +132,7 @@ def certify(
     tolerance: float,
     margin: float,
 ) -> ContactState:
-    """The state with its largest violation of a condition, in g_0, the bound on its error, and its narrow gaps.
+    """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
     contacts or a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and
@@ -182,10 +176,10 @@ def certify(
         period,
     )
     # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
-    of_heights = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
+    height_error = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
     tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
-    state = state._replace(error=error, height_error=of_heights, tensions=tensions)
-    uncertainty = gap_uncertainty(of_heights, series)
+    state = state._replace(error=error, height_error=height_error, tensions=tensions)
+    uncertainty = gap_uncertainty(height_error, series)
     if state.dual:
         minima = minima_of_gaps(state)
     elif uncertainty > margin:
@@ -194,7 +188,7 @@ def certify(
 
 
 def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
-    """Intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
+    """Return intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
     if negative.size == 0:
         return np.empty((0, 3))
     t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
@@ -202,7 +196,7 @@ def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
 
 
 def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
-    """The same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
+    """Return the same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
     found = minima[minima["value"] < 0]
     extent = contacts_of(state.segments.extent, True, period)
     origin, centre, r = (values[found["interval"]] for values in extent)
@@ -229,12 +223,12 @@ def pressure_beside_cracks(state: ContactState, period: float) -> tuple[Array, A
 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:
-    """The uncertainty of a gap, in g_0, in a state that is exact for heights which differ by `error` at most."""
+    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`."""
     return GAP_FACTOR * error + GAP_ROUNDING * series.total_amplitude
 
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
-    """ConvergenceError is raised if the residual of a state is not small, or if contacts do not carry the load."""
+    """Raise ConvergenceError if the residual is too large or contacts do not carry the load."""
     scale = state.load * period if state.dual else state.approach
     relative = state.residual / scale if scale > 0 else np.inf  # Without an indentation, rounding has left no digit.
     relative = max(relative, abs(carried_load(state, period) / state.load - 1))

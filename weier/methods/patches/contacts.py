@@ -1,11 +1,10 @@
-"""Contacts as segments: punches with given edges, under the load that they share.
+"""Contacts as segments: punches with given edges and a common load (docs/patches.md, "Given edges").
 
 At the zeros of T_K, f_i = (pi/K) r psi_i. With A the sum over all nodes of -2 ln|2 sin(pi (x_i - x_j)/L)|,
 
     z - A f = d on all contacts,   sum f = p L,
 
-with d the mean gap: docs/patches.md, "Given edges". A is positive definite on forces of sum 0, and `OFFSET` makes it
-so on all.
+with the mean gap d. A is positive definite on forces of sum 0; `OFFSET` makes it so on all forces.
 
 The integral of T_k/sqrt(1-s^2) with ln|t-s| is -(pi/k) T_k, and -pi ln 2 for k = 0, so that a unit force at t_j makes
 -ln 2 - 2 sum T_k(t_i) T_k(t_j)/k. Less ln|t_i - t_j|, which the sum over all nodes has already, that is

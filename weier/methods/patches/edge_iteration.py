@@ -1,21 +1,9 @@
-"""Newton's method on the edges of any number of contacts, which may vanish and merge in bulk on its way.
+"""Newton's method on the edges of contacts, which may vanish and merge (docs/patches.md, "Moves of edges").
 
-The rules are derived in docs/patches.md, "Moves of edges"; "The stages of a load" has what makes a segment
-settled. `take_step` solves on given edges and finds their moves (`edge_moves`), and `next_guess` moves them, with the
-density on them.
-
-Near an edge p = (k_0 + k_1 s)/sqrt(s) at the distance s within. An edge that moves out by 2 k_0/k_1 is free of the
-singularity, to first order and whatever the others do: the Jacobian of k_0 in the edges is diagonal at the solution.
-Far from it, two closed forms are better. A contact narrower than the gaps beside it is Hertz's, whose width squared
-follows from psi exactly. A gap narrower than the contacts beside it, where the pressure would be a parabola of
-tension, has p = |x| (C + kappa (x^2-b^2)/2)/sqrt(x^2-b^2), so that k_0 and k_1 at one edge give the square of the
-width which it should have; no gap is left where that is negative.
-
-The slope of a gap with given edges (dual) has the same form, and so have the rules: a narrow gap in a parabola of
-tension is like Hertz's contact, and beside a narrow contact dw/dx = (C + kappa (x^2-b^2))/sqrt(x^2-b^2). Only the
-signs differ, for the slope is negative where a gap closes on its right.
-
-All that is said of contacts holds for gaps (dual), with the gap in place of the pressure.
+`take_step` solves on given edges and finds their moves (`edge_moves`); `next_guess` moves them with the density on
+them. Near an edge p = (k_0 + k_1 s)/sqrt(s); an edge that moves by 2 k_0/k_1 loses its singularity. Narrow contacts
+and narrow gaps have closed forms instead. For gaps (dual), the slope of the gap has the same form, with the opposite
+sign at right edges. "The stages of a load" defines when a segment has settled.
 """
 
 from __future__ import annotations
@@ -55,30 +43,23 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series
 
-# The limits of a step are safeguards far from the solution. Loads from spoilt guesses take within 9 % of the same
-# number of steps with each of them halved or doubled (docs/numerics.md, "Contact patches in numbers").
-#
-# The square of a width changes by these factors at most in one step, since the formulas hold near the solution. A
-# contact that would shrink so far vanishes (`MIN_GROWTH`), so that the first is for gaps.
+# safeguards far from the solution: halving or doubling each changes the number of steps from perturbed guesses by at
+# most 9 % (docs/numerics.md, "Contact patches in numbers")  range of the factor by which the square of a width
+# changes in a step; contacts vanish before the first (`MIN_GROWTH`)
 MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
-MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # A centre moves by so many half-widths at most in one step.
-# What stands for psi/phi, with the sign of psi, where phi is not positive, as it is on Hertz's contact: an edge with
-# overlap beyond it moves outward, and one in tension inward.
+MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # largest move of a centre in a step, in half-widths
+# |psi/phi| where phi <= 0, unlike on Hertz's contact: an edge with overlap moves outward, one in tension inward
 RATIO_WITHOUT_CURVATURE = 0.5
-# A gap of which a step would leave less than this part is tight. One that is so in two steps running is merged, since
-# one step alone may overshoot.
+# fraction left by a step below which a gap is tight; it is merged if tight in two successive steps
 MIN_GAP_LEFT = 0.1
-MAX_GAP_LOSS = 0.8  # In the first of these two steps it loses this part of itself at most.
-MIN_GROWTH = -0.85  # A contact vanishes if a step would shrink its half-width by more than this part.
-# Moves below this, in half-widths, are near the solution, where Newton's steps square their error.
-SETTLED_MOVE = 0.1
-# The set of contacts is corrected when no more than this part of them moves: those beside a missing one may never
-# settle.
-MAX_UNSETTLED = 0.3
-# The last coefficients of the regular part on each contact, so many of them, are 0: those of psi two degrees higher
-# are unknown.
-UNRESOLVED = 2
-NODE_STEPS = 8  # Node counts are rounded up to as many values between powers of 2, so that few rules are needed.
+MAX_GAP_LOSS = 0.8  # largest relative loss of a tight gap in a step
+MIN_GROWTH = -0.85  # relative change of the half-width below which a contact vanishes
+SETTLED_MOVE = 0.1  # move, in half-widths, below which Newton's method converges quadratically
+MAX_UNSETTLED = (
+    0.3  # fraction of moving contacts at which the set is corrected: neighbours of a missing one never settle
+)
+UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
+NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
 
 class EdgeMoves(NamedTuple):
@@ -163,13 +144,13 @@ def _clip(value: float, most: float) -> float:
 
 @kernel
 def _growth_of_square(linear: float) -> float:
-    """The growth of a width, over itself, whose square grows by twice the linear growth."""
+    """Return the growth of a width, over itself, whose square grows by twice the linear growth."""
     return np.sqrt(min(max(1 + 2 * linear, MIN_SQUARE), MAX_SQUARE)) - 1
 
 
 @kernel
 def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_curvature: float) -> float:
-    """The growth of what lies between two segments, of half-width b, to first order, by the edge of one of them.
+    """Return the first-order growth of the interval between two segments, of half-width b, by one edge.
 
     kappa b^2 is in proportion to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
     gaps. The square of the width grows by the factor 1 - 4 k_0 over that. Where it is not positive, what lies between
@@ -181,7 +162,7 @@ def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_c
 
 
 class Problem(NamedTuple):
-    """What is solved: contacts that carry a mean pressure, or gaps in the tension of full contact (dual).
+    """Problem to solve: contacts under a mean pressure, or gaps in the tension of full contact (dual).
 
     series : the heights, in g_0, or the tensions (dual), in p_0*
     load : mean pressure, in p_0*
@@ -198,12 +179,12 @@ class Problem(NamedTuple):
         return kind_of(self.dual)
 
     def forcing(self, crest: Indices, y: Array) -> Array:
-        """The height less the largest or, dual, the tension of full contact, at distances from crests."""
+        """Return the height less the largest or, dual, the tension of full contact, at distances from crests."""
         of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
         return np.asarray(evaluate_at(self.series, crest, y, 0) + of_maximum)
 
     def forcing_at_nodes(self, punches: Punches) -> Array:
-        """The same at the nodes."""
+        """Return the same at the nodes."""
         segments = punches.segments
         of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
         return evaluate_at_nodes(
@@ -224,7 +205,7 @@ def evaluate_at_nodes(
 
 
 class Stage(NamedTuple):
-    """How accurately the iteration solves, and what counts as a violation of the inequalities.
+    """Accuracy of a stage, and its limits of the inequalities.
 
     fine : whether all edges are to settle; else the set of contacts is still to be corrected
     tolerance : each contact has as many nodes as its density needs for this relative tolerance
@@ -244,7 +225,7 @@ class Stage(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Contacts, with middles in [0, L), and forces to start a step from.
+    """Contacts, with centres in [0, L), and forces from which a step starts.
 
     force : at the nodes
     tight : whether the last step would nearly have closed the gap on the right of each contact
@@ -256,7 +237,7 @@ class Guess(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The solution on the contacts of a guess, and how these must change.
+    """Solution on the contacts of a guess, and the changes of the contacts.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
     moves : of the edges
@@ -280,7 +261,7 @@ class Step(NamedTuple):
 
 
 def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
-    """A guess on segments, with no forces: an estimate of these saves conjugate gradients hardly a step."""
+    """Return a guess on segments, with no forces: an estimate of these saves conjugate gradients hardly a step."""
     count = _estimate_nodes(problem, segments.extent, stage)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
@@ -288,7 +269,7 @@ def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
 
 
 def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
-    """Nodes of contacts in order."""
+    """Return nodes of contacts in order."""
     count = estimate_node_count(extent, problem.series, stage.tolerance)
     return round_up_nodes(np.asarray(count + UNRESOLVED, float))
 
@@ -361,7 +342,7 @@ def _changes(
 
 
 def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices | None = None) -> Guess:
-    """The guess after a step: edges moved, contacts removed and merged; and, if given, each with so many nodes."""
+    """Return the guess after a step: edges moved, contacts removed and merged, optionally with new node counts."""
     old, series = step.punches.segments, problem.series
     more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
     factors = node_factors(stage.tolerance), float(series.wavenumber[-1])
@@ -434,7 +415,7 @@ def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) ->
 
 
 def merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
-    """From the first to the last of each run of contacts that merge."""
+    """Return the first and last of each run of merging contacts."""
     n, period = merging.size, problem.series.period
     if np.all(merging):
         raise ConvergenceError(f"all gaps or all contacts have closed under {problem.load:.6g} p_0*")
@@ -457,7 +438,7 @@ def rearrange(
     stage: Stage,
     node_count: Indices | None = None,
 ) -> Guess:
-    """A guess of the remaining segments, with the step's expansions, and of added intervals, shape (added, 2)."""
+    """Return a guess of the remaining segments, with the step's expansions, and added intervals (added, 2)."""
     series = problem.series
     crest, origin, centre = (
         np.concatenate([old[remaining], new])

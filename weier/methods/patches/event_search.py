@@ -1,16 +1,9 @@
-"""The loads at which contacts are born or merge, where dh/dp drops or has a kink.
+"""Search for the loads at which contacts are born or merge (docs/patches.md, "Births and mergers").
 
-The reasons are in docs/patches.md, "Births and mergers". Contacts never split or vanish as the load grows, since an
-increment of the load raises the pressure everywhere on them. So each contact under a heavier load holds one or more
-of those under a lighter load, which are a merger if they are two, or none, which is a birth (`_Search._changes`). A
-contact that was born and swallowed in between changes no count. It would leave a minimum of the gap under the lighter
-load where there is contact under the heavier one: such changes are not certain
-(`_Search._has_no_more_minima`).
-
-`_Search.between` halves an interval of ln(p) until its changes are certain and few. It then locates each by a root of
-a continuous function of the load (`_Search._locate`): the minimum of the gap before a birth, for the contacts of the
-lighter load, followed as if none were born; or the minimum of the pressure after a merger, for those of the heavier
-load. Where several roots are one load, they are reported together.
+Contacts never split or vanish as the load grows, so that contacts under a heavier load hold two of the lighter one (a
+merger) or none (a birth): `_Search._changes`. `_Search.between` bisects in ln(p) until the changes are certain
+(`_Search._has_no_more_minima`) and few; `_Search._locate` then finds the root of the minimum of the gap before a
+birth, or of the pressure after a merger.
 """
 
 from __future__ import annotations
@@ -33,25 +26,21 @@ from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
 from weier.surface.waves import Waves
 
-MAX_DECADES = 1.0  # The search begins with loads so many decades apart, and halves these intervals where needed.
+MAX_DECADES = 1.0  # initial spacing of the loads, in decades
 # Where an edge has advanced by more than this, in the finest waves, it may have passed a minimum of the gap and a
 # maximum together, which slopes at `SLOPE_POINTS` points may not show.
 MAX_ADVANCE = 0.15
 # In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
 # not be followed from one end to the other.
 MAX_ROOT_INTERVAL = 0.1
-# Roots are sought in an interval with at most so many events. Symmetry makes two of one load common. Roots that
-# differ serve to choose where to halve the interval, and each takes several solutions where halving takes one.
-MAX_ROOTS = 4
-MIN_INTERVAL = 1e-9  # Events closer than this in ln(p) count as events of one load.
-LOAD_ACCURACY = 1e-12  # Relative accuracy of the roots.
+MAX_ROOTS = 4  # events in an interval up to which roots are sought; a root takes several solutions, bisection one
+MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
+LOAD_ACCURACY = 1e-12  # relative, of the roots
 # Tension over the largest pressure of a contact, and overlap over the load, at the load of an event. The minimum that
 # was sought leaves far less, and an edge that has gone on over a crest far more.
 MAX_VIOLATION = 1e-7
-# The slope of the gap is evaluated at so many points where an edge has advanced or a contact is new. A minimum that
-# is missed has a maximum beside it, and both between two of these points.
-SLOPE_POINTS = 12
-MINIMUM_SAMPLES = 32  # The minimum of the gap or of the pressure is refined beside the lowest of so many samples.
+SLOPE_POINTS = 12  # samples of the slope of the gap where an edge has advanced or a contact is new
+MINIMUM_SAMPLES = 32  # samples of the gap or pressure, of which the lowest brackets the minimum
 # Accuracy of the position of such a minimum, over the distance of the samples: its value is then off by the square.
 POSITION_ACCURACY = 1e-8
 
@@ -88,7 +77,7 @@ _Located = tuple[_Event, ContactState]  # an event, and the state under its load
 
 @one_thread
 def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE) -> Events:
-    """All births and merges of contacts between two mean pressures.
+    """Return all births and mergers of contacts between two mean pressures.
 
     Parameters
     ----------
@@ -135,13 +124,13 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
 
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
-    """The merges at the load of full contact: all gaps that are left just below it close."""
+    """Return the mergers at the load of full contact: all gaps that are left just below it close."""
     gaps = _intervals(state, True, surface.heights.period)
     return [(surface.full_contact_load, _Event(False, *gap)) for gap in zip(*gaps, strict=True)]
 
 
 def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface: Surface) -> Events:
-    """Events in order of load, from the number of contacts before the first; those of one load leave one number."""
+    """Return events in order of load, with the number of contacts after each load."""
     located = sorted(located, key=lambda item: item[0])
     load = np.array([load for load, _ in located])
     birth = np.array([event.birth for _, event in located], bool)
@@ -161,14 +150,14 @@ class _Search(NamedTuple):
     starts: Starts
 
     def state(self, load: float) -> ContactState:
-        """The state under a load of partial contact."""
+        """Return the state under a load of partial contact."""
         state, _ = solve_state(self.starts, load)
         if state is None:
             raise ConvergenceError(f"contact is full under the mean pressure {load:.6g} p_0*")
         return state
 
     def between(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]]:
-        """The events between two states, each with its load.
+        """Return the events between two states, each with its load.
 
         Intervals that are shorter than `MIN_INTERVAL` hold events of one load, that of the heavier state. Others are
         done when no contact has changed for certain, or when all roots are one load and the contacts there meet the
@@ -194,7 +183,7 @@ class _Search(NamedTuple):
         return self.between(low, between) + self.between(between, high)
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
-        """Contacts of `high` that hold none of `low`, gaps of `low` that it closes, and whether these are certain.
+        """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
 
         A contact of `high` holds those of `low` whose middles lie within it.
         """
@@ -219,7 +208,7 @@ class _Search(NamedTuple):
         return changes, is_certain and self._has_no_more_minima(low, np.array(changes + advances))
 
     def _has_no_more_minima(self, low: ContactState, changes: NDArray[np.float64]) -> bool:
-        """Whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
+        """Return whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
 
         The changes, a table with the fields of `_Event`, are births, gaps that close, and intervals over which edges
         advance. Where an edge has passed a minimum of the gap, a contact was born there first.
@@ -231,14 +220,14 @@ class _Search(NamedTuple):
         return bool(np.all(minima <= births))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """All changes, each located as if it were the only one; empty if one cannot be located."""
+        """Return all changes, each located as if it were the only one; empty if one cannot be located."""
         try:
             return [self._locate(low, high, event) for event in changes]
         except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
             return []
 
     def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
-        """Where and in which state the minimum of the gap before a birth, or of the pressure after a merger, is 0.
+        """Return place and state at which the minimum of the gap (birth) or of the pressure (merger) vanishes.
 
         Contacts are followed from the load where that minimum is positive, the lighter one for a birth and the
         heavier one for a merger, to the other, where it is negative. Each state starts from the nearest one in load.
@@ -258,7 +247,7 @@ class _Search(NamedTuple):
         return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
 
     def _is_in_contact(self, state: ContactState) -> bool:
-        """Whether the contacts that were followed to an event meet the inequalities of contact at its load.
+        """Return whether the contacts that were followed to an event meet the inequalities of contact at its load.
 
         They do not where another event comes first: an edge may have gone on over a crest that touches by then, so
         that there is tension behind it.
@@ -269,18 +258,18 @@ class _Search(NamedTuple):
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
-        """The contacts of `start` under another load, as if none were born or merged in between."""
+        """Return the contacts of `start` under another load, as if none were born or merged in between."""
         return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
 
 
 def _intervals(state: ContactState, of_gaps: bool, period: float) -> tuple[Array, Array, Array]:
-    """The contacts of a state, or its gaps: from origin + left to origin + right."""
+    """Return the contacts of a state, or its gaps: from origin + left to origin + right."""
     origin, centre, half_width = contacts_of(contact_pieces(state, period)[0], of_gaps, period)
     return origin, centre - half_width, centre + half_width
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
-    """Changes of sign of the gap's slope from - to +, from origin + left to origin + right, of shape (intervals,)."""
+    """Return the number of minima of the gap between origin + left and origin + right, shape (intervals,)."""
     angle = (np.arange(SLOPE_POINTS) + 0.5) * (np.pi / SLOPE_POINTS)
     fraction = 0.5 * (1 - np.cos(angle))  # closer together at the ends
     y = left[:, None] + (right - left)[:, None] * fraction
@@ -291,7 +280,7 @@ def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, lef
 
 
 def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[float, float]:
-    """The minimum between the ends of an event, of the gap before a birth or of the pressure after a merger.
+    """Return the minimum between the ends of an event, of the gap before a birth or of the pressure after a merger.
 
     Its distance from the event's origin and its value, which may be negative.
     """
@@ -308,7 +297,7 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
 
 def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool, origin: float, y: Array) -> Array:
-    """Gaps at points origin + y off the contacts, or pressures at points on them; any may be negative.
+    """Return gaps at points origin + y off the contacts, or pressures at points on them; any may be negative.
 
     The density on segments is the pressure of contacts or, integrated, the gap in gaps (dual). The others, off the
     segments, are the complementary residual.
@@ -320,7 +309,7 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool,
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
-    """The slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
+    """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
     if state.dual:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
@@ -329,7 +318,7 @@ def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Arr
 
 
 def _crest_coordinates(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:
-    """The crests nearest to origin + y, and the distances from them: all digits of y, if the origin is the crest."""
+    """Return the crests nearest to origin + y and the distances from them, exact if the origin is the crest."""
     crest, _ = nearest_crests(series, origin + y)
     apart = origin - series.crest_position[crest]
     return crest, apart - series.period * np.rint((apart + y) / series.period) + y

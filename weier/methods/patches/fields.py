@@ -1,14 +1,9 @@
-"""Pressure and gap anywhere, from the state of contact under one load, exact up to the edges.
+"""Pressure and gap anywhere from the state of contact, accurate up to the edges.
 
-The formulas are those of docs/patches.md, "Pressure and gap anywhere" and, for the closed forms, "Chebyshev
-polynomials".
-
-`residuals_one_by_one` sums over the segments at each point: by quadrature far from a segment (`_far_field`), and by
-closed forms near to it or on it (`_near_field`). `residuals_by_sums` has fast sums over all nodes instead, and
-replaces them near segments by the same closed forms (`_correct_near_segments`).
-
-A point is given by an origin and the distance y from it, as in `surface`, so that points near a crest keep all their
-digits.
+docs/patches.md: "Pressure and gap anywhere" and, for closed forms, "Chebyshev polynomials". `residuals_one_by_one`
+sums over the segments, by quadrature far from a segment (`_far_field`), in closed form near it (`_near_field`);
+`residuals_by_sums` uses fast sums with `_correct_near_segments`. A point is an origin and the distance y from it, so
+that points near a crest keep all their digits.
 """
 
 from __future__ import annotations
@@ -26,18 +21,18 @@ from weier.theory.halfplane import replace_by_influence, take_logarithms
 # Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
 # from 250 on among 71 gaps: the time of their tree and that of one point both grow with the nodes.
 MIN_SUM_POINTS = 100
-MIN_SUM_SEGMENTS = 40  # Fewer cost little either way: 13 gaps at 1000 points take 1.1 ms, and 0.8 ms by fast sums.
+MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 0.8 ms by fast sums
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
 FAR_FIELD_EXPONENT = 18.5
-POTENTIAL, CAUCHY = 0, 1  # The two integrals over the density: of ln|2 sin| and of cot.
-BLOCK = 64  # So many points far from a segment are summed at once: with 40 nodes they take 20 kB, within the cache.
+POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
+BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # Angles between x and a segment's centre above this follow from the angles of both, whose rounding is 2e-15 of it.
 MIN_ANGLE = 0.1
 # The kernels less their pole at 0 are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u) is
 # -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next poles,
 # at 1 and -1; less these, z(2k) - 1 takes the place of z(2k), and they converge up to 2. So terms fall by 4 at least.
-MAX_POLE_DISTANCE = 0.5  # Where |u| exceeds this, the poles at 1 and -1 are taken off, too.
+MAX_POLE_DISTANCE = 0.5  # |u| from which the poles at 1 and -1 are subtracted as well
 # The most terms, of which the last is 4^-32 = 5e-20; where |u| is small, as many as fall to exp(-37) = 1e-16.
 SERIES_TERMS, LN_ROUNDING = 32, 37.0
 _ORDER = np.arange(1, SERIES_TERMS + 1)
@@ -49,7 +44,7 @@ POLE_FREE_SERIES = np.array([[-z / _ORDER, -2 / np.pi * z] for z in (_ZETA_LESS_
 
 @kernel
 def _local_coordinate(segment: float, centre: float, r: float, period: float, origin: float, y: float) -> float:
-    """The coordinate t, within -1..1 on a segment, of that image of origin + y which is nearest to its centre."""
+    """Return the coordinate t (-1..1 on a segment) of the image of origin + y nearest to its centre."""
     d = origin - segment + (y - centre)
     return (d - period * np.rint(d / period)) / r
 
@@ -119,7 +114,7 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
 
 @kernel
 def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, which: int) -> Array:
-    """An integral over a segment by quadrature, at points whose angles from its centre have these sines and cosines.
+    """Integrate over a segment by quadrature, at points with these sines and cosines of the angle from its centre.
 
     The loops over the points have no branch, so that the compiler turns them into operations on several at once.
     """
@@ -147,7 +142,7 @@ def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, whi
 def _near_field(
     a: Array, node: Array, force: Array, r: float, reach: float, t: float, period: float, which: int
 ) -> float:
-    """An integral over a segment at its own coordinate t, near to it or on it.
+    """Return an integral over a segment at its own coordinate t, near to it or on it.
 
     The poles of the segment, and those of its images on both sides where these are near too, are integrated in
     closed form, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. What remains of the kernel is smooth and left to
@@ -179,7 +174,7 @@ def _near_field(
 
 @kernel
 def smooth_part(a: Array, of_gap: bool) -> Array:
-    """Coefficients in U_k of phi or of gap/(r (1-t^2)^(3/2)).
+    """Return coefficients in U_k of phi or of gap/(r (1-t^2)^(3/2)).
 
     They have the sign of the density and of its integral, the gap, and keep their digits up to the segment's ends.
     """
@@ -188,7 +183,7 @@ def smooth_part(a: Array, of_gap: bool) -> Array:
 
 @kernel
 def at_point(value: float, t: float, r: float, of_gap: bool) -> float:
-    """The density or the gap from the value of its smooth part."""
+    """Return the density or the gap from the value of its smooth part."""
     end_distance = (1 - t) * (1 + t)
     return value * np.sqrt(end_distance) * (r * end_distance if of_gap else 1.0)
 
@@ -196,7 +191,7 @@ def at_point(value: float, t: float, r: float, of_gap: bool) -> float:
 def values_on_segments(
     state: ContactState, period: float, origin: Array, y: Array, integrated: bool
 ) -> tuple[Flags, Array]:
-    """Whether a segment holds each point origin + y, and rho there or its integral from the segment's start; or 0.
+    """Return whether a segment holds each point origin + y, and the density there or its integral, or 0.
 
     rho is the pressure on a contact or, dual, the slope of a gap, whose integral is the gap.
     """
@@ -226,7 +221,7 @@ def _values_on_segments(
 
 
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """The gap or, dual, the pressure, which must vanish on the segments and be positive outside them.
+    """Return the gap or, dual, the pressure, which must vanish on the segments and be positive outside them.
 
     Points are given by a crest and the distance from it.
     """
@@ -238,7 +233,7 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 
 
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """`complementary_residuals`, each from closed forms and quadrature over all segments."""
+    """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
     which = CAUCHY if state.dual else POTENTIAL
     constant = state.load - series.maximum if state.dual else -state.approach
     factor = 0.5 / (np.pi * series.period) if state.dual else -2.0
@@ -266,7 +261,7 @@ def _residuals(
 def residuals_by_sums(
     state: ContactState, series: CosineSeries, crest: Indices, y: Array, origin: Array, offset: Array
 ) -> Array:
-    """`complementary_residuals`, in the time O(points + nodes): by fast sums.
+    """Return `complementary_residuals`, in the time O(points + nodes): by fast sums.
 
     Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy
     integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms stay.
@@ -314,7 +309,7 @@ def _correct_near_segments(
     period: float,
     total: Array,
 ) -> Array:
-    """The sums over all nodes, with closed forms where a segment is near."""
+    """Return the sums over all nodes, with closed forms where a segment is near."""
     x, which, factor = origin + offset, CAUCHY if dual else POTENTIAL, -period / np.pi if dual else 1.0
     for j in range(segments.centre.size):
         here = slice(segments.first_node[j], segments.first_node[j + 1])
@@ -335,7 +330,7 @@ def _correct_near_segments(
 
 
 def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, of_gaps: bool) -> Array:
-    """The pressure at positions x, in p_0*, or the gap there, in g_0."""
+    """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
     crest, y = nearest_crests(series, x)
     inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
     if of_gaps != state.dual:

@@ -1,11 +1,9 @@
-"""Gaps as segments: cracks with given edges, in the tension of full contact.
+"""Gaps as segments: cracks with given edges in the tension of full contact (docs/patches.md, "Given edges").
 
-At the zeros of U_K, f_i = r w_i omega_i with the gap w = sqrt(1-t^2) omega and the weights w_i of Gauss's quadrature.
-With C the sum over all nodes of -1/(2 L^2 sin^2(pi (x_i - x_j)/L)),
+At the zeros of U_K, f_i = r w_i omega_i with the gap sqrt(1-t^2) omega and the weights w_i of Gauss quadrature. With
+C the sum over all nodes of -1/(2 L^2 sin^2(pi (x_i - x_j)/L)), positive definite,
 
-    C f = the tension of full contact in all gaps,   d = sum f/L:
-
-docs/patches.md, "Given edges". C is positive definite.
+    C f = the tension of full contact in all gaps,   d = sum f/L.
 
 The finite part of the integral of sqrt(1-s^2) U_k/(t-s)^2 is -pi (k+1) U_k, so that a unit force at t_j makes
 -2 sum (k+1) U_k(t_i) U_k(t_j). Less 1/(t_i - t_j)^2, which the sum over all nodes has already, that is

@@ -1,12 +1,8 @@
-"""Segments whose edges are given: a symmetric, positive definite problem for any number of them.
+"""Segments with given edges: a symmetric positive definite problem (docs/patches.md, "Given edges").
 
-The formulas are those of docs/patches.md, "Given edges"; `moved_expansion` is the end of "Moves of edges". What sets
-contacts and gaps apart is in `contacts` and `gaps`.
-
-`solve_forces_on_contacts` solves it: directly for few unknowns, by conjugate gradients with fast sums for many. Their
-preconditioner is the inverse of each segment's influence on itself and, of contacts, of forces between flat punches,
-which take the mean residuals. It leaves 10 to 30 steps to eight digits, whether there are 30 contacts or 27 000. Gaps
-act on each other as dipoles only, so that the first part is enough.
+`solve_forces_on_contacts` solves it directly for few unknowns, by preconditioned conjugate gradients with fast sums
+for many: 10 to 30 steps to eight digits for 30 to 27 000 contacts. `contacts` and `gaps` define the two kinds;
+`moved_expansion` is the end of "Moves of edges".
 """
 
 from __future__ import annotations
@@ -38,13 +34,11 @@ from weier.methods.patches.segments import Segments, distances_between
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 
-# Unknowns of a direct solution at most: loads with 280 to 354 unknowns take 0.7 of the time that they take by
-# conjugate gradients with fast sums, those with 470 to 560 take 1.0 to 1.2 of it.
+# largest number of unknowns of a direct solution: with 280 to 354 it takes 0.7 times as long as conjugate gradients
+# with fast sums, with 470 to 560 it takes 1.0 to 1.2 times as long
 MAX_DIRECT = 400
-MAX_STEPS = 300  # Steps of conjugate gradients; 10 to 30 are usual.
-# The pressure is carried along with moving edges, to first order in the move, up to so many half-widths: beyond, its
-# derivative predicts nothing.
-MAX_PREDICTED_MOVE = 0.3
+MAX_STEPS = 300  # of conjugate gradients; 10 to 30 are usual
+MAX_PREDICTED_MOVE = 0.3  # largest move, in half-widths, for the first-order prediction of the density
 
 
 class Punches(NamedTuple):
@@ -73,7 +67,7 @@ class Punches(NamedTuple):
         return self.kind.dual
 
     def at_nodes(self, of_segments: Array) -> Array:
-        """A value of each segment at its nodes, shape (nodes,)."""
+        """Return a value of each segment at its nodes, shape (nodes,)."""
         return np.repeat(of_segments, self.segments.node_count)
 
 
@@ -195,7 +189,7 @@ def displacement(punches: Punches, force: Array) -> Array:
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
-    """The preconditioner: forces for a residual, if contacts act on each other as punches, and gaps not at all."""
+    """Apply the preconditioner: contacts interact as flat punches, gaps not at all."""
     assert punches.rule is not None
     segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
     scale = rule.inverse_left, rule.inverse_scale
@@ -321,7 +315,7 @@ def expansion_of(first_node: Indices, half_width: Array, force: Array, period: f
 
 @kernel
 def regular_part(first_node: Indices, b: Array) -> Array:
-    """Coefficients in U_k of phi, where psi = (1-t^2) phi but for a straight line, contact by contact.
+    """Return coefficients in U_k of phi, where psi = (1-t^2) phi but for a straight line, contact by contact.
 
     With (1-t^2) U_k = (T_k - T_(k+2))/2, a_k = a_(k+2) - 2 b_(k+2); the last two of each contact are 0.
     """

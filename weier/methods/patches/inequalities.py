@@ -36,20 +36,19 @@ from weier.methods.patches.surface import CosineSeries, nearest_crests
 # Each interval between segments has so many probes for each of the finest waves and so many more. From a crest, an
 # eighth of a wave away, a cosine differs from its parabola by 5 %.
 PROBES_PER_WAVE, MIN_PROBES = 8, 8
-MIN_PROBE_DISTANCE = 1e-9  # Probes closer than this part of their mean distance differ by rounding only.
+MIN_PROBE_DISTANCE = 1e-9  # relative to the mean; closer probes differ only by rounding
 # Intervals of tension that reach beyond this part of the half-width end at an edge, whose move may remove them.
 MAX_INNER = 0.99
-SEARCH_STEPS = 40  # Steps of a bisection: these leave 1e-12 of a bracket.
-SAMPLES_PER_NODE = 2  # A change of sign within a segment is looked for at so many points for each node.
+SEARCH_STEPS = 40  # bisections, to 1e-12 of a bracket
+SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a segment
 # Newton's method on differences starts with this stencil, over the length of the bracket, which shrinks by the ratio
 # in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 # Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
 # 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
-NEW_GAP_WIDTH = np.sqrt(2.0)  # Width of a new gap over its interval of tension, which is exact in a parabola.
-# Largest half-width of a new segment over the distance to its nearest neighbour: two new ones side by side must not
-# touch.
+NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
+# largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
 MAX_NEW_WIDTH = 0.4
 # A gap is thin whose half-width is less than this part of its distance to the nearest edge. What that edge and the
 # crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise: 4e-11 l^2/L at most.
@@ -60,8 +59,7 @@ MAX_FALL = 3
 
 
 Residual = Callable[[Array], Array]
-# Of each bracket the probe before it, the lowest one, the one after, and the index of its interval, each an array of
-# shape (brackets,).
+# For each bracket: left end, minimum, right end and interval, each of shape (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
 
 
@@ -85,7 +83,7 @@ def _probes(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
 def _probe_points(
     origin: Array, centre: Array, half_width: Array, crest: Array, period: float, finest: float
 ) -> tuple[Array, Indices]:
-    """Points in the intervals between segments, ascending in each, and the index of the interval of each point.
+    """Return ascending points in the intervals between segments, and the interval of each point.
 
     In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
     The crests of the series and the middles between them are added: two crests side by side would else look like one.
@@ -118,7 +116,7 @@ def _probe_points(
 
 
 def find_negative_intervals(state: ContactState) -> Records:
-    """Intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
+    """Return intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
     segments = state.segments
     return _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.dual)
 
@@ -152,7 +150,7 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, d
 
 @kernel
 def _sample_expansion(a: Array) -> tuple[Array, Array]:
-    """Points t, denser than the nodes, and the values of an expansion there.
+    """Return points t, denser than the nodes, and the values of an expansion there.
 
     A positive sample below both neighbours moves to the minimum between them, which may be negative: to the zero of
     the derivative. The parabola through three samples falls below the middle one by an eighth of the larger rise, if
@@ -177,7 +175,7 @@ def _sample_expansion(a: Array) -> tuple[Array, Array]:
 
 @kernel
 def _find_zero(a: Array, negative: float, positive: float) -> float:
-    """The point between a negative and a positive value at which the sign changes, by bisection."""
+    """Return the point between a negative and a positive value at which the sign changes, by bisection."""
     for _ in range(SEARCH_STEPS):
         middle = 0.5 * (negative + positive)
         if evaluate_expansion(a, middle) < 0:
@@ -188,7 +186,7 @@ def _find_zero(a: Array, negative: float, positive: float) -> float:
 
 
 def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> Records:
-    """Minima of the gap between contacts or, dual, of the pressure between gaps, that are below a margin."""
+    """Return minima of the gap between contacts or, dual, of the pressure between gaps, that are below a margin."""
 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
@@ -200,7 +198,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
 
 
 def minima_of_gaps(state: ContactState) -> Records:
-    """Minima of the gap within gaps (dual), as `MINIMUM`, each by the parabola through three samples."""
+    """Return minima of the gap within gaps (dual), as `MINIMUM`, each by the parabola through three samples."""
     segments = state.segments
     return _minima_of_gaps(segments.first_node, segments.half_width, segments.middle, state.coefficient)
 
@@ -229,7 +227,7 @@ def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficien
 
 @kernel
 def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brackets:
-    """The probes, ascending in each interval, beside which a minimum may lie below the margin.
+    """Return the probes, ascending in each interval, beside which a minimum may lie below the margin.
 
     Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
     lies within half the wider distance, and so no deeper below the probe than half the curvature times its square. A
@@ -248,7 +246,7 @@ def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brack
 
 
 def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
-    """Negative minima of a function in brackets, by Newton's method on differences in all of them at once.
+    """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
 
     A bracket is dropped as soon as its minimum is positive for certain. What counts in the end is the lowest value
     that was evaluated, since differences over two crests side by side show neither of them.
@@ -284,7 +282,7 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
 def find_missing(
     problem: Problem, step: Step, tolerance: float, margin: float
 ) -> tuple[NDArray[np.float64], Records]:
-    """Edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
+    """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
     Also all minima below the margin, those included. A new segment is `NEW_GAP_WIDTH` or `NEW_CONTACT_WIDTH` times as
     wide as the parabola at its minimum is negative.
@@ -314,7 +312,7 @@ def find_missing(
 
 
 def _room(step: Step, minima: Records) -> Array:
-    """The distance of each new segment to the nearest old one, or half of that to another new one if that is less."""
+    """Return the distance of each new segment to the nearest old one, or half of that to a new one if smaller."""
     to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])

@@ -1,23 +1,9 @@
-"""One load on any number of contacts or gaps, without a dense matrix of all of them: in memory O(contacts).
+"""One load on any number of contacts or gaps, in memory O(contacts).
 
-The stages are those of docs/patches.md, "The stages of a load", which has the reason of each limit. "Given
-edges" and "Moves of edges" derive what one step does, and "Inequalities" how wide new segments are. The set of
-segments is corrected first on nodes for three digits, since all steps on wrong sets are lost. `_solve_to` goes
-through the stages, one step at each pass of its loop:
-
-1. rough steps: `take_step` solves on given edges, by conjugate gradients, and `next_guess` moves the edges. Next is
-   another step, or 2 once most edges have settled.
-2. rough corrections: `_corrections` cuts segments and adds others where the inequalities do not hold. Next is 1 on
-   the corrected set or, if nothing was to be corrected, 3.
-3. fine steps: the same steps with nodes for the tolerance. Next is another step, or 4 once the residual and all
-   singularities are below the target (`_converged`).
-4. fine corrections: the inequalities are judged again, more strictly. Next is 3 on the corrected set, or 5.
-5. check: the residual is evaluated at points between the nodes (`contact_residual`). Next is 3 with more nodes where
-   it is too large, or 6.
-6. resistance: `_resistance` solves for the tangent pressure, `_cracks` keeps the gaps that are too small for a
-   segment of their own, and `certify` bounds the error.
-
-All limits are heights, in g_0: dual, a pressure counts as the displacement that it makes over the width of its gap.
+docs/patches.md, "The stages of a load", has the six stages and the reason of each limit; "Given edges", "Moves of
+edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stages 1 and 3,
+`_corrections` stages 2 and 4, `contact_residual` stage 5, `_resistance`, `_cracks` and `certify` stage 6. Limits are
+heights, in g_0; for gaps (dual) a pressure counts as the displacement over the width of its gap.
 """
 
 from __future__ import annotations
@@ -69,9 +55,9 @@ from weier.methods.patches.segments import (
 from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, cracks_between_gaps, cracks_on_contacts
 
-MAX_STEPS = 60  # Steps of a load; 3 to 7 are usual, and 20 were the most of 213 random loads.
-LEAST_TOLERANCE = 1e-12  # The least relative tolerance of the residual; rounding begins at a tenth of it.
-FOLLOWED_TOLERANCE = 1e-10  # The tolerance of states between events, whose loads are sought to ten digits.
+MAX_STEPS = 60  # of a load; 3 to 7 are usual, at most 20 of 213 random loads
+LEAST_TOLERANCE = 1e-12  # relative, of the residual; rounding begins at a tenth of it
+FOLLOWED_TOLERANCE = 1e-10  # of states between events
 # The largest relative tolerance of the residual: a looser one may cut in a gap whose edges it is too loose to find,
 # which then vanishes again.
 LARGEST_TOLERANCE = 1e-6
@@ -83,30 +69,30 @@ MAX_OVER_TARGET = 10.0
 # The rough limit of the residual and of an overlap, over the scale; and over the amplitude of the finest wave, so
 # that no contact is missed on a crest that stands higher than this.
 ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
-ROUNDING = 1e-13  # Rounding of a residual, over the displacement under the whole load.
+ROUNDING = 1e-13  # of a residual over the displacement under the whole load
 # The bound adds up what is left in all gaps, so that each of more gaps than this has its share of the tolerance.
 MAX_SHARING = 5
-REDUCTION = 1e-3  # The conjugate gradients of a step reduce the residual by so much: edges then move by three digits.
+REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
 # A contact is cut where the tension over its largest pressure exceeds this, in rough and in fine corrections. Less
 # changes the resistance by about as much, and the compliance by the square.
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
-MAX_LEFT_BY_NODES = 0.5  # More nodes must leave less than this part of the residual; else it is rounding.
-MAX_TAIL = 0.3  # A segment needs more nodes where the height of its last coefficients is more than so many targets.
+MAX_LEFT_BY_NODES = 0.5  # ratio of residuals with more and fewer nodes above which the residual is rounding
+MAX_TAIL = 0.3  # last coefficients over the target from which a segment needs more nodes
 # The last moves of edges over the tolerance, in half-widths: a contact whose force is below the target may take
 # a large part of an increment of the load.
 MAX_MOVE = 1e4
-MAX_ROUNDING_MOVE = 1e-6  # Moves of edges below this, in half-widths, that shrink no more are rounding.
-MIN_ROUNDING_RATIO = 0.1  # They shrink no more where one exceeds this part of the one before.
+MAX_ROUNDING_MOVE = 1e-6  # in half-widths; smaller moves that no longer shrink are rounding
+MIN_ROUNDING_RATIO = 0.1  # ratio of successive moves from which they no longer shrink
 # A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to: in
 # less, the residual would hide the singularities that determine its edges.
 MIN_OPENING = 100.0
-MIN_PIECE = 1e-3  # Pieces shorter than this part of a contact's half-width do not survive a cut.
+MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
 
 
 def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> tuple[Stage, Stage]:
-    """What stages 1 and 2 are held to, in which the set of contacts is still to be found, and what 3 and 4 are.
+    """Return the limits of the rough stages 1 and 2 and of the fine stages 3 and 4.
 
     The rough limit is a part of the finest wave or of the scale, whichever is less, and no less than the target. It
     bounds both the residual and the overlap that is left; in the fine stages the target does.
@@ -127,7 +113,7 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
 def solve_many_contacts(
     surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
 ) -> tuple[ContactState, int]:
-    """The state in partial contact from a guess under its load, and the steps of Newton's method.
+    """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
 
     tolerance : of the residual, over the height that the load needs
     accepted : the tolerance by which the state is judged, where that is larger
@@ -142,7 +128,7 @@ def solve_many_contacts(
 def _solve_to(
     problem: Problem, guess: ContactState, tolerance: float, scale: float, accepted: float, follows: bool = False
 ) -> tuple[ContactState, int]:
-    """The state and the steps, with targets relative to the height `scale`, in g_0, through the stages of the module.
+    """Return iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
 
     With `follows`, the segments stay those of the guess, only stage 3 is used, and no inequality is judged.
     """
@@ -226,7 +212,7 @@ def _solve_to(
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
-    """The contacts of a state under another load, as if none were born or merged in between; without resistance.
+    """Follow the contacts of a state to another load, without births, mergers and resistance.
 
     They are followed tightly, whatever the tolerance of the states.
     """
@@ -235,7 +221,7 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
 
 
 def _scale(problem: Problem) -> float:
-    """The scale of a load: the height, in g_0, of the displacement that it needs; and no more than the first wave's.
+    """Return the scale of a load, min(p L, 1), in g_0.
 
     A load p L that is concentrated on one line displaces it by p L times a logarithm.
     """
@@ -255,7 +241,7 @@ def _converged(step: Step, target: float, small: float, last_move: float) -> boo
 
 @kernel
 def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
-    """Nodes of each segment: those that it has, and more where the last coefficients have not decayed.
+    """Return nodes of each segment: those that it has, and more where the last coefficients have not decayed.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) has less. The
     last two coefficients are taken, as one of them vanishes where the density is even or odd.
@@ -270,7 +256,7 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
 
 
 def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Records:
-    """The intervals of tension or, dual, of overlap that exceed what the nodes resolve and what the stage allows.
+    """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the stage's limits.
 
     In the rough set, those that end at an edge are left out: the edge has not settled yet, and its move may end them.
     """
@@ -284,7 +270,7 @@ def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Re
 def _corrections(
     problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records, margin: float
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
-    """Segments to add, shape (added, 2), which of those there remain, and minima off them that are below a margin.
+    """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
     A segment in which an interval is negative is removed, and the pieces of it that are left over are added. Contacts
     beside a thin gap become one.
@@ -311,7 +297,7 @@ def _thin_gaps(problem: Problem, state: ContactState, gap: Array) -> Flags:
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
-    """The pieces of each contact between its intervals of tension or, dual, of each gap between its overlaps.
+    """Return the pieces of each contact between its intervals of tension or, dual, of each gap between its overlaps.
 
     Each interval is widened to the width of the new gap or contact, except at the ends of the segment.
     """

@@ -31,7 +31,7 @@ SECONDS_LOAD, SECONDS_WAVE = 3e-3, 1.2e-4  # Of a load, and of a load and each o
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Expected seconds of a curve."""
+    """Return expected seconds of a curve."""
     return loads.size * (SECONDS_LOAD + SECONDS_WAVE * profile.waves_per_period[-1])
 
 

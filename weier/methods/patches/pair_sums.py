@@ -1,17 +1,9 @@
-"""Sums over many points of forces times a periodic kernel, in the time O(points): a fast multipole method on a line.
+"""Fast multipole method on a line: sums over pairs of points in O(points) (docs/patches.md, "Sums over all nodes").
 
-It is that of docs/patches.md, "Sums over all nodes". The fields between two intervals of points go through Chebyshev
-points: forces at the points are carried up the tree to the Chebyshev points of each interval (`_moments`), from there
-by the kernel to those of the intervals far from it (`pair_sums`, `potential`), and down the tree to the points
-(`_add_local_fields`).
-
-The kernel is ln|2 sin(pi (x_a - x_b)/L)|, of contacts, or 1/sin^2(pi (x_a - x_b)/L), of gaps (dual).
-
-The points, in order, are halved again and again: a binary tree, of which each node has the interval that its points
-span. Between two nodes whose distance is at least the wider one's width, the kernel is a polynomial in either
-position to rounding, so that it is taken at the Chebyshev points of both intervals (Fong and Darve, J. Comput. Phys.
-228, 2009, 8712). All other pairs of points are summed as they are. Both parts are kept as small matrices, because the
-method of conjugate gradients multiplies by the same ones many times.
+The kernel is ln|2 sin(pi (x_a - x_b)/L)| between contacts, 1/sin^2(pi (x_a - x_b)/L) between gaps (dual). Forces are
+carried up a binary tree to the Chebyshev points of each interval (`_moments`), between well-separated intervals by
+the kernel (`pair_sums`, `potential`), and down to the points (`_add_local_fields`); near pairs are summed directly
+(Fong and Darve, J. Comput. Phys. 228, 2009, 8712). The matrices are kept for all steps of the conjugate gradients.
 """
 
 from __future__ import annotations
@@ -35,8 +27,8 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 ORDER = 15
 # The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
 POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
-LEAF_POINTS = 40  # Points of a leaf at most: more cost memory in near pairs, and fewer cost it in far ones.
-MIN_DISTANCE = 1.0  # Nodes of the tree are far from each other at this distance over the width of the wider one.
+LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
+MIN_DISTANCE = 1.0  # distance of well-separated intervals over the width of the wider one
 
 
 class Tree(NamedTuple):
@@ -78,7 +70,7 @@ class PairMatrix(NamedTuple):
 
 @kernel
 def _interpolate(t: float, weight: Array) -> None:
-    """The weights of the values at the Chebyshev points in the polynomial at t."""
+    """Compute the weights of the values at the Chebyshev points in the polynomial at t."""
     t = min(max(t, -1.0), 1.0)
     weight[:] = BASIS[0]
     T_before, T = 1.0, t
@@ -90,7 +82,7 @@ def _interpolate(t: float, weight: Array) -> None:
 
 @kernel
 def points_of_leaf(tree: Tree, node: int) -> tuple[int, int]:
-    """The first point of a leaf, and the one after its last."""
+    """Return the first point of a leaf, and the one after its last."""
     leaf = node - _first_leaf(tree)
     return (tree.position.size * leaf) >> tree.depth, (tree.position.size * (leaf + 1)) >> tree.depth
 
@@ -102,12 +94,12 @@ def _first_leaf(tree: Tree) -> int:
 
 @kernel
 def interval(tree: Tree, node: int) -> tuple[float, float]:
-    """Middle and half-width of a node."""
+    """Return middle and half-width of a node."""
     return 0.5 * (tree.low[node] + tree.high[node]), max(0.5 * (tree.high[node] - tree.low[node]), 1e-300)
 
 
 def make_tree(origin: Array, offset: Array) -> Tree:
-    """The tree of points at origin + offset, which are ascending."""
+    """Return the tree of points at origin + offset, which are ascending."""
     position, depth = origin + offset, 0
     while (position.size >> depth) > LEAF_POINTS:
         depth += 1
@@ -137,7 +129,7 @@ def _fill_interpolations(tree: Tree) -> None:
 
 @kernel
 def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
-    """Whether two nodes are as far from each other, round the period too, as the wider one is wide."""
+    """Return whether two nodes are as far from each other, round the period too, as the wider one is wide."""
     between = max(other.low[b] - one.high[a], one.low[a] - other.high[b])
     around = min(one.low[a] + period - other.high[b], other.low[b] + period - one.high[a])
     distance, width = min(between, around), max(one.high[a] - one.low[a], other.high[b] - other.low[b])
@@ -146,7 +138,7 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
 
 @kernel
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
-    """Far and near pairs that together hold each pair of points once; of one and the same tree, unordered ones."""
+    """List far and near pairs that hold each pair of points once; unordered within a single tree."""
     stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # The compiler takes the type of pairs from the first.
     while len(stack) > 0:
         a, b = stack.pop()
@@ -172,7 +164,7 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 def _fill_far_block(
     one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: NDArray[np.float64]
 ) -> None:
-    """The kernel between the Chebyshev points of two nodes."""
+    """Compute the kernel between the Chebyshev points of two nodes."""
     middle, half = interval(one, a)
     other_middle, other_half = interval(other, b)
     for i in range(ORDER):
@@ -185,7 +177,7 @@ def _fill_far_block(
 def _fill_near_block(
     one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: Array
 ) -> tuple[int, int, int, int]:
-    """The kernel between the points of two leaves, row by row; the first and last points of both."""
+    """Return the kernel between the points of two leaves, row by row; the first and last points of both."""
     start, end = points_of_leaf(one, a)
     other_start, other_end = points_of_leaf(other, b)
     width = other_end - other_start
@@ -198,14 +190,14 @@ def _fill_near_block(
 
 
 def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
-    """The matrix for points at origin + offset, ascending and within one period."""
+    """Return the matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
     return PairMatrix(tree, *_make_blocks(tree, period, dual))
 
 
 @kernel
 def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, Blocks, Array, Indices]:
-    """The fields of `PairMatrix` behind its tree."""
+    """Return the fields of `PairMatrix` behind its tree."""
     far, near = pair_nodes(tree, tree, period, True)
     far_block = np.empty((far.shape[0], ORDER, ORDER))
     for pair in range(far.shape[0]):
@@ -224,7 +216,7 @@ def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, B
 
 @kernel
 def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
-    """Forces at the Chebyshev points of each node that stand for f at its points, shape (nodes, ORDER)."""
+    """Return forces at the Chebyshev points of each node that stand for f at its points, shape (nodes, ORDER)."""
     moment = np.zeros((tree.low.size, ORDER))
     # Within a level the nodes are passed forwards, since memory is read three times as slowly backwards.
     for level in range(tree.depth, -1, -1):
@@ -275,7 +267,7 @@ def _add_block(
 
 @kernel
 def pair_sums(matrix: PairMatrix, f: Array) -> Array:
-    """The sum over all other points b of f_b times the kernel between a and b, shape (points,)."""
+    """Return the sum over all other points b of f_b times the kernel between a and b, shape (points,)."""
     tree, total, none = matrix.tree, np.zeros(f.size), np.zeros(LEAF_POINTS + 1)
     moment = _moments(tree, f)
     field = np.zeros_like(moment)
@@ -296,7 +288,7 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
 
 @kernel
 def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -> Array:
-    """The sum over the points s of a source of f_s times the kernel between x and s, at the points x of a target."""
+    """Return the sum of f_s times the kernel over the points s of a source, at the points x of a target."""
     far, near = pair_nodes(target, source, period, False)
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
     block = np.empty((ORDER, ORDER))

@@ -1,8 +1,7 @@
-"""The estimated error of the resistance of a state, from its edges, its cracks and contacts that may be born.
+"""Error estimate of the resistance from edges, cracks and contacts that may be born.
 
-All of it follows from what heights that are off by the error of the state do to the contacts (docs/patches.md, "The
-error of the resistance"; "Edges" has the energy that an edge releases). No error exceeded the estimate at the loads
-that were compared (docs/numerics.md, "How often stated errors hold").
+It is the effect of height errors on the contacts (docs/patches.md, "The error of the resistance"; "Edges" has the
+energy release of an edge). No error exceeded it in tests (docs/numerics.md, "How often stated errors hold").
 """
 
 from __future__ import annotations
@@ -23,13 +22,13 @@ from weier.methods.patches.segments import (
 )
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_crests
 
-# Relative error of a resistance by the end of its conjugate gradients: the square of their reduction, and rounding.
+# relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
 # An edge beside a narrow gap counts twice: the edge at the other end of the gap moves as well, which the estimate of
 # its own move leaves out.
 EDGE_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
-CRACK_FACTOR = 2.0  # Cracks count twice: their width comes from an interval of tension as if that were parabolic.
+CRACK_FACTOR = 2.0  # since the width of a crack assumes a parabola of tension
 # An edge that may move by as much as its contact or gap is wide counts as if it moved so many times the half-width of
 # the gap, or a chi of the contact. For a contact, 2 a chi at both edges is four times what its loss changes.
 SMALL_EDGE_FACTOR = 2.0
@@ -37,7 +36,7 @@ EPS = float(np.finfo(float).eps)
 
 
 def resistance_error(state: ContactState, series: CosineSeries) -> float:
-    """An estimate of the error of the resistance in partial contact, in g_0/p_0*."""
+    """Return an estimate of the error of the resistance in partial contact, in g_0/p_0*."""
     by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
     # One more step would have moved the edges, which changes the resistance by the energy that these release.
@@ -46,7 +45,7 @@ def resistance_error(state: ContactState, series: CosineSeries) -> float:
 
 
 def _rise_by_cracks(state: ContactState, period: float) -> float:
-    """What gaps in the intervals of tension would add to the resistance, in g_0/p_0*.
+    """Return what gaps in the intervals of tension would add to the resistance, in g_0/p_0*.
 
     A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
     where q is the tangent pressure there. That of an isolated contact is B (2/r)^(1/2)/sqrt(1-t^2), with the strength
@@ -63,7 +62,7 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
 
 
 def _error_of_cracks(state: ContactState, period: float) -> float:
-    """The error of what cracks add to the resistance, in g_0/p_0*.
+    """Return the error of what cracks add to the resistance, in g_0/p_0*.
 
     The tension q_0 at the middle of a crack is known to k e/(2 pi r sqrt(1-t^2)), which is the pressure of a residual
     e T_k on its contact. With b^2 = 4 q_0/kappa, its rise pi^2 b^2 q^2/L is off by 4 pi^2 q^2/(kappa L) of that. Here
@@ -86,7 +85,7 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
 
 
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
-    """By how much contacts that may be born in narrow gaps would lower the resistance, in g_0/p_0*.
+    """Return the decrease of R, in g_0/p_0*, by contacts that may be born in narrow gaps.
 
     A gap g that is known to e leaves space for a contact that penetrates by e - g at most. Where the plane cuts the
     crest at the half-width b, the contact gives way by chi = -2 ln(pi b/L) or more for each unit of force, less the
@@ -109,7 +108,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
 
 
 def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
-    """The error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
+    """Return the error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
 
     An edge that moves out by delta lowers the resistance by 2 pi^2 B^2 delta/L, where the tangent pressure is
     B/s^(1/2) beside it: for a narrow contact, this is the derivative of -2 L f^2 ln a. Beside an edge where the

@@ -1,10 +1,8 @@
-"""Segments of the period, which are contacts or gaps, with their nodes and the densities on them.
+"""Segments (contacts or gaps) of a period with their nodes and densities.
 
-The formulas are those of docs/patches.md: "Contacts and gaps" and "Edges" for what a state holds, and "Chebyshev
-polynomials" for nodes, points, strengths and the number of nodes.
-
-The iteration of the edges begins and ends with a `ContactState`: the segments of
-one load, and sqrt(1-t^2) phi(t) on each, in its coordinate t from -1 to 1 (`weier.methods.chebyshev`).
+docs/patches.md: "Contacts and gaps" and "Edges" for the content of a state, "Chebyshev polynomials" for nodes,
+strengths and the number of nodes. A `ContactState` holds the segments of one load and sqrt(1-t^2) phi(t) on each, -1
+<= t <= 1 (`weier.methods.chebyshev`).
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ Sides = NDArray[np.float64]  # of segments or contacts: values at the left and t
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# Nodes of a segment, by the digits of its density: alpha + beta k r + zeta/ln(rho), where k r are the radians of the
+# Nodes of a segment, by the digits of its density: K_0 + K_1 k_f r + K_2/ln(rho), where k_f r are the radians of the
 # finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
 # polynomials"). The factors were fitted to the coefficients of 558 segments.
 DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
@@ -34,9 +32,9 @@ NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 # The distance of neighbours over the half-width is limited to these in the formula, since a guess may be wrong about
 # how close they are. The coefficients of a solution show whether it needs more nodes.
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
-# Where the coefficients have not decayed, a segment gets so many times its nodes and so many more.
+# factor and addend of the nodes of a segment whose coefficients have not decayed
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
-COARSE_TOLERANCE = 1e-3  # The set of segments is corrected on nodes that resolve the density to three digits.
+COARSE_TOLERANCE = 1e-3  # of the density while the set of segments is corrected
 
 
 @kernel
@@ -184,7 +182,7 @@ class ContactState(NamedTuple):
 
 
 def segment_strengths(state: ContactState) -> Sides:
-    """A of the pressure A s^(1/2) at the distance s from the left and right edges, shape (segments, 2), from U_k(1).
+    """Return k_1 of the pressure k_1 s^(1/2) at left and right edges, shape (segments, 2), from U_k(1).
 
     In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
     """
@@ -214,24 +212,24 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
 
 
 def at_contacts(at_segments: Sides, dual: bool) -> Sides:
-    """Values at the edges of the contacts, shape (contacts, 2): contact j is segment j, or follows gap j (dual)."""
+    """Return values at the edges of contacts, shape (contacts, 2); contact j follows gap j if dual."""
     return np.stack([at_segments[:, 1], np.roll(at_segments[:, 0], -1)], axis=1) if dual else at_segments
 
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
-    """Segments, already in order, with so many nodes each."""
+    """Return segments, already in order, with so many nodes each."""
     return Segments(crest, origin, centre, half_width, np.append(0, np.cumsum(node_count)))
 
 
 def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
-    """The crests nearest to positions, where they or their images stand, and how far the positions are from there."""
+    """Return the crests nearest to positions, with the places of their images and the distances."""
     crest, y = nearest_crests(series, middle)
     origin = series.crest_position[crest]
     return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
 
 
 def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
-    """The contacts in order, which are the segments or, dual, lie between them and follow them."""
+    """Return the contacts in order, which are the segments or, dual, lie between them and follow them."""
     if not dual:
         return extent
     origin, centre, half_width = extent
@@ -240,14 +238,14 @@ def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
 
 
 def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
-    """The order of positions from left to right in [0, L), and what is to be taken off each to lie there."""
+    """Return the order of positions from left to right in [0, L), and what is to be taken off each to lie there."""
     turns = period * np.floor(middle / period)
     return np.argsort(middle - turns, kind="stable"), turns
 
 
 @kernel
 def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
-    """From the right end of each segment to the left end of the next, round the period, in lambda_0."""
+    """Return the distances between segments, from right to next left end, in lambda_0."""
     distance = np.empty(centre.size)
     for k in range(distance.size):
         between_origins = origin[k] - origin[k - 1] + (period if k == 0 else 0.0)
@@ -256,7 +254,7 @@ def distances_between(origin: Array, centre: Array, half_width: Array, period: f
 
 
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:
-    """Nodes for the waves within each segment and for the singularities at the edges of its neighbours.
+    """Return nodes for the waves within each segment and for the singularities at the edges of its neighbours.
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge: at the
     distance mu r, ln(rho) = ln(1 + mu + sqrt(mu (mu + 2))).
@@ -283,13 +281,13 @@ def count_nodes(
 
 @lru_cache(maxsize=64)
 def node_factors(tolerance: float) -> tuple[float, ...]:
-    """The factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
+    """Return the factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
     tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR
     return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
 
 
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
-    """Size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
+    """Return size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
     size, last = np.abs(coefficient), segments.first_node[1:] - skipped
     largest = np.maximum.reduceat(size, segments.first_node[:-1])
     return np.asarray(np.maximum(size[last - 1], size[last - 2]) / np.maximum(largest, 1e-300))

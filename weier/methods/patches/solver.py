@@ -1,7 +1,7 @@
-"""What users call: curves over the loads, and solutions under single loads, each from its own start.
+"""Interface of contact patches: curves over the loads and solutions under single loads.
 
-The start of a load and its attempts are in docs/patches.md, "Where a load starts"; "Edges" has the strengths, and
-"The bound on the compliance" the stated error.
+docs/patches.md: "Where a load starts" for starts and attempts, "Edges" for the strengths, "The bound on the
+compliance" for the stated error.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ TOLERANCE = 1e-10
 # A load that fails, or whose bound exceeds the tolerance, is tried once more with a tolerance that is tighter by this
 # factor: the residual may exceed the target of the iteration by as much.
 TIGHTENING = 10.0
-MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow below it.
+MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
 
 
 class PatchCurve(NamedTuple):
@@ -93,13 +93,13 @@ class Solution(NamedTuple):
         return np.stack([self.centre - self.half_width, self.centre + self.half_width], axis=1)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
+        """Return pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
         if self.state is None:
             return self.mean_pressure - _series_at(self.surface.tensions, x)
         return self._on_points(self.state, x, of_gaps=False)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap between the rigid plane and the surface, in g_0, for x in lambda_0 of any shape; 0 on the contacts."""
+        """Return the gap, in g_0, at x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
         return self._on_points(self.state, x, of_gaps=True)
@@ -109,7 +109,7 @@ class Solution(NamedTuple):
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Elastic displacement u(x) away from the rigid plane, in g_0, of mean 0: gap = d - z + u."""
+        """Return elastic displacement u(x) away from the rigid plane, in g_0, of mean 0: gap = d - z + u."""
         return self.gap(x) + _series_at(self.surface.heights, x) - self.mean_gap
 
 
@@ -120,7 +120,7 @@ def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
 
 @one_thread
 def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> PatchCurve:
-    """Compliance and resistance of a truncated series by contact patches.
+    """Return compliance and resistance of a truncated series by contact patches.
 
     Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
     gap where that takes fewer nodes. The error falls exponentially with the nodes.
@@ -167,7 +167,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 def _curve_point(
     surface: Surface, state: ContactState | None
 ) -> tuple[float, float, float, float, float, float, int, float]:
-    """Compliance and its error, indentation, resistance and its error, contact fraction, contacts, and residual."""
+    """Return h with error, indentation, R with error, contact fraction, number of contacts and residual."""
     total, series = surface.total_amplitude, surface.heights
     rounding, top = _rounding(surface), series.maximum
     if state is None:
@@ -175,19 +175,19 @@ def _curve_point(
     fraction = float(2 * state.segments.half_width.sum() / series.period)
     base, fraction = (top, 1 - fraction) if state.dual else (0.0, fraction)
     fraction -= float(2 * state.cracks.half_width.sum() / series.period)
-    of_h, indentation, R = state.error + rounding, base + state.approach, state.resistance
-    of_R = resistance_error(state, series)
+    h_error, indentation, R = state.error + rounding, base + state.approach, state.resistance
+    R_error = resistance_error(state, series)
     count = state.segments.centre.size + state.cracks.contact.size
-    return total - top + indentation, of_h, indentation, R, of_R, fraction, count, state.residual
+    return total - top + indentation, h_error, indentation, R, R_error, fraction, count, state.residual
 
 
 def _rounding(surface: Surface) -> float:
-    """What rounding adds to the error of a compliance, in g_0."""
+    """Return what rounding adds to the error of a compliance, in g_0."""
     return COMPLIANCE_ROUNDING * surface.total_amplitude
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
-    """The contacts under one mean pressure, and with them the pressure and the gap anywhere.
+    """Return the contacts under one mean pressure, and with them the pressure and the gap anywhere.
 
     The parameters, and what is raised, are those of `curve`, with one load.
     """
@@ -196,7 +196,7 @@ def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANC
 
 @one_thread
 def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> list[Solution]:
-    """The contacts under each of several loads, with the parameters of `curve`."""
+    """Return the contacts under each of several loads, with the parameters of `curve`."""
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
     return [make_solution(starts.surface, solve_state(starts, float(load))[0], load) for load in loads]
 
@@ -229,7 +229,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
-    """The contacts of a state, whether its segments are contacts or gaps; None stands for full contact."""
+    """Return the contacts of a state, whether its segments are contacts or gaps; None stands for full contact."""
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
@@ -240,7 +240,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
 
 
 def _sorted_contacts(extent: Extent, period: float) -> tuple[Sides, Array, Indices]:
-    """Edges of contacts, the left ones in [0, L) and in order, their half-widths, and the order that sorted them."""
+    """Return sorted edges of contacts (left ones in [0, L)), half-widths, and the sorting order."""
     origin, centre, half_width = extent
     left = origin + (centre - half_width)
     left -= period * np.floor(left / period)
@@ -249,7 +249,7 @@ def _sorted_contacts(extent: Extent, period: float) -> tuple[Sides, Array, Indic
 
 
 def check_loads(mean_pressure: ArrayLike) -> Array:
-    """The loads as an array; ValueError if they do not increase from `MIN_LOAD` or above."""
+    """Return the loads as an array; ValueError if they do not increase from `MIN_LOAD` or above."""
     loads = checked_loads(mean_pressure)
     if loads[0] < MIN_LOAD:
         raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for contact patches, got {loads[0]:g}")

@@ -1,11 +1,7 @@
-"""Where each load starts from: the contacts that it is likely to have, and the density on them.
+"""Initial contacts or gaps of each load (docs/patches.md, "Where a load starts").
 
-They come from crests where contacts or gaps are tiny, and from boundary elements on a coarse grid elsewhere. The
-formulas are those of docs/patches.md, "Where a load starts"; "The staircase" of docs/bem.md has the edges of a grid.
-
-`Starts.guess` returns one guess: Hertz's contacts on crests (`isolated_contacts`) if they are isolated, the last gaps
-on the crests of the tension (`isolated_gaps`) if these are, and else the contacts of a grid, or the gaps between them
-(`contacts_guess`).
+`Starts.guess` returns Hertz's contacts on crests (`isolated_contacts`), the last gaps on crests of the tension
+(`isolated_gaps`), or the contacts or gaps of a coarse grid (`contacts_guess`; edges by docs/bem.md, "The staircase").
 """
 
 from __future__ import annotations
@@ -46,9 +42,9 @@ MAX_RADIANS = 0.5
 # It is isolated up to this half-width over the distance to the next one: there the field of its force differs from
 # that of a force on a line by the square of this, 1 %.
 MAX_CROWDING = 0.1
-MAX_ISOLATED = 32  # The forces of at most so many contacts are found as forces on lines, by dense equations.
-MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # Their forces take 3 or 4 steps to this relative accuracy.
-POINTS_PER_WAVE = (16, 32)  # Points for each of the finest waves of the grids that are tried, in this order.
+MAX_ISOLATED = 32  # contacts whose forces are found as line forces, by dense equations
+MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # 3 or 4 steps to this relative accuracy are usual
+POINTS_PER_WAVE = (16, 32)  # per finest wave, of the grids that are tried in turn
 # Series of so many waves in a period begin on a grid of fewer points. It misses more contacts, so that a load takes a
 # step or two more, but the finer grid would take longer than these: loads on 15 625 to 78 125 waves take 0.75 to 1.1
 # of the time, those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it.
@@ -59,8 +55,8 @@ GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
 # Relative residual of their tangent pressure, from which the positions of the edges between nodes follow: on so few
 # points these are off by as much themselves.
 TANGENT_TOLERANCE = 1e-2
-# Gaps are solved for where they need at most so many times the nodes of the contacts. At equal cost contacts are
-# better: their guess has Hertz's pressure, and their indentation keeps its digits at light loads.
+# ratio of the nodes of gaps and contacts up to which gaps are solved for; at equal cost contacts are better, since
+# their indentation keeps its digits at light loads
 MAX_NODE_RATIO = 0.7
 # They are compared by the nodes for this tolerance, whatever is required: by those for 1e-4, loads were solved for
 # contacts that took up to three times as long as their gaps.
@@ -74,7 +70,7 @@ class Starts:
     """Initial guesses for the loads of one surface, each independent of the other loads."""
 
     def __init__(self, profile: Waves, tolerance: float) -> None:
-        """Starts for a compliance within a tolerance, in g_0; ValueError is raised if that is out of its limits."""
+        """Prepare starts for a tolerance of the compliance, in g_0; ValueError if it is out of range."""
         if not MIN_TOLERANCE <= tolerance < MAX_TOLERANCE:
             raise ValueError(
                 f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}) for contact patches, got {tolerance}"
@@ -105,7 +101,7 @@ class Starts:
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Places | None:
-        """The contacts of a grid; None where no gap is left, or no solution is found."""
+        """Return the contacts of a grid; None where no gap is left, or no solution is found."""
         solution = self._grid(per_wave).solve_discrete(load, True, TANGENT_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
@@ -115,7 +111,7 @@ class Starts:
 
 @kernel
 def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
-    """The contacts of a grid that carry a force, and those that stand above the plane between its nodes.
+    """Return the contacts of a grid that carry a force, and those that stand above the plane between its nodes.
 
     There are none where no gap is left.
     """
@@ -142,7 +138,7 @@ def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
 
 @kernel
 def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Places:
-    """The contacts on crests that stand above the plane between nodes.
+    """Return the contacts on crests that stand above the plane between nodes.
 
     A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
     """
@@ -188,7 +184,7 @@ def merge_overlaps(places: Places, period: float) -> Places:
 
 
 def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactState:
-    """A guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
+    """Return a guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
     guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
     gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
     if gaps[2].min() > 0:
@@ -199,27 +195,27 @@ def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactSt
 
 
 def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
-    """A guess on the gaps between contacts."""
+    """Return a guess on the gaps between contacts."""
     origin, centre, half_width = contacts_of(contacts.segments.extent, True, surface.heights.period)
     gaps = np.stack([origin + centre, half_width])
     return _make_guess(surface.tensions, contacts.load, True, gaps)
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
-    """Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
+    """Return Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
     found = _hertz_contacts(series, load)
     return _make_guess(series, load, False, found) if found.size > 0 else None
 
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
-    """The gaps where full contact would be in tension, if they are so small that they do not act on each other."""
+    """Return the gaps where full contact would be in tension, if they are too small to interact."""
     found = _gaps_in_tension(series, load)
     return _make_guess(series, load, True, found) if found.size > 0 else None
 
 
 @kernel
 def _hertz_contacts(series: CosineSeries, load: float) -> Places:
-    """The contacts of `isolated_contacts`; none if they are not isolated."""
+    """Return the contacts of `isolated_contacts`; none if they are not isolated."""
     curvature, total = series.crest_curvature, load * series.period
     # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
@@ -234,7 +230,7 @@ def _hertz_contacts(series: CosineSeries, load: float) -> Places:
 
 @kernel
 def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
-    """The gaps of `isolated_gaps`; none if they are not isolated."""
+    """Return the gaps of `isolated_gaps`; none if they are not isolated."""
     most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
     # The widest gap is no narrower than one under this tension on the sharpest crest.
     if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
@@ -248,7 +244,7 @@ def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
 
 @kernel
 def _isolated(series: CosineSeries, half_width: Array) -> Places:
-    """Segments on the crests where the half-width is positive.
+    """Return segments on the crests where the half-width is positive.
 
     None are found if one is wider than its parabola, or so wide that they act on each other.
     """
@@ -267,7 +263,7 @@ def _isolated(series: CosineSeries, half_width: Array) -> Places:
 
 @kernel
 def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
-    """The forces of Hertz's contacts on crests under a whole load, shape (crests,); all are 0 if they are not found.
+    """Return the forces of Hertz's contacts on crests, shape (crests,); all 0 if they are not found.
 
     A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and the forces of others lower it.
     The logarithm hardly changes with the forces, so that it is that of the step before and the equations are linear.

@@ -1,12 +1,8 @@
-"""A profile as the solver needs it: its heights, and the tensions of full contact, both evaluated from their crests.
+"""Heights and tensions of full contact, evaluated from their crests.
 
-A crest is a local maximum of a cosine series. A contact that has just been born lies so close to a crest that the
-difference of height between the two would be lost in rounding, if both heights were sums over all waves. Therefore
-positions are given as a crest and the distance from it, and heights relative to the highest crest.
-
-docs/patches.md, "Contacts and gaps", has the tension of full contact and why positions are given so. Heights are
-evaluated by Taylor's polynomials about the crests, and about equally spaced nodes between them, whatever the number
-of waves (docs/numerics.md, "Heights of any number of waves").
+docs/patches.md, "Contacts and gaps", explains why positions are distances from crests and heights are relative to the
+highest one: a new contact is so close to its crest that their height difference would be lost in rounding. Both are
+Taylor polynomials (docs/numerics.md, "Heights of any number of waves").
 """
 
 from __future__ import annotations
@@ -85,12 +81,12 @@ class Surface(NamedTuple):
         return self.tensions.maximum
 
     def series(self, dual: bool) -> CosineSeries:
-        """The heights, for segments that are contacts, or the tensions, for segments that are gaps (dual)."""
+        """Return the heights, for segments that are contacts, or the tensions, for segments that are gaps (dual)."""
         return self.tensions if dual else self.heights
 
 
 def surface_of(profile: Waves) -> Surface:
-    """The series of a profile with a finite number of terms; ValueError if its waves are too many for a computer."""
+    """Return the series of a profile with finitely many terms; ValueError if it has too many waves."""
     check_resolvable(profile)
     waves = profile.waves_per_period, profile.phase, profile.period
     return Surface(
@@ -101,7 +97,7 @@ def surface_of(profile: Waves) -> Surface:
 
 
 def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array, period: float) -> CosineSeries:
-    """The series with its crests."""
+    """Return the series with its crests."""
     wavenumber = 2 * np.pi * np.array(waves_per_period, float) / period
     nodes = expand(amplitude, waves_per_period, phase)
     step, crests = period / len(nodes), find_crests(amplitude, waves_per_period, nodes)
@@ -133,7 +129,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
 
 
 def _round_positions(x: Array, period: float) -> Array:
-    """Positions within [0, L), rounded so that a period more or less leaves them all their digits.
+    """Return positions within [0, L), rounded so that a period more or less leaves them all their digits.
 
     They become multiples of the distance of floats beyond 4 L, so that sums of them and of periods are exact.
     """
@@ -143,7 +139,7 @@ def _round_positions(x: Array, period: float) -> Array:
 
 @kernel
 def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, float, float]:
-    """S - max S, S' and S'' at the distance y from a crest, without cancellation for small y.
+    """Return S - max S, S' and S'' at the distance y from a crest, without cancellation for small y.
 
     Within half a step the expansion is that about the crest, whose slope is 0; and beyond, about the nearest node.
     """
@@ -163,7 +159,7 @@ def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, 
 
 @kernel
 def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int) -> Array:
-    """S - max S, S' or S'' at the distances y from crests."""
+    """Return S - max S, S' or S'' at the distances y from crests."""
     value = np.empty(y.size)
     for i in range(y.size):
         value[i] = evaluate_series(series, crest[i], y[i])[derivative]
@@ -171,7 +167,7 @@ def evaluate_at(series: CosineSeries, crest: Indices, y: Array, derivative: int)
 
 
 def nearest_crests(series: CosineSeries, x: Array) -> tuple[Indices, Array]:
-    """Indices of the crests nearest to positions x on the periodic line, and the distances y of x from them."""
+    """Return the crests nearest to positions x on the periodic line, and the distances y from them."""
     nearest, y = _nearest_crests(series.crest_position, series.period, x)
     return nearest, y
 

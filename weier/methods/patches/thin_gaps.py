@@ -1,14 +1,8 @@
-"""Gaps within contacts that are too thin for segments of their own: cracks in closed form.
+"""Gaps too thin to be segments: cracks in closed form (docs/patches.md, "Thin gaps").
 
-Just below a merger a thin gap is left, in which the pressure of the merged contact would be negative. Its edges
-follow from that pressure alone, since the field of a crack falls with the square of the distance (docs/patches.md,
-"Thin gaps"). `find_thin_gaps` finds the edges, and `Cracks` has what the gaps add to the mean gap and the resistance.
-
-On a crack of half-width b in the tension s = -p, with x = c + b tau and s = sum s_k U_k(tau), the gap is
-
-    w = 2 pi b sqrt(1-tau^2) sum s_k U_k(tau)/(k+1)
-
-It closes smoothly where sum (+-1)^k s_k = 0 at both ends, that is where the coefficients of p in T_0 and T_1 vanish.
+Their edges follow from the pressure of the merged contact, since the field of a crack decays with the square of the
+distance. `find_thin_gaps` finds them; `Cracks` has their effect on mean gap and resistance. With x = c + b t and the
+tension -p = sum sigma_k U_k(t), the gap is 2 pi b sqrt(1-t^2) sum sigma_k U_k(t)/(k+1).
 """
 
 from __future__ import annotations
@@ -32,9 +26,9 @@ from weier.methods.patches.surface import CosineSeries, nearest_crests
 NODES = 8
 # Newton steps for the edges. Each leaves b/l of the error, and a parabola takes one.
 STEPS, SETTLED = 12, 1e-6
-MAX_STEP = 4.0  # The square of a half-width changes by this factor at most in one step, and the middle by half of it.
+MAX_STEP = 4.0  # largest factor of the square of a half-width in a step; the middle moves by half of it
 
-MIN_TENSION = 1e-13  # A tension over the largest pressure, or over the load, below which it is rounding.
+MIN_TENSION = 1e-13  # tension over the largest pressure, or the load, below which it is rounding
 
 # A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
@@ -177,7 +171,7 @@ def _with_cracks(state: ContactState, cracks: Cracks) -> ContactState:
 def densities_on_contacts(
     first_node: Indices, coefficient: Array, contact: Indices, t: NDArray[np.float64], singular: bool
 ) -> NDArray[np.float64]:
-    """sqrt(1-t^2) sum a_k U_k or, singular, sum b_k T_k/sqrt(1-t^2) on contacts, where T_k = U_k - t U_(k-1)."""
+    """Evaluate sqrt(1-t^2) sum a_k U_k or, singular, sum b_k T_k/sqrt(1-t^2) on contacts."""
     value = np.empty_like(t)
     for i in range(contact.size):
         a = coefficient[first_node[contact[i]] : first_node[contact[i] + 1]]
