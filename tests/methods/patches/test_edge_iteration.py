@@ -8,13 +8,20 @@ from tests.methods.patches.westergaard_states import WAVES
 from weier import Profile
 from weier.kernels.blas import one_thread
 from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.edge_iteration import Problem, Stage, edge_moves, make_guess, next_guess, take_step
+from weier.methods.patches.edge_iteration import (
+    ContactProblem,
+    StageLimits,
+    edge_moves,
+    make_guess,
+    next_guess,
+    take_step,
+)
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import Bounds, regular_part
 from weier.methods.patches.segments import from_crests, make_segments
 from weier.methods.patches.surface import surface_of
 
-STAGE = Stage(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
+STAGE = StageLimits(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
 
 
 def moves_of(psi, r, gap, dual):
@@ -117,7 +124,7 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
     """One wave whose edges are off by 1e-3 and 2e-3 of what is the narrower, contact or gap, to either side."""
     exact = wave.state(dual).segments
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
-    problem, errors = Problem(wave.series(dual), wave.load, dual), []
+    problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-3, 2e-3):
         segments = exact._replace(
             centre=exact.centre + 0.4 * size * scale, half_width=exact.half_width + size * scale
@@ -140,7 +147,7 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     middle, exact = (0.5, 0.5 - contact) if dual else (0.0, contact)
     small = min(exact, 0.5 - exact)
     half_width = exact * (1 + error) if small == exact else 0.5 - small * (1 + error)
-    problem = Problem(surface_of(profile).series(dual), load, dual)
+    problem = ContactProblem(surface_of(profile).series(dual), load, dual)
     placed = *from_crests(problem.series, np.array([middle])), np.array([half_width])
     guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), STAGE)
     step = take_step(problem, guess, STAGE)

@@ -161,7 +161,7 @@ def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_c
     return -2 * k_0 / curvature if curvature > 0 else (-1.0 if k_0 > 0 else 1.0)
 
 
-class Problem(NamedTuple):
+class ContactProblem(NamedTuple):
     """Problem to solve: contacts under a mean pressure, or gaps in the tension of full contact (dual).
 
     series : the heights, in g_0, or the tensions (dual), in p_0*
@@ -204,7 +204,7 @@ def evaluate_at_nodes(
     return value
 
 
-class Stage(NamedTuple):
+class StageLimits(NamedTuple):
     """Accuracy of a stage, and its limits of the inequalities.
 
     fine : whether all edges are to settle; else the set of contacts is still to be corrected
@@ -224,7 +224,7 @@ class Stage(NamedTuple):
     opening: float
 
 
-class Guess(NamedTuple):
+class Iterate(NamedTuple):
     """Contacts, with centres in [0, L), and forces from which a step starts.
 
     force : at the nodes
@@ -236,7 +236,7 @@ class Guess(NamedTuple):
     tight: Flags
 
 
-class Step(NamedTuple):
+class NewtonStep(NamedTuple):
     """Solution on the contacts of a guess, and the changes of the contacts.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
@@ -260,15 +260,15 @@ class Step(NamedTuple):
     unsettled: float
 
 
-def make_guess(problem: Problem, segments: Segments, stage: Stage) -> Guess:
+def make_guess(problem: ContactProblem, segments: Segments, stage: StageLimits) -> Iterate:
     """Return a guess on segments, with no forces: an estimate of these saves conjugate gradients hardly a step."""
     count = _estimate_nodes(problem, segments.extent, stage)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
-    return Guess(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
+    return Iterate(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
 
 
-def _estimate_nodes(problem: Problem, extent: Extent, stage: Stage) -> Indices:
+def _estimate_nodes(problem: ContactProblem, extent: Extent, stage: StageLimits) -> Indices:
     """Return nodes of contacts in order."""
     count = estimate_node_count(extent, problem.series, stage.tolerance)
     return round_up_nodes(np.asarray(count + UNRESOLVED, float))
@@ -283,7 +283,7 @@ def round_up_nodes(count: Array) -> Indices:
     return rounded
 
 
-def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
+def take_step(problem: ContactProblem, guess: Iterate, stage: StageLimits) -> NewtonStep:
     """Solve for the pressure on the contacts of a guess, and find how their edges must move."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
@@ -292,7 +292,7 @@ def take_step(problem: Problem, guess: Guess, stage: Stage) -> Step:
     changes = _changes_of_edges(*extent, forces.force, guess.tight, punches.period, kind.dual, *signs)
     b, a, outward, closed, relative, vanishing, merging, tight, singular, unsettled = changes
     moves = EdgeMoves(outward, closed, relative)
-    return Step(punches, forces, b, a, moves, vanishing, merging, tight, singular, unsettled)
+    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, unsettled)
 
 
 @kernel
@@ -307,7 +307,7 @@ def _changes_of_edges(
     right_sign: float,
     k_0_of_curvature: float,
 ) -> tuple[Array, Array, Sides, Flags, Array, Flags, Flags, Flags, Array, float]:
-    """Return the fields of `Step` and of its moves that follow from forces."""
+    """Return the fields of `NewtonStep` and of its moves that follow from forces."""
     b = expansion_of(first_node, r, force, period, dual)
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
@@ -341,7 +341,9 @@ def _changes(
     return vanishing, merging, tight
 
 
-def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices | None = None) -> Guess:
+def next_guess(
+    problem: ContactProblem, step: NewtonStep, stage: StageLimits, node_count: Indices | None = None
+) -> Iterate:
     """Return the guess after a step: edges moved, contacts removed and merged, optionally with new node counts."""
     old, series = step.punches.segments, problem.series
     more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
@@ -358,7 +360,7 @@ def next_guess(problem: Problem, step: Step, stage: Stage, node_count: Indices |
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
     punches = make_punches(moved, series.period, problem.dual)
-    return Guess(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
+    return Iterate(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
 
 
 @kernel
@@ -414,7 +416,7 @@ def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) ->
     return transfer_forces(old, b, origin, punches)
 
 
-def merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
+def merged_intervals(problem: ContactProblem, segments: Segments, merging: Flags) -> list[tuple[float, float]]:
     """Return the first and last of each run of merging contacts."""
     n, period = merging.size, problem.series.period
     if np.all(merging):
@@ -430,14 +432,14 @@ def merged_intervals(problem: Problem, segments: Segments, merging: Flags) -> li
 
 
 def rearrange(
-    problem: Problem,
-    step: Step,
+    problem: ContactProblem,
+    step: NewtonStep,
     segments: Segments,
     remaining: Flags,
     added: NDArray[np.float64],
-    stage: Stage,
+    stage: StageLimits,
     node_count: Indices | None = None,
-) -> Guess:
+) -> Iterate:
     """Return a guess of the remaining segments, with the step's expansions, and added intervals (added, 2)."""
     series = problem.series
     crest, origin, centre = (
@@ -455,4 +457,4 @@ def rearrange(
     if node_count is not None:
         count = np.where(origin_of >= 0, round_up_nodes(node_count[origin_of]), count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
-    return Guess(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)
+    return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)

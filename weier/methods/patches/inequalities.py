@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
-from weier.methods.patches.edge_iteration import Problem, Step
+from weier.methods.patches.edge_iteration import ContactProblem, NewtonStep
 from weier.methods.patches.fields import (
     at_point,
     complementary_residuals,
@@ -280,7 +280,7 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
 
 
 def find_missing(
-    problem: Problem, step: Step, tolerance: float, margin: float
+    problem: ContactProblem, step: NewtonStep, tolerance: float, margin: float
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
@@ -311,7 +311,7 @@ def find_missing(
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 
-def _room(step: Step, minima: Records) -> Array:
+def _room(step: NewtonStep, minima: Records) -> Array:
     """Return the distance of each new segment to the nearest old one, or half of that to a new one if smaller."""
     to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left

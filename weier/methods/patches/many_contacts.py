@@ -18,9 +18,9 @@ from weier.methods.patches.certificate import certify, contact_residual, gap_unc
 from weier.methods.patches.edge_iteration import (
     MAX_UNSETTLED,
     UNRESOLVED,
-    Problem,
-    Stage,
-    Step,
+    ContactProblem,
+    NewtonStep,
+    StageLimits,
     make_guess,
     merged_intervals,
     next_guess,
@@ -91,7 +91,9 @@ MIN_OPENING = 100.0
 MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
 
 
-def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> tuple[Stage, Stage]:
+def _stages(
+    problem: ContactProblem, tolerance: float, target: float, scale: float
+) -> tuple[StageLimits, StageLimits]:
     """Return the limits of the rough stages 1 and 2 and of the fine stages 3 and 4.
 
     The rough limit is a part of the finest wave or of the scale, whichever is less, and no less than the target. It
@@ -103,10 +105,12 @@ def _stages(problem: Problem, tolerance: float, target: float, scale: float) -> 
     if problem.dual:
         rough_outside, fine_outside = ROUGH_TENSION * problem.load, MAX_TENSION * problem.load
     return (
-        Stage(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
+        StageLimits(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
         # The forces are solved to a tenth of the target, where a thousandth of the residual at the start is less:
         # more, beside a thin gap that was just cut in, would look like tension at its end.
-        Stage(True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least),
+        StageLimits(
+            True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least
+        ),
     )
 
 
@@ -121,12 +125,17 @@ def solve_many_contacts(
     ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
     fails a check.
     """
-    problem = Problem(surface.series(guess.dual), guess.load, guess.dual)
+    problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
     return _solve_to(problem, guess, tolerance, _scale(problem), accepted or tolerance)
 
 
 def _solve_to(
-    problem: Problem, guess: ContactState, tolerance: float, scale: float, accepted: float, follows: bool = False
+    problem: ContactProblem,
+    guess: ContactState,
+    tolerance: float,
+    scale: float,
+    accepted: float,
+    follows: bool = False,
 ) -> tuple[ContactState, int]:
     """Return iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
 
@@ -144,7 +153,7 @@ def _solve_to(
     # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
     # segments that the last one has added are guesses.
     moved, corrections, last_height = False, 0, np.inf
-    coarser: tuple[Step, ContactState, Array, Records, Records] | None = None  # before nodes were added
+    coarser: tuple[NewtonStep, ContactState, Array, Records, Records] | None = None  # before nodes were added
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
@@ -216,11 +225,11 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
 
     They are followed tightly, whatever the tolerance of the states.
     """
-    problem = Problem(surface.series(start.dual), load, start.dual)
+    problem = ContactProblem(surface.series(start.dual), load, start.dual)
     return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), FOLLOWED_TOLERANCE, follows=True)[0]
 
 
-def _scale(problem: Problem) -> float:
+def _scale(problem: ContactProblem) -> float:
     """Return the scale of a load, min(p L, 1), in g_0.
 
     A load p L that is concentrated on one line displaces it by p L times a logarithm.
@@ -228,7 +237,7 @@ def _scale(problem: Problem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def _converged(step: Step, target: float, small: float, last_move: float) -> bool:
+def _converged(step: NewtonStep, target: float, small: float, last_move: float) -> bool:
     """Return whether the residual and the singularities at all edges are below the target, and moves small.
 
     Moves that shrink no more count as small; and if they are rounding, singularities count as below the target.
@@ -255,7 +264,7 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     return count
 
 
-def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Records:
+def _beyond_rounding(state: ContactState, negative: Records, stage: StageLimits) -> Records:
     """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the stage's limits.
 
     In the rough set, those that end at an edge are left out: the edge has not settled yet, and its move may end them.
@@ -268,7 +277,12 @@ def _beyond_rounding(state: ContactState, negative: Records, stage: Stage) -> Re
 
 
 def _corrections(
-    problem: Problem, step: Step, state: ContactState, stage: Stage, negative: Records, margin: float
+    problem: ContactProblem,
+    step: NewtonStep,
+    state: ContactState,
+    stage: StageLimits,
+    negative: Records,
+    margin: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
@@ -288,7 +302,7 @@ def _corrections(
     return np.concatenate([_cut_segments(state, negative), missing, merged]), remaining, minima
 
 
-def _thin_gaps(problem: Problem, state: ContactState, gap: Array) -> Flags:
+def _thin_gaps(problem: ContactProblem, state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is thin: less than half of what would be cut in again."""
     r = state.segments.half_width
     if problem.dual or gap.min() >= 2 * MAX_THINNESS * r.max():
@@ -316,7 +330,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     return np.array(pieces).reshape(-1, 2)
 
 
-def contact_state(problem: Problem, step: Step, settled: bool) -> ContactState:
+def contact_state(problem: ContactProblem, step: NewtonStep, settled: bool) -> ContactState:
     """Return a step as a state of contact, whose pressure vanishes at all edges; without resistance and residual.
 
     What is singular at edges is left out or, where all have settled, spread over the coefficients that it may come

@@ -63,7 +63,7 @@ MAX_NODE_RATIO = 0.7
 COMPARED_TOLERANCE = 1e-10
 
 # Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
-Places = NDArray[np.float64]
+Intervals = NDArray[np.float64]
 
 
 class Starts:
@@ -100,7 +100,7 @@ class Starts:
                 return contacts_guess(self.surface, load, found)._replace(route=Route(GRID))
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
-    def _contacts_on_grid(self, load: float, per_wave: int) -> Places | None:
+    def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:
         """Return the contacts of a grid; None where no gap is left, or no solution is found."""
         solution = self._grid(per_wave).solve_discrete(load, True, TANGENT_TOLERANCE)
         if not np.isfinite(solution.resistance):
@@ -110,7 +110,7 @@ class Starts:
 
 
 @kernel
-def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
+def _nodal_contacts(solution: NodalSolution, spacing: float) -> Intervals:
     """Return the contacts of a grid that carry a force, and those that stand above the plane between its nodes.
 
     There are none where no gap is left.
@@ -137,7 +137,7 @@ def _nodal_contacts(solution: NodalSolution, spacing: float) -> Places:
 
 
 @kernel
-def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Places:
+def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Intervals:
     """Return the contacts on crests that stand above the plane between nodes.
 
     A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
@@ -156,14 +156,14 @@ def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Place
     return found[:, :count]
 
 
-def _make_guess(series: CosineSeries, load: float, dual: bool, places: Places) -> ContactState:
+def _make_guess(series: CosineSeries, load: float, dual: bool, places: Intervals) -> ContactState:
     """Return segments, given in any order, without nodes."""
     order, turns = in_order(places[0], series.period)
     placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
     return ContactState(dual, load, 0.0, make_segments(*placed, np.zeros(order.size, np.int64)))
 
 
-def merge_overlaps(places: Places, period: float) -> Places:
+def merge_overlaps(places: Intervals, period: float) -> Intervals:
     """Return places in order, with those that overlap as one, since the edges of a grid are not exact."""
     order, turns = in_order(places[0], period)
     middle, half_width = (places[0] - turns)[order], places[1, order]
@@ -183,7 +183,7 @@ def merge_overlaps(places: Places, period: float) -> Places:
     return np.stack([0.5 * (left + right), 0.5 * (right - left)])
 
 
-def contacts_guess(surface: Surface, load: float, contacts: Places) -> ContactState:
+def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
     """Return a guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
     guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
     gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
@@ -214,7 +214,7 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
 
 
 @kernel
-def _hertz_contacts(series: CosineSeries, load: float) -> Places:
+def _hertz_contacts(series: CosineSeries, load: float) -> Intervals:
     """Return the contacts of `isolated_contacts`; none if they are not isolated."""
     curvature, total = series.crest_curvature, load * series.period
     # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
@@ -229,7 +229,7 @@ def _hertz_contacts(series: CosineSeries, load: float) -> Places:
 
 
 @kernel
-def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
+def _gaps_in_tension(series: CosineSeries, load: float) -> Intervals:
     """Return the gaps of `isolated_gaps`; none if they are not isolated."""
     most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
     # The widest gap is no narrower than one under this tension on the sharpest crest.
@@ -243,7 +243,7 @@ def _gaps_in_tension(series: CosineSeries, load: float) -> Places:
 
 
 @kernel
-def _isolated(series: CosineSeries, half_width: Array) -> Places:
+def _isolated(series: CosineSeries, half_width: Array) -> Intervals:
     """Return segments on the crests where the half-width is positive.
 
     None are found if one is wider than its parabola, or so wide that they act on each other.
