@@ -163,7 +163,7 @@ def _joined(parts: Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 
 def open_dataset(path: str | Path) -> xr.Dataset:
-    """Open a netCDF file of the pipeline, or of a result of `weier.solve`: values are read on access.
+    """Open a netCDF file of the pipeline or of a result of `weier.solve`; values are read on access.
 
     Parameters
     ----------
@@ -173,17 +173,16 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Over case, solution_method and mean_pressure, to select from as from any `xarray.Dataset`. Each case has its
-        name in the coordinate `case`, such as "smooth: D = 1.25, gamma = 5, m = 3, phases = 1", and
-        `weier.cases` selects cases by D, gamma, m, phases, seed or study. Close it with `close`, or open it in a
-        `with` statement.
+        Over case, solution_method and mean_pressure. The coordinate `case` has a name per case, such as
+        "smooth: D = 1.25, gamma = 5, m = 3, phases = 1"; the accessor `weier.cases` selects cases by D, gamma, m,
+        phases, seed or study. Close it with `close` or a `with` statement.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     ValueError
-        If it is truncated, or was not written by weier.
+        If it is truncated or was not written by weier.
 
     Examples
     --------

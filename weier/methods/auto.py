@@ -60,14 +60,14 @@ class Choice:
 
 @hinting
 def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Choice:
-    """Choose the method, and the terms that it solves, for a curve within a tolerance; nothing is solved.
+    """Choose the terms and the method for a curve within a tolerance, without solving it.
 
     Parameters
     ----------
     profile : Profile or Trace
-        With any number of terms, inf too.
+        A surface with any number of terms, also inf.
     tolerance : float
-        Of the compliance, in g_0; of the resistance, relative to the larger of itself and 1 g_0/p_0*.
+        Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*.
     quantity : "compliance" or "resistance"
         The quantity of the tolerance.
 
@@ -79,15 +79,13 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     Raises
     ------
     ValueError
-        If the tolerance or the quantity is out of range; OutOfReachError, with the least tolerance within reach, if
-        the terms needed cannot be resolved.
+        If the tolerance or the quantity is out of range; OutOfReachError, with the smallest tolerance within reach,
+        if the terms needed cannot be resolved.
 
-    Notes
-    -----
-    The terms left out are those whose total amplitude G is at most half of the tolerance. As h lies in
-    [h_k, h_k + 2 G], the middle is taken, with the error G. Boundary elements solve the terms kept if their bound
-    meets the rest of the tolerance on a grid no finer than the default one, contact patches otherwise. A tolerance
-    of the resistance leaves no terms out.
+    Notes ----- The terms left out have a total amplitude G of at most half of the tolerance. Since h lies in [h_k,
+    h_k + 2 G], the middle is returned, with the error G. The kept terms are solved by boundary elements if their
+    bound meets the rest of the tolerance on a grid no finer than the default one, otherwise by contact patches. A
+    tolerance of the resistance keeps all terms.
 
     Examples
     --------
@@ -220,11 +218,11 @@ def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
 METHOD = Method(
     name="auto",
     label="within a tolerance",
-    summary="the fewest terms that a tolerance allows, by bem or patches, as weier.choose says; any m, also inf",
+    summary="the fewest terms within a tolerance, by bem or patches (weier.choose); any m, also inf",
     solve=_solve,
     settings={
-        "tolerance": "largest error: of h, in g_0; of R, relative to the larger of itself and 1 g_0/p_0*",
-        "quantity": "which of the two is to be that accurate, compliance or resistance",
+        "tolerance": "accepted error: of h, in g_0; of R, relative to the larger of R and 1 g_0/p_0*",
+        "quantity": "quantity of the tolerance, compliance or resistance",
     },
     check=_check,
     style=Style("#56B4E9", (3, 0.8), "X"),

@@ -24,8 +24,8 @@ ATTRIBUTES = {
     ),
     "left": ("left edge of a contact", "lambda_0"),
     "right": ("right edge of a contact", "lambda_0"),
-    "left_strength": ("A at the left edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
-    "right_strength": ("A at the right edge: p = A s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "left_strength": ("k_1 at the left edge: p = k_1 s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "right_strength": ("k_1 at the right edge: p = k_1 s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
     "mean_pressure": ("mean pressure of the event", "p_0*"),
     "birth": ("1 where a contact is born, 0 where two merge", "1"),
     "patch_count": ("contacts in one period just above the event, 0 in full contact", "1"),
@@ -36,31 +36,31 @@ ATTRIBUTES = {
 def fields(
     profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
 ) -> xr.Dataset:
-    """Return pressure, gap and displacement along one period under one mean pressure.
+    """Solve for pressure, gap and displacement along one period at one load.
 
     Parameters
     ----------
     profile : Profile or Trace
-        With a finite number of terms.
+        A surface with a finite number of terms.
     mean_pressure : float
-        Positive, in p_0*.
+        Positive mean pressure, in p_0*.
     method : "patches" or "bem"
-        Exact contact edges, or boundary elements with the edges of contact on nodes, which `weier.solve` corrects.
+        Contact patches, with exact edges; or boundary elements, with edges on nodes (uncorrected).
     points : int, optional
-        Positions x in one period, the nodes of "bem"; by default, 64 for each of the finest waves.
+        Number of positions x in one period, the nodes of "bem"; by default 64 for each of the finest waves.
 
     Returns
     -------
     Dataset
-        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0. By "patches" also, over the dimension
-        patch: the edges left and right of each contact, in lambda_0, and the strength A of the pressure at both,
-        p = A s^(1/2) at the distance s inside an edge; the gap outside is (4 pi/3) A s^(3/2). The attribute mean_gap
+        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0. "patches" adds, over the dimension
+        patch, the left and right edge of each contact, in lambda_0, and the strength k_1 of the pressure there: p =
+        k_1 s^(1/2) at the distance s inside an edge, and the gap (4 pi/3) k_1 s^(3/2) outside. The attribute mean_gap
         is d, in g_0.
 
     Raises
     ------
     ValueError
-        If the load, the method or the points are out of range.
+        If the load, the method or the number of points is out of range.
     ConvergenceError
         If the load cannot be solved.
 
@@ -93,28 +93,28 @@ def fields(
 
 
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
-    """Return mean pressures at which contacts are born or merge.
+    """Find the mean pressures at which contacts are born or merge.
 
     Parameters
     ----------
     profile : Profile or Trace
-        With a finite number of terms.
+        A surface with a finite number of terms.
     low, high : float
-        Mean pressures to look between, positive and increasing, in p_0*.
+        Ends of the interval of mean pressures, 0 < low < high, in p_0*.
 
     Returns
     -------
     Dataset
-        Over the dimension event, by rising load: mean_pressure in p_0*, x in lambda_0, birth (True) or merger
-        (False), and patch_count just above, which is one number for all events of one load. The resistance drops at
+        Over the dimension event, by increasing load: mean_pressure, in p_0*, x, in lambda_0, birth (True) or merger
+        (False), and patch_count just above the load, the same for all events of one load. The resistance drops at
         births and has a kink at mergers.
 
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, or the waves too many.
+        If the loads are not positive and increasing, or there are too many waves.
     ConvergenceError
-        If a load on the way cannot be solved.
+        If a load of the search cannot be solved.
 
     Examples
     --------

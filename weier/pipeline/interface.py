@@ -21,28 +21,28 @@ from weier.theory.conduction import Bodies, to_normalised
 
 
 class Interface(Bodies):
-    """Two bodies in contact: solves for their surfaces in SI units, and turns normalised results into them.
+    """Two bodies in contact, in SI units: solves for their surfaces and converts normalised results.
 
-    All values may be quantities of pint or astropy, or arrays with the attribute `units`, which are converted.
+    Values may be quantities of pint or astropy, or arrays with the attribute `units`.
 
     Parameters
     ----------
     mu_1, mu_2 : float
-        Shear moduli, in Pa. One may be inf: a rigid body.
+        Shear moduli, in Pa. One may be inf, for a rigid body.
     E_1, E_2 : float
-        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in Pa, which the interface turns into mu.
+        Young's moduli E = 2 mu (1 + nu), in Pa, instead of mu_1 or mu_2.
     nu_1, nu_2 : float
         Poisson's ratios, in (-1, 0.5].
     rho_1, rho_2 : float
-        Resistivities, in ohm m. 0 is a perfect conductor.
+        Resistivities, in ohm m; 0 for a perfect conductor.
     lambda_0, g_0 : float, optional
-        Wavelength and amplitude of the coarsest wave of a series, in m. The curves of a `Trace` carry its own.
+        Wavelength and amplitude of the coarsest wave of a series, in m. Curves of a `Trace` have their own.
 
     Raises
     ------
     ValueError
-        If a value lies outside its range or has a unit of another quantity, if both or neither of mu and E are given,
-        if both bodies are rigid, or if the coarsest wave is steeper than any instrument measures.
+        If a value is out of range or has a unit of another quantity, if both or neither of mu and E are given, if
+        both bodies are rigid, or if the coarsest wave is steeper than any measured surface.
 
     Warns
     -----

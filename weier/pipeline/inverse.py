@@ -70,32 +70,32 @@ class Value(NamedTuple):
 
 @hinting
 def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
-    """Return mean pressure at which one quantity has a given value.
+    """Find the mean pressure at which a quantity has a given value.
 
     Parameters
     ----------
     profile : Profile or Trace
-        With a finite number of terms.
+        A surface with a finite number of terms.
     **wanted : array_like
-        One of resistance, in g_0/p_0*, compliance, in g_0, and contact_fraction: the wanted value, or several.
+        One of resistance, in g_0/p_0*, compliance, in g_0, and contact_fraction: one or several values.
 
     Returns
     -------
     Dataset
-        The curve by contact patches at these loads, in the order of the values, with `mean_pressure_error`, in p_0*:
-        how far the load may be off by the stated error of the quantity.
+        The curve by contact patches at these loads, in the order of the values. `mean_pressure_error`, in p_0*, is
+        the effect of the stated error of the quantity on the load.
 
     Raises
     ------
     ValueError
-        If no load gives such a value: the message says between which limits it lies.
+        If no load gives the value; the message gives the attainable range.
     ConvergenceError
-        If a load on the way cannot be solved.
+        If a load of the search cannot be solved.
 
     Warns
     -----
     UserWarning
-        If the resistance drops past the value where a contact is born: the load is then that of the birth.
+        If the resistance drops past the value at a birth; the load of the birth is returned.
 
     Examples
     --------

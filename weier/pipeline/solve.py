@@ -36,31 +36,30 @@ def solve(
     max_seconds: float | None = None,
     **settings: Any,
 ) -> xr.Dataset:
-    """Return compliance and contact resistance of profiles pressed against a plane.
+    """Solve the contact of profiles with a plane: compliance and contact resistance over the load.
 
     Parameters
     ----------
     profile : Profile, Trace or sequence of these
-        The Weierstrass series, or measured heights, which the methods take that solve the waves themselves.
+        The Weierstrass series, or measured heights (methods "bem", "patches" and "auto").
     mean_pressure : array_like, shape (loads,)
-        Positive, in p_0*, in any order, which the result keeps; duplicate loads are solved once.
+        Positive mean pressures, in p_0*, in any order. The result keeps the order; duplicates are solved once.
     method : str or sequence of str, optional
-        Contact patches by default, and "auto" once a tolerance is given, which then may be of m = inf, too. One of
+        By default "patches", or "auto" if a tolerance is given. One of
 
         {methods}
     contact_edges : bool
-        Whether the result should have the edges of all contacts, over a dimension `edge` of its own.
+        Whether to return the edges of all contacts, over the dimension `edge`.
     workers : int
-        Number of processes that solve the curves of lists side by side; -1 for one on each core. The numbers are the
-        same. Each process starts in about three seconds, so that a list should take longer. A script must call
-        `solve` below `if __name__ == "__main__":`, since each process imports it anew. Processes of a
-        `multiprocessing.Pool` may start no others, and solve their lists alone.
+        Number of processes for lists of curves; -1 for one per core. Results do not depend on it. A process starts in
+        about three seconds. A script must call `solve` below `if __name__ == "__main__":`, since each process imports
+        it. Processes of a `multiprocessing.Pool` cannot start others and solve their lists alone.
     max_seconds : float, optional
-        Limit of the time. What is expected to take more than ten seconds, or does so, says so once on standard error;
-        a terminal shows how far it is.
+        Time limit. A solution of more than ten seconds is announced once on standard error; a terminal shows its
+        progress.
     **settings
-        Settings of the method; with a list of methods, those of each under its name, as `bem={"points": 640}`, but
-        for a tolerance, which is of all that take one: the largest error of the compliance, in g_0. With their
+        Settings of the method; with a list of methods, under the name of each, as `bem={"points": 640}`. A common
+        `tolerance`, the accepted error of the compliance in g_0, applies to all methods that take one. Settings and
         defaults:
 
         {settings}
@@ -68,30 +67,27 @@ def solve(
     Returns
     -------
     Dataset
-        Of one profile and one method: over the dimension mean_pressure, compliance, in g_0, resistance, in
-        g_0/p_0*, and whatever else the method returns: see the table of variables. The profile is in its scalar
-        coordinates; settings, defaults among them, versions, and the seconds that it took are attributes.
-        `weier.Interface.in_si` turns it into Pa, m and ohm m^2 for two real bodies.
+        For one profile and one method: compliance, in g_0, resistance, in g_0/p_0*, and other variables of the method
+        over mean_pressure (see the table of variables). Scalar coordinates hold the profile; attributes hold settings
+        with defaults, versions and seconds. `weier.Interface.in_si` converts to Pa, m and ohm m^2.
 
-        Where profiles or methods are a list: over case, solution_method and mean_pressure, as the pipeline writes
-        it. What cannot be solved is NaN, `status` says so, and a warning says why.
+        For lists: over case, solution_method and mean_pressure, as in the pipeline. Unsolved values are NaN, with
+        `status` and a warning that gives the reason.
 
     Raises
     ------
     ValueError
-        If the loads, the method or a setting is unknown or out of range; NotApplicableError where the method
-        does not apply to the profile, OutOfReachError where a tolerance cannot be met.
+        If the loads, the method or a setting is unknown or out of range; NotApplicableError if the method does not
+        apply to the profile; OutOfReachError if a tolerance cannot be met.
     ConvergenceError
         If a solver misses its tolerance.
     TimeoutError
-        If the loads take longer than `max_seconds`.
+        If the solution takes longer than `max_seconds`.
     ChildProcessError
-        If one of several processes ends too early, as where a script lacks the guard named above.
+        If a process terminates early, for example without the guard named above.
 
-    Notes
-    -----
-    The compliance and the resistance under a load do not depend on the other loads. Beside boundary elements, the
-    bound on the error of the resistance is smaller where there are more loads.
+    Notes ----- Results at a load do not depend on the other loads, except for the bound on the error of the
+    resistance by boundary elements, which more loads make tighter.
 
     Examples
     --------

@@ -47,7 +47,7 @@ class RandomPhases:
 
 
 def random_phases(seed: int) -> RandomPhases:
-    """Return phases drawn from `seed`; a longer series extends a shorter one of the same seed.
+    """Return random phases of a seed; a longer series extends a shorter one of the same seed.
 
     Raises
     ------
@@ -70,26 +70,26 @@ Phases = float | tuple[float, ...] | RandomPhases
 
 @dataclass(frozen=True)
 class Profile(Waves):
-    """The profile z(x) = sum_n g_n cos(2 pi gamma^n x + phi_n), n = 0..m-1 (1), in g_0.
+    """Weierstrass profile z(x) = sum_n g_n cos(2 pi gamma^n x + phi_n), n = 0..m-1 (1), in g_0.
 
     Parameters
     ----------
     D : float
         Fractal dimension, 1 < D < 2.
     gamma : int, Fraction, str or float
-        Ratio of successive wavelengths, > 1: 5, Fraction(5, 2), "5/2", 2.5. With a float that is no ratio of whole
-        numbers up to 10^6 the profile never repeats: it is for methods that need no period.
+        Ratio of successive wavelengths, > 1: 5, Fraction(5, 2), "5/2", 2.5. A float that is no ratio of integers up
+        to 10^6 gives a profile without a period, for methods that need none.
     m : int or inf
-        Number of terms. An infinite series has no heights: it is for methods that resolve no finest wave.
+        Number of terms. An infinite series has no heights and is for methods that do not resolve the finest wave.
     phases : float, sequence of m floats, or RandomPhases
-        Radians. A number is phi_n for every n >= 1, with phi_0 = 0.
+        Phases, in radians. A number is phi_n for every n >= 1, with phi_0 = 0.
     seed : int, optional
-        Instead of phases: that of `random_phases`.
+        Seed of random phases, instead of `phases`.
 
     Raises
     ------
     ValueError
-        If a parameter lies outside its range; the message names the range.
+        If a parameter is out of range; the message gives the range.
 
     Examples
     --------

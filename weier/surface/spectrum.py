@@ -122,47 +122,43 @@ def fit(
     shortest: float | None = None,
     gamma: int | float | str | Fraction = 2,
 ) -> Any:
-    """Return the Weierstrass series with the spectrum of a trace between two wavelengths.
+    """Fit the Weierstrass series to the spectrum of a trace between two wavelengths.
 
     Parameters
     ----------
     trace : Trace or sequence of Trace
         The measured surface, or several lines of it.
     longest, shortest : float, optional
-        The wavelengths between which the spectra are compared, in m; by default a fourth of the length of the trace,
-        and the shortest that the trace has. Each wave of the series stands for those within the root of gamma around
-        its own, so that lambda_0 is shorter than `longest` by this root.
+        Band of wavelengths, in m; by default from a quarter of the length of the trace to its shortest wavelength.
+        Each term represents a band from gamma^(-1/2) to gamma^(1/2) times its wavelength, so that lambda_0 is
+        `longest`/gamma^(1/2).
     gamma : int, Fraction, str or float
-        Ratio of successive wavelengths. It cannot be determined from a spectrum without gaps.
+        Ratio of successive wavelengths, which a continuous spectrum does not determine.
 
     Returns
     -------
     Fit or Fits
-        D and g_0 with their standard errors, lambda_0 and m; of a list of traces, a tuple of these with a table.
+        D and g_0 with standard errors, lambda_0 and m; for a list of traces, a tuple of fits.
 
     Raises
     ------
     ValueError
-        If the wavelengths are less than two octaves or gamma apart or not in the trace, if the trace has no waves at
-        an end of the band, or if its spectrum falls as that of no series, with 1 < D < 2.
+        If the band is narrower than two octaves or gamma, or not in the trace, if the trace has no waves at an end of
+        the band, or if the slope of its spectrum gives no D with 1 < D < 2.
 
     Warns
     -----
     UserWarning
-        If a twentieth of the line decides on D, as a scratch does.
+        If a twentieth of the line dominates D, for example a scratch.
 
-    Notes
-    -----
-    Let P_k be the variance of wave k. Multiplied by k^beta, beta = 5 - 2 D, the spectrum is to have its centre in the
-    middle of the band, where equal ratios of k count alike: sum w_k P_k k^beta (ln k - c) = 0, with the weights
-    w_k = ln (k + 1/2)/(k - 1/2) and c = sum w_k ln k/sum w_k. This needs no bins, and waves at equal ratios weigh as
-    much as a spectrum without gaps. g_0 gives the waves of the series the variance of the band.
+    Notes ----- Let P_k be the variance of wave k. D is such that the spectrum multiplied by k^beta, beta = 5 - 2 D,
+    is centred in the band, with uniform weights over ln k: sum w_k P_k k^beta (ln k - c) = 0, with w_k = ln (k +
+    1/2)/(k - 1/2) and c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
 
-    The standard errors are those of these sums on a random surface with the fitted spectrum, whose waves are
-    independent: from the derivatives of D and ln g_0 by each ln P_k, which also hold the correlation of the two. The
-    bias is removed to second order. On the default band, the errors cover the true values as often as those of a
-    normal distribution (docs/measured.rst). Weierstrass series are not random, and the fit finds their D within 0.01
-    on 20 wavelengths `longest` and more.
+    Standard errors are those of a random surface with the fitted spectrum and independent waves, from the derivatives
+    of D and ln g_0 by each ln P_k with their correlation. The bias is removed to second order. On the default band,
+    errors cover the true values as those of a normal distribution (docs/measured.rst). Weierstrass series are not
+    random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
 
     Examples
     --------

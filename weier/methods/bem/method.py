@@ -100,16 +100,16 @@ def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
 METHOD = Method(
     name="bem",
     label="boundary elements",
-    summary="boundary elements of linear pressure (5.1), their staircase taken off; finite m",
+    summary="accelerated boundary elements (5.1) with sub-grid contact edges; finite m",
     solve=_solve,
     settings={
-        "tolerance": "largest error of the compliance that is accepted, in g_0, in [1e-13, 1): it sets the points, "
-        'and bounds the resistance poorly; for this take patches, or auto with quantity="resistance"',
-        "points_per_wave": f"nodes for each of the finest waves, {POINTS_PER_WAVE} by default",
-        "points": "nodes in one period, in place of points_per_wave",
-        "staircase": '"removed", or "kept": the steps in which edges of contact move from node to node',
-        "solver": '"fft", or "direct" for the dense matrix of Section 5.1',
-        "with_resistance": "whether the result has the resistance, too",
+        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1), from which the points follow; it bounds "
+        'the resistance poorly: for this use patches, or auto with quantity="resistance"',
+        "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
+        "points": "nodes per period, instead of points_per_wave",
+        "staircase": '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',
+        "solver": '"fft", or "direct" for the dense inversion of Section 5.1',
+        "with_resistance": "whether to compute the resistance",
     },
     applies=applies_to_resolvable,
     numerical=True,

@@ -29,8 +29,8 @@ METHOD = Method(
     summary="coarse terms by boundary elements on the layer of all finer ones; m = inf",
     solve=_solve,
     settings={
-        "terms": "waves to resolve; by default as many as fit on the default grid",
-        "points": "nodes in a period of these waves, by default 32 for each of the finest, or more for thin layers",
+        "terms": "number of terms to resolve; by default the largest that fits on the default grid",
+        "points": "nodes per period of these terms; by default 32 per finest wave, more for thin layers",
     },
     applies=check_infinite,
     seconds=_seconds,

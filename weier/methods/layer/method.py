@@ -34,8 +34,8 @@ METHOD = Method(
     summary="each wave bears on a non-linear layer of all finer ones (4.3); any m, also inf",
     solve=_solve,
     settings={
-        "points": "nodes on half a wave, from 4 to 500",
-        "accuracy": "largest relative error of the compliance by tables of the finer waves, from 1e-9 to 0.01",
+        "points": "nodes per half wave, from 4 to 500",
+        "accuracy": "relative error of the compliance by the tables of finer waves, from 1e-9 to 0.01",
     },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),

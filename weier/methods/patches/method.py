@@ -66,10 +66,10 @@ def run_kernels() -> None:
 METHOD = Method(
     name="patches",
     label="contact patches",
-    summary="the edges of contact as unknowns, ten digits; finite m, any number of contacts",
+    summary="contact edges as unknowns, ten digits; finite m",
     solve=curve,
     settings={
-        "tolerance": "largest accepted error of the compliance, in g_0, in [1e-13, 1); the bound is within it",
+        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1); the stated bound is within it",
     },
     applies=applies_to_resolvable,
     numerical=True,

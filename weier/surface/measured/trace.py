@@ -48,59 +48,57 @@ MIN_SLOPE, MAX_SLOPE = 1e-7, 10.0
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Trace(Waves):
-    """A surface given by its heights: one line across the roughness of a turned, ground or drawn body.
+    """Measured heights along a line across the roughness of a turned, ground or drawn body.
 
-    The mean is removed, and the tilt by least squares unless the trace is periodic. It is continued as a periodic
-    surface, and waves shorter than `shortest` are cut off; nothing else is smoothed. Between the samples the surface
-    is the sum of the waves that are left. A trace does not change after it is made.
+    The mean is removed, and the tilt by least squares unless the trace is periodic. The heights are extended to a
+    periodic surface, and waves shorter than `shortest` are removed; there is no other smoothing. The surface is the
+    sum of the remaining waves. Traces are immutable.
 
     Parameters
     ----------
     heights : array_like, shape (samples,)
-        At equal steps, upwards out of the body. NaN, None and masked values are missing. An array of xarray may name
-        its unit in the attribute `units`, and have the positions in a coordinate with a unit.
+        Heights at equal steps, upwards out of the body. NaN, None and masked values are missing. An xarray array may
+        have the attribute `units` and a coordinate of positions with a unit.
     length : float
         Length of the trace, the number of heights times the step, in m, or in `x_unit` or `unit` if given.
     shortest : float, optional
-        The shortest wavelength that is kept, in the unit of `length`, which metrology calls lambda_s; by default two
-        steps, so that all are.
+        Shortest wavelength, lambda_s of metrology, in the unit of `length`; by default two steps, which keeps all
+        waves.
     ends : "mirrored", "periodic" or "tapered"
-        Continuation of the surface beyond the ends: as a mirror image, so that the period is twice the length; from
-        the start, as it is periodic already; or from the start, once the heights have fallen smoothly to their mean
-        over the last tenth of the length at either end.
+        Extension beyond the ends: the mirror image, with twice the length as period; the trace itself, which is then
+        periodic; or the trace with smooth tapers to its mean over a tenth of the length at both ends.
     source : str
         Name of the origin of the heights, for the results.
     unit, x_unit, height_unit : str, optional
         Units of length and heights, or of one of them: "m", "cm", "mm", "um" (also with the letter mu), "nm", "pm",
-        "angstrom", "inch", "mil" or "uin". Heights need one.
+        "angstrom", "inch", "mil" or "uin". A unit of heights is required.
     detrend : "mean", "tilt" or "form", optional
-        What least squares remove from the heights: their mean; a straight line, which is the default; or a parabola,
-        the form of a cylinder that is measured around. A periodic trace has neither tilt nor form.
+        Component removed by least squares: the mean, a straight line (default) or a parabola, the form of a cylinder
+        measured around its axis. A periodic trace has neither tilt nor form.
     missing : "refuse" or "interpolate"
-        What to do with missing heights: by default they are refused, with their number and the longest run. Else
-        they are interpolated, and where they are at the ends, the trace is cut off.
+        Treatment of missing heights: refused, with their number and the longest run (default); or interpolated, and
+        trimmed at the ends.
     max_gap : int
-        The largest number of adjacent missing heights that are interpolated, on a straight line.
+        Largest number of adjacent missing heights that are interpolated linearly.
     missing_value : float or list of float, optional
         Numbers for missing heights, such as -9999, in the unit of the heights.
 
     Attributes
     ----------
     lambda_0, g_0 : float
-        The units of lengths and heights, in m: the length of the trace, and the root mean square of its waves.
+        Units of lengths and heights, in m: the length of the trace and the root mean square of its waves.
     samples, digest : int, str
-        The number of heights, and twelve letters of a digest of the heights and of how they are processed.
+        Number of heights, and a digest of heights and processing, twelve letters.
     line : int or None
-        Which line of a map this is.
+        Index of the line in a map.
     left_out : tuple of str
-        The lines above and below the table of a file of text.
+        Lines above and below the table of a text file.
     filled : Filled
-        How many heights were interpolated, `heights`, how many at most beside each other, `longest`, and how many
-        were missing at the ends, which are cut off, `cut`.
+        Numbers of missing heights: interpolated, `heights`; longest run, `longest`; trimmed at the ends, `cut`.
     amplitude, phase : ndarray, shape (m,)
-        Of the waves, in g_0 and in radians; x = 0 is the first height.
+        Amplitudes, in g_0, and phases, in radians, of the waves; x = 0 is the first height.
     waves_per_period, period : list of int, int
-        Waves of each kind in one period, ascending, and its length in lambda_0: 2 if the trace is mirrored, else 1.
+        Wave numbers per period, ascending, and the period in lambda_0: 2 if the trace is mirrored, otherwise 1.
 
     Raises
     ------
@@ -110,7 +108,7 @@ class Trace(Waves):
     Warns
     -----
     UserWarning
-        If the remaining form is far higher than the roughness.
+        If the remaining form is much higher than the roughness.
 
     Examples
     --------
