@@ -92,7 +92,7 @@ class Table:
             )
 
     def shown_loads(self, rows: Any) -> Array:
-        """The loads of some cases in the unit of the figure, shape (cases, loads), or (1, loads) if common."""
+        """Return the loads of some cases in the unit of the figure, shape (cases, loads), or (1, loads) if common."""
         return self.loads[None] if self.in_pascal else self.loads * self.columns["pressure_unit"][rows, None]
 
     def parameters(self, row: int) -> dict[str, Hashable]:

@@ -82,7 +82,7 @@ def _name(artist: Any, otherwise: str) -> str:
 
 
 def _labelled(axes: Axes, name: str) -> Any:
-    """The axis of a panel, or the labelled one of a panel that shares it."""
+    """Return the axis of a panel, or the labelled one of a panel that shares it."""
     shared = axes.get_shared_x_axes() if name == "x" else axes.get_shared_y_axes()
     axis = [getattr(other, f"{name}axis") for other in (axes, *shared.get_siblings(axes))]
     return next((one for one in axis if one.get_label_text()), axis[0])
@@ -93,6 +93,6 @@ def _heading(label: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """A text of matplotlib without its signs of formulas."""
+    """Return a text of matplotlib without its signs of formulas."""
     plain = WORD.sub(r"\1", SPACE.sub(" ", BRACED.sub(r"\1", text)))
     return " ".join(re.sub(r"[${}]", "", plain).replace("infty", "inf").split())

@@ -229,7 +229,7 @@ class Loads(NamedTuple):
 
 
 def _loads(parts: list[Any]) -> Loads:
-    """The loads of a scene, all with a unit of pressure or all without."""
+    """Return the loads of a scene, all with a unit of pressure or all without."""
     given = [one for part in parts for one in _with_units(part)]
     if not (named := [unit for _, unit in given if unit]):
         loads, _ = listed_loads([value for value, _ in given])
@@ -243,7 +243,7 @@ def _loads(parts: list[Any]) -> Loads:
 
 
 def _with_units(part: Any) -> list[tuple[float, str]]:
-    """The numbers of a number or range, each with its unit or an empty text."""
+    """Return the numbers of a number or range, each with its unit or an empty text."""
     if isinstance(part, LoadRange):
         return [(float(value), part.unit) for value in part.values()]
     text = QUANTITY.fullmatch(part) if isinstance(part, str) else None
@@ -259,8 +259,8 @@ class ProfileKeys(Part):
     m: Numbers = Field(description="Number of terms, or inf.")
     phases: Phases = Field(
         [],
-        description="Phases in radians, as in weier.Profile: a number for every term but the first, or a list of all "
-        "m; several of them are a list.",
+        description="Phases in radians, as in weier.Profile: a number for all terms but the first, or a list of m; "
+        "or a list of several of these.",
     )
     seed: Numbers = Field([], description="Seed of random phases.")
 
@@ -287,57 +287,53 @@ class TraceKeys(Part):
 
     model_config = ConfigDict(title="a trace")
     file: FileNames = Field(
-        description="A file of text or of an instrument; a folder, or a pattern such as lab/*.csv, whose files are "
-        "taken in natural order; or a list of these, from the folder of the scene."
+        description="A text or instrument file, a folder or a pattern such as lab/*.csv (files in natural order), or "
+        "a list of these, relative to the folder of the scene."
     )
     shortest: Wavelengths = Field(
         ABSENT,
-        description="Shortest wavelength kept, in m, or in x_unit or unit; two steps by default. With a list, each "
-        "file is a case by each of them.",
+        description="Shortest wavelength, in m or in x_unit or unit; two steps by default. A list makes one case per "
+        "file and value.",
     )
     length: Number = Field(
-        ABSENT, description="Length of the trace, if the file does not say it: in m, or in x_unit or unit."
+        ABSENT, description="Length of the trace if the file does not give it, in m or in x_unit or unit."
     )
     ends: Annotated[str, OneOf(*ENDS)] = Field(
-        ABSENT, description="How the trace is extended beyond its ends; mirrored by default."
+        ABSENT, description="Extension of the trace beyond its ends; mirrored by default."
     )
-    unit: Unit = Field(
-        ABSENT, description="Unit of positions, length, shortest and heights, whatever the file names."
-    )
+    unit: Unit = Field(ABSENT, description="Unit of positions, length, shortest and heights, overriding the file.")
     x_unit: Unit = Field(ABSENT, description="Unit of positions, length and shortest.")
     height_unit: Unit = Field(ABSENT, description="Unit of heights.")
-    skip: Position = Field(ABSENT, description="Number of lines above the table of a file of text.")
+    skip: Position = Field(ABSENT, description="Number of lines above the table of a text file.")
     rows: Count = Field(ABSENT, description="Number of rows of the table.")
-    columns: Columns = Field(
-        ABSENT, description="Column of the heights, from 0, or columns of the positions and of the heights."
-    )
-    valid: Position = Field(ABSENT, description="Column that says by 1 or true which heights are valid.")
-    delimiter: Sign = Field(ABSENT, description='Sign between columns; " " stands for blanks.')
-    decimal: Annotated[str, OneOf(".", ",")] = Field(ABSENT, description="Sign before decimals.")
-    thousands: Annotated[str, OneOf(*SEPARATORS)] = Field(ABSENT, description="Sign between thousands.")
-    encoding: Line = Field(ABSENT, description="Encoding of a file of text, by its name in Python.")
-    comment: Words = Field(ABSENT, description='Lines that begin so are left out; "" stands for empty lines.')
+    columns: Columns = Field(ABSENT, description="Column of heights, from 0, or columns of positions and heights.")
+    valid: Position = Field(ABSENT, description="Column with 1 or true for valid heights.")
+    delimiter: Sign = Field(ABSENT, description='Column separator; " " stands for blanks.')
+    decimal: Annotated[str, OneOf(".", ",")] = Field(ABSENT, description="Decimal mark.")
+    thousands: Annotated[str, OneOf(*SEPARATORS)] = Field(ABSENT, description="Thousands separator.")
+    encoding: Line = Field(ABSENT, description="Encoding of a text file, by its Python name.")
+    comment: Words = Field(ABSENT, description='Prefixes of lines to skip; "" stands for empty lines.')
     detrend: Annotated[str, OneOf(*DETREND)] = Field(
         ABSENT,
-        description="What is removed from the heights: their mean; a straight line, by default; or a parabola, the "
-        "form.",
+        description="Component removed from the heights: mean, tilt (a straight line, the default) or form (a "
+        "parabola).",
     )
     missing: Annotated[str, OneOf(*MISSING)] = Field(
-        ABSENT, description="What to do with missing heights; refuse by default."
+        ABSENT, description="Treatment of missing heights; refuse by default."
     )
     max_gap: Count = Field(ABSENT, description="Longest run of missing heights that is interpolated; 5 by default.")
     missing_value: MissingValues = Field(
         ABSENT,
-        description="Numbers, in the unit of the heights, and words that stand for missing heights.",
+        description="Numbers, in the unit of the heights, and words for missing heights.",
     )
     line: Position = Field(
-        ABSENT, description="Which line of a map, from 0; without it, and with across, each line is a case."
+        ABSENT, description="Index of the line of a map, from 0; with across alone, each line is a case."
     )
     across: Annotated[str, OneOf(*AXES)] = Field(
-        ABSENT, description="The axis along which the lines of a map run, across its grooves."
+        ABSENT, description="Axis of the lines of a map, across its grooves."
     )
     channel: Annotated[str | int, PlainValidator(_check_channel, json_schema_input_type=str | int)] = Field(
-        ABSENT, description="Which channel of a file with several: its name, or a number from 0."
+        ABSENT, description="Channel of the file, by name or number from 0."
     )
 
 
@@ -375,11 +371,11 @@ class StudyKeys(Part):
     model_config = ConfigDict(
         title="a study", json_schema_extra={"oneOf": [{"required": [key]} for key in ("product", "cases", "trace")]}
     )
-    product: ProfileKeys = Field(ABSENT, description="Profiles: every combination of the values given.")
-    cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles: one by one.")
+    product: ProfileKeys = Field(ABSENT, description="Profiles: all combinations of the given values.")
+    cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles, one by one.")
     trace: TraceKeys = Field(ABSENT, description="Measured heights.")
-    methods: Methods = Field(ABSENT, description="Instead of the scene's methods.")
-    settings: Settings = Field(ABSENT, description="Instead of the scene's settings.")
+    methods: Methods = Field(ABSENT, description="Methods of this study, instead of the scene's.")
+    settings: Settings = Field(ABSENT, description="Settings of this study, instead of the scene's.")
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
@@ -416,9 +412,9 @@ class InterfaceKeys(Part):
     mu_1: Number = Field(ABSENT, description="Shear modulus of the first body, in Pa; inf for a rigid one.")
     mu_2: Number = Field(ABSENT, description="Shear modulus of the second body.")
     E_1: Number = Field(
-        ABSENT, description="Young's modulus of the first body, E = 2 mu (1 + nu), in Pa, in place of mu_1."
+        ABSENT, description="Young's modulus of the first body, E = 2 mu (1 + nu), in Pa, instead of mu_1."
     )
-    E_2: Number = Field(ABSENT, description="Young's modulus of the second body, in place of mu_2.")
+    E_2: Number = Field(ABSENT, description="Young's modulus of the second body, instead of mu_2.")
     nu_1: Number = Field(description="Poisson's ratio of the first body, in (-1, 0.5].")
     nu_2: Number = Field(description="Poisson's ratio of the second body.")
     rho_1: Number = Field(description="Resistivity of the first body, in ohm m.")
@@ -452,11 +448,9 @@ class AxisKeys(Part):
     """The scale and the ends of an axis."""
 
     model_config = ConfigDict(title="an axis")
-    scale: Annotated[str, OneOf("linear", "log")] = Field(
-        "", description="Equal distances for equal differences (linear) or equal ratios (log)."
-    )
-    first: float = Field(ABSENT, alias="from", description="Where the axis begins.")
-    last: float = Field(ABSENT, alias="to", description="Where it ends.")
+    scale: Annotated[str, OneOf("linear", "log")] = Field("", description="Scale of the axis, linear or log.")
+    first: float = Field(ABSENT, alias="from", description="Start of the axis.")
+    last: float = Field(ABSENT, alias="to", description="End of the axis.")
 
     def checked(self) -> AxisKeys:
         """Return these keys, if the ends and the scale are possible."""
@@ -499,22 +493,21 @@ class FigureKeys(Part):
     model_config = ConfigDict(title="a figure")
     draw: Name = Field(description="A module of weier.figures.")
     studies: Names = Field([], description="The studies it shows.")
-    title: Line = Field("", description="One line over the figure.")
-    x: Scale = Field(ABSENT, description="The axis of loads: its scale, and its ends.")
-    y: Scale = Field(ABSENT, description="The other axis.")
+    title: Line = Field("", description="Title of the figure, one line.")
+    x: Scale = Field(ABSENT, description="Axis of loads: scale and ends.")
+    y: Scale = Field(ABSENT, description="Other axis: scale and ends.")
     units: Annotated[str, OneOf("si")] = Field(
         "",
-        description="si: the axes of a figure of compliance or resistance, and their ends, are in Pa, m and ohm m^2; "
-        "it needs the scene's interface.",
+        description="si: axes of compliance or resistance, and their ends, in Pa, m and ohm m^2; requires the "
+        "scene's interface.",
     )
     size: Annotated[list[Inches], Field(min_length=2, max_length=2)] = Field(
-        ABSENT, description="Width and height in inches; a column of a journal is 3.5 wide."
+        ABSENT, description="Width and height in inches; a journal column is 3.5 wide."
     )
-    colour: Parameter = Field("", description="The parameter that sets the colour of a curve.")
+    colour: Parameter = Field("", description="Parameter shown by the colour of a curve.")
     facet: Annotated[Parameters, Field(max_length=2)] = Field(
         [],
-        description="The parameter that each panel has one value of; or two, one for the rows of panels and one for "
-        "the columns.",
+        description="Parameter with one value per panel; or two, for the rows and columns of panels.",
     )
     median_over: Parameters = Field(
         [],
@@ -527,13 +520,13 @@ class FigureKeys(Part):
         AfterValidator(_check_band),
     ] = Field(
         [*PERCENTILES],
-        description="Percentiles between which the band lies; or all: from the least curve to the largest; or mean: "
-        "the mean in place of the median, in a band of its standard error.",
+        description="Percentiles of the band; or all, from the smallest to the largest curve; or mean, the mean with "
+        "its standard error instead of the median.",
     )
     behind: Names = Field(
         [],
-        description="Studies whose curves, by the most accurate method, are a grey band behind those of the same "
-        "D, gamma and m.",
+        description="Studies whose curves, by the most accurate method, form a grey band behind those of the same D, "
+        "gamma and m.",
     )
 
     @classmethod
@@ -583,22 +576,21 @@ class SceneKeys(Part):
     """What to solve and what to draw: studies of profiles under one list of loads, and figures made from them."""
 
     model_config = ConfigDict(title="a scene")
-    title: Annotated[Line, Field(min_length=1)] = Field(description="One line that says what the scene is about.")
-    max_cases: Count = Field(MAX_CASES, description="The most cases that this scene may have; 10000 by default.")
+    title: Annotated[Line, Field(min_length=1)] = Field(description="Subject of the scene, one line.")
+    max_cases: Count = Field(MAX_CASES, description="Largest number of cases of the scene; 10000 by default.")
     loads: LoadList = Field(
-        description="Mean pressures, positive, in any order: a number, a range, or a list of numbers and ranges, in "
-        "p_0*. With the key interface also in Pa, as {unit: MPa, from: 1, to: 100, count: 20} or [1 MPa, 10 MPa]; "
-        "all cases then have these pressures, and the data are in SI units. Files have each load once, increasing."
+        description="Positive mean pressures in p_0*, in any order: a number, a range, or a list of these. With the "
+        "key interface also in Pa, as {unit: MPa, from: 1, to: 100, count: 20} or [1 MPa, 10 MPa]: all cases then "
+        "have these pressures, and the data are in SI units. Files have each load once, increasing."
     )
-    methods: Methods = Field([], description="Methods to run on every case; `weier solve --help` lists them.")
+    methods: Methods = Field([], description="Methods for every case; `weier solve --help` lists them.")
     tolerance: Annotated[Number, AfterValidator(_check_tolerance)] = Field(
         ABSENT,
-        description="Largest error of the compliance, in g_0, of all methods that take one; of auto without any.",
+        description="Accepted error of the compliance, in g_0, for all methods that take one; for auto without any.",
     )
     max_seconds: Annotated[float, Field(gt=0)] = Field(
         ABSENT,
-        description="The most seconds that solving this scene may take, as expected before it begins; no limit "
-        "by default.",
+        description="Limit of the expected seconds of the solution, checked before it begins; none by default.",
     )
     settings: Settings = Field(
         {}, description="Settings of each method, as keywords of weier.solve: {bem: {points_per_wave: 16}}."
@@ -612,22 +604,21 @@ class SceneKeys(Part):
         "figures in SI units.",
     )
     batch: Count = Field(
-        ABSENT, description="The most cases to solve in one job; 10000 by default, or as many as fit into memory."
+        ABSENT, description="Largest number of cases per job; by default 10000, or fewer if memory is short."
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
-        description="Named sets of profiles, each with a product of D, gamma, m and phases or seed, or a list of "
-        "cases, or a trace of measured heights; and, where they differ from the scene's, methods and settings of its "
-        "own. A profile of several studies is solved once."
+        description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, or a "
+        "trace of measured heights, optionally with its own methods and settings. A profile of several studies is "
+        "solved once."
     )
     figures: dict[Name, FigureKeys] = Field(
         {},
-        description="Named figures: what each draws, from which studies, its title and size, the scales, ends and "
-        "units of its axes, the parameters that it shows by colour, facet and median over, and bands of ensembles.",
+        description="Named figures: kind, studies, title, size, axes, the parameters shown by colour, facet and "
+        "median over, and bands of ensembles.",
     )
     claims: dict[Name, Names] = Field(
         {},
-        description="Statements of the paper to check: the name of each in weier.pipeline.claims, and the studies "
-        "that it looks at.",
+        description="Statements of the paper to check: their names in weier.pipeline.claims, and their studies.",
     )
 
     @classmethod

@@ -64,7 +64,7 @@ def composite_modulus(
 
 
 def full_contact_pressure(modulus: float, lambda_0: ArrayLike, g_0: ArrayLike) -> Array:
-    """Mean pressure p_0* = 2 pi M g_0/lambda_0 that flattens one wave (7), in the unit of the modulus."""
+    """Return mean pressure p_0* = 2 pi M g_0/lambda_0 that flattens one wave (7), in the unit of the modulus."""
     return np.asarray(2 * math.pi * modulus * np.asarray(g_0) / np.asarray(lambda_0))
 
 

@@ -103,7 +103,7 @@ METHOD = Method(
     summary="accelerated boundary elements (5.1) with sub-grid contact edges; finite m",
     solve=_solve,
     settings={
-        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1), from which the points follow; it bounds "
+        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1), which sets the points; it bounds "
         'the resistance poorly: for this use patches, or auto with quantity="resistance"',
         "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
         "points": "nodes per period, instead of points_per_wave",
