@@ -1,9 +1,11 @@
 """Files of datasets: whole or not at all, and read by others."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from weier.data import dataset, variables
 from weier.data.variables import Status
@@ -54,11 +56,24 @@ def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_text_that_is_longer_than_its_column_is_refused_not_cut(tmp_path):
+def test_a_text_of_any_length_is_kept(tmp_path):
     data = dataset.blank(1, ["bem"], np.array([1.0]), 1)
-    data["settings"].values[:] = "x" * 241
-    with pytest.raises(ValueError, match="settings must have at most 240 characters, got 241: shorten it"):
-        dataset.write(data, tmp_path / "a.nc", "test")
+    data["settings"].values[:] = "x" * 240
+    dataset.write(data, tmp_path / "data.nc", "t")
+    with xr.open_dataset(tmp_path / "data.nc") as again:
+        assert again["settings"].values.tolist() == [["x" * 240]]
+
+
+def test_xarray_saves_a_file_again_without_a_warning(tmp_path):
+    """It warns where a text has fewer characters than its dimension."""
+    data = dataset.blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
+    data["settings"].values[:], data["trace"].values[:] = "{}", ["a.csv", ""]
+    dataset.write(data, tmp_path / "data.nc", "t")
+    with warnings.catch_warnings(), xr.open_dataset(tmp_path / "data.nc") as again:
+        warnings.simplefilter("error")
+        again.to_netcdf(tmp_path / "again.nc")
+    with xr.open_dataset(tmp_path / "again.nc") as found, xr.open_dataset(tmp_path / "data.nc") as first:
+        xr.testing.assert_equal(found, first)
 
 
 def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path):

@@ -1,5 +1,7 @@
 """Scenes with loads in Pa: common pressures of traces and series, and results in SI units."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
 from tests.scenes import scene_in, solve_scene
 from weier.figures import checks, comparison, lines, page, tables
+from weier.figures.page import explorer
 from weier.pipeline.gather import gather, read_study
 from weier.scene import SceneError
 
@@ -131,3 +134,20 @@ def test_a_compliance_has_its_slope_between_the_loads(solved):
     found_loads, found = table.line(1, "patches", "compliance")
     assert found_loads == pytest.approx(own.pressure(loads), rel=1e-12)
     assert found == pytest.approx(own.compliance(values), rel=1e-12)
+
+
+def test_traces_have_their_fits_beside_their_curves(tmp_path):
+    files = sorted(Path("config/scenes/measured").resolve().glob("shaft_*.csv"))
+    options = {"file": list(map(str, files)), "length": 2e-3, "height_unit": "um", "shortest": 40e-6}
+    changes = {"loads": ["50 MPa"], "methods": ["bem"], "studies": {"shaft": {"trace": options}}, "figures": {}}
+    loaded = scene_in(tmp_path, SCENE | changes)
+    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
+    fits = weier.fit([case.profile for case in loaded.study("shaft")])
+    with weier.open_dataset(tmp_path / "contact.nc") as data:
+        assert data.trace_fit_D.values == pytest.approx(fits.D, rel=1e-12)
+        assert data.trace_fit_g_0.values == pytest.approx(fits.g_0, rel=1e-12)
+        ensemble = data.weier.ensemble().iloc[0]
+        assert explorer._labels(data, "trace")[0].startswith(f"shaft_1.csv: D = {fits.D[0]:.2f} ± ")
+    assert ensemble["trace_fit_D_mean"] == pytest.approx(fits.D.mean())
+    assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(fits.g_0.std(ddof=1))
+    assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from weier.pipeline.interface import Interface
 
-OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error)$")  # the ends of columns for a quantity
+OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error|standard_error)$")  # the ends of columns for a quantity
 INTERFACE = "interface"  # The key of a scene with its bodies.
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.data.provenance import FIXED
-from weier.data.variables import VARIABLES, ancillary
+from weier.data.variables import ancillary
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,8 +41,6 @@ DEFLATE: Final = 1  # Higher levels take twice as long to write, as measured abo
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
-# The lengths of texts in the table of variables, in bytes.
-WIDTHS = {name: int(entry.dtype[1:]) for name, entry in VARIABLES.items() if entry.dtype.startswith("U")}
 
 
 def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], widths: Mapping[str, int]) -> None:
@@ -205,9 +203,20 @@ def _is_locked(file: BinaryIO) -> bool:
 
 
 def text_widths(data: xr.Dataset) -> dict[str, int]:
-    """Return bytes of the longest text in each variable of text: the table gives those of its own variables."""
+    """Return the bytes of the longest text in each variable of text, which xarray writes again without a warning."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
-    return {name: WIDTHS.get(name) or _encoded(values.values).itemsize for name, values in texts.items()}
+    return {name: max(1, _encoded(values.values).itemsize) for name, values in texts.items()}
+
+
+def widths_of_files(paths: Iterable[str | Path]) -> dict[str, int]:
+    """Return the largest number of bytes that each variable of text has in some files."""
+    found: dict[str, int] = {}
+    for path in paths:
+        with netCDF4.Dataset(path) as file:
+            for name, variable in file.variables.items():
+                if variable.dtype == "S1":
+                    found[name] = max(found.get(name, 1), variable.shape[-1])
+    return found
 
 
 def _group(file: netCDF4.Dataset, dims: Iterable[Hashable]) -> netCDF4.Dataset | netCDF4.Group:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 
 CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
+FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
 AVERAGED = ("compliance", "resistance", "contact_fraction")  # the quantities of a table of an ensemble
 COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
@@ -133,7 +134,8 @@ class CurvesAccessor:
             One row for each method and load: the number of `cases` that were solved there, and for the compliance,
             the resistance and the contact fraction, where there is one, the mean over these cases, `..._mean`; the
             standard deviation between them, `..._deviation`; and the largest error that a method states,
-            `..._numerical_error`.
+            `..._numerical_error`. For traces of a scene also the mean of D and g_0 of their fits, the standard
+            deviation between them, and the mean of their standard errors.
 
         Raises
         ------
@@ -166,6 +168,11 @@ class CurvesAccessor:
                 columns[f"{name}_deviation"] = data[name].std("case", ddof=1)
                 if (error := f"{name}_error") in data:
                     columns[f"{name}_numerical_error"] = data[error].max("case")
+        for name in FITTED:
+            if name in data.coords and data[name].notnull().any():
+                own, its_error = (data[each].reset_coords(drop=True) for each in (name, f"{name}_error"))
+                columns[f"{name}_mean"], columns[f"{name}_deviation"] = own.mean("case"), own.std("case", ddof=1)
+                columns[f"{name}_standard_error"] = its_error.mean("case")
         frame = xr.Dataset(columns).to_dataframe(dim_order=curve[1:]).reset_index()
         frame = frame[frame["cases"] > 0][[*CURVE[1:], *columns]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)

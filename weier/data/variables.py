@@ -143,6 +143,12 @@ VARIABLES = {
     "trace_shortest": _of_trace("shortest wavelength of the trace", "m", least=0),
     "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="U4"),
     "trace_filled": _of_trace("number of missing heights that were interpolated", least=0),
+    "trace_fit_D": _of_trace("fractal dimension of the series with the spectrum of the trace", least=1, most=2),
+    "trace_fit_D_error": _of_trace("standard error of this fractal dimension", least=0),
+    "trace_fit_g_0": _of_trace(
+        "amplitude of the coarsest wave of the series with the spectrum of the trace", "m", least=0
+    ),
+    "trace_fit_g_0_error": _of_trace("standard error of this amplitude", "m", least=0),
     "total_amplitude": Variable(
         ("case",),
         "sum of the amplitudes of the terms",

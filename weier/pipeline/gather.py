@@ -7,6 +7,7 @@ which are studies and settings that differ, come from the scene. So no batch is 
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -18,12 +19,13 @@ from numpy.typing import NDArray
 
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
-from weier.data.variables import LABEL
-from weier.kernels.arrays import Indices
+from weier.data.variables import LABEL, attributes
+from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings, defaults
 from weier.pipeline.batches import Solutions
 from weier.scene.cases import Layout, Scene
+from weier.surface.spectrum import fit
 
 BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
@@ -66,13 +68,21 @@ def gather(
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside:
         with netCDF4.Dataset(beside, "w") as file:
-            netcdf.create(file, header, {"case": count}, netcdf.text_widths(header) | netcdf.text_widths(labels))
+            netcdf.create(file, header, {"case": count}, _widths(header, labels, reader))
             netcdf.fill(file, header.drop_dims("case"))
             netcdf.fill(file, labels, slice(0, count))
             for start in range(0, count, size):
                 block = np.arange(start, min(start + size, count))
                 netcdf.fill(file, in_units_of(scene, reader.read(block)), slice(start, start + len(block)))
         netcdf.seal(beside, name)
+
+
+def _widths(header: xr.Dataset, labels: xr.Dataset, reader: Reader) -> dict[str, int]:
+    """Return the bytes of the longest text of each variable of all cases."""
+    widths = netcdf.text_widths(header) | netcdf.text_widths(labels)
+    for name, width in netcdf.widths_of_files(reader.files()).items():
+        widths[name] = max(width, widths.get(name, 0))
+    return widths
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
@@ -110,8 +120,23 @@ def case_labels(scene: Scene) -> xr.Dataset:
         coords={
             name: ("case", values, {"long_name": meaning, "coverage_content_type": LABEL})
             for name, (values, meaning) in columns.items()
-        },
+        }
+        | {name: ("case", values, attributes(name)) for name, values in _fits(scene).items()},
     )
+
+
+def _fits(scene: Scene) -> dict[str, Array]:
+    """The fit of a series to each trace, with its standard errors; NaN where no series has its spectrum."""
+    if not any("trace" in product.axes for product in scene.products):
+        return {}
+    names = "trace_fit_D", "trace_fit_D_error", "trace_fit_g_0", "trace_fit_g_0_error"
+    found = np.full((len(names), len(scene.distinct)), np.nan)
+    for number, case in enumerate(scene.distinct):
+        if "trace" in case.parameters:
+            with suppress(ValueError):
+                fitted = fit(case.profile)
+                found[:, number] = fitted.D, fitted.D_error, fitted.g_0, fitted.g_0_error
+    return dict(zip(names, found, strict=True))
 
 
 def _of_study(name: str) -> dict[str, Any]:
@@ -176,10 +201,15 @@ class Reader:
     def histories(self) -> list[str]:
         """Return the distinct histories of the batches."""
         found = dict[str, None]()
-        for batch in sorted({number for batches, _, _ in self._places.values() for number in batches if number >= 0}):
-            with dataset.reading(self._file(batch)) as data:
+        for file in self.files():
+            with dataset.reading(file) as data:
                 found[data.attrs.get("history", "")] = None
         return list(found)
+
+    def files(self) -> list[Path]:
+        """Return the batches."""
+        used = {int(number) for batches, _, _ in self._places.values() for number in np.unique(batches)}
+        return [self._file(batch) for batch in sorted(used) if batch >= 0]
 
     def _file(self, batch: int) -> Path:
         return self.solutions.store.batches[batch].with_suffix(".nc")

@@ -146,13 +146,22 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
     if name == "trace" and name in data.variables:
         labels = data.coords.to_dataset()
         cases = (labels.isel(case=case) for case in range(data.sizes["case"]))
-        return [text or NONE for text in names_of_traces(cases)]
+        return [f"{text}{_fit(data, row)}" or NONE for row, text in enumerate(names_of_traces(cases))]
     if name != "phase":
         return [text or NONE for text in _texts(data, name)]
     return [
         f"seed {seed}: {phase}".rstrip(": ") if seed else phase or NONE
         for seed, phase in zip(_texts(data, "seed"), _texts(data, "phases"), strict=True)
     ]
+
+
+def _fit(data: xr.Dataset, row: int) -> str:
+    """The fit of a series to the trace of a case, if it has one, as the end of its label."""
+    names = ("trace_fit_D", "trace_fit_D_error", "trace_fit_g_0", "trace_fit_g_0_error")
+    if names[0] not in data.variables or np.isnan(data[names[0]].values[row]):
+        return ""
+    D, D_error, g_0, g_0_error = (float(data[name].values[row]) for name in names)
+    return f": D = {D:.2f} \N{PLUS-MINUS SIGN} {D_error:.2f}, g_0 = {g_0:.2g} \N{PLUS-MINUS SIGN} {g_0_error:.1g} m"
 
 
 def _texts(data: xr.Dataset, name: str) -> list[str]:
