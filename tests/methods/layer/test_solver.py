@@ -74,7 +74,7 @@ def test_full_contact_is_exact(D, gamma, m):
     assert answer.resistance[1] < 1e-9
 
 
-SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma in (2, 10) for m in (2, 5, 12, math.inf)]
+SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma in (2, 10) for m in (2, 12, math.inf)]
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), SERIES + WORST)
@@ -130,13 +130,17 @@ def test_settings_out_of_range_are_refused_at_once(setting, values, m):
             layer.curve([0.1], 1.5, 5, m, **{setting: value})
 
 
-@pytest.mark.parametrize("m", [3, math.inf])
-def test_settings_at_the_ends_of_their_ranges_hold(m):
+@pytest.mark.parametrize(
+    ("m", "least", "most"),
+    [(3, 1e-9, 200), (math.inf, 1e-6, 40), pytest.param(math.inf, 1e-9, 200, marks=pytest.mark.slow)],
+)
+def test_settings_at_the_ends_of_their_ranges_hold(m, least, most):
+    """The infinite series at 1e-9, or on 200 points, takes tens of seconds."""
     loads = np.array([1e-305, 1e-3, 0.3, 2.0, 1e6])
-    finest = layer.curve(loads, 1.5, 5, m, accuracy=1e-9, tolerance=1e-13)
-    for accuracy in (1e-8, 1e-5, 1e-2):
+    finest = layer.curve(loads, 1.5, 5, m, accuracy=least, tolerance=max(1e-3 * least, 1e-13))
+    for accuracy in (10 * least, 1e-5, 1e-2):
         coarser = layer.curve(loads, 1.5, 5, m, accuracy=accuracy, tolerance=accuracy)
         np.testing.assert_allclose(coarser.compliance, finest.compliance, rtol=accuracy)
-    for points in (4, 200):
+    for points in (4, most):
         other = layer.curve(loads[1:], 1.5, 5, m, points=points).compliance
         np.testing.assert_allclose(other, finest.compliance[1:], rtol=1e-3)
