@@ -1,10 +1,11 @@
 """Processor seconds over those that methods expect: `python -m weier.accuracy.expected_seconds [--most WAVES]`.
 
-The constants of `Method.seconds` come from this table, for series and traces of 25 to 12 000 waves.
+The constants of `Method.seconds` come from this table, for series and traces of 25 to 12 000 waves, and m = inf.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 from time import process_time
@@ -16,12 +17,11 @@ from weier import ConvergenceError, Profile, Trace, random_phases
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
-from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
-FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # Loads, over that of full contact.
+FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # Loads, over that of full contact; in p_0* for the infinite series.
 SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
 HURST = (0.8, 0.3)  # The exponents of the traces.
@@ -29,11 +29,12 @@ HEADER = ("surface", "waves", "method", "seconds at 0.001 / 0.01 / 0.1 / 0.4 / 0
 
 
 def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
-    """Return series of random phases and self-affine traces with a limited number of waves."""
+    """Return series of random phases, infinite ones, too, and self-affine traces with a limited number of waves."""
     for D, gamma, terms in SERIES:
         for m in terms:
             if gamma ** (m - 1) <= most:
                 yield f"D = {D:g}, gamma = {gamma}, m = {m}", Profile(D, gamma, m, random_phases(m))
+        yield f"D = {D:g}, gamma = {gamma}, m = inf", Profile(D, gamma, math.inf, random_phases(0))
     for exponent in HURST:
         for waves in TRACES:
             if waves <= most:
@@ -49,13 +50,16 @@ def _trace(waves: int, exponent: float) -> Trace:
 
 def seconds_of_loads(method: Method, profile: Waves) -> Array:
     """Return processor seconds of each load, without compiling; NaN where it is not solved."""
+    full = profile.full_contact_load if math.isfinite(profile.m) else 1.0
+    loads = full * np.array([FRACTIONS]).T
     seconds = np.full(len(FRACTIONS), np.nan)
-    for number, fraction in enumerate(FRACTIONS):
-        load = np.array([fraction * profile.full_contact_load])
-        start = process_time() - COMPILING_SECONDS.get()
+    with suppress(ConvergenceError):
+        method.solve(profile, loads[0])  # compiles
+    for number, load in enumerate(loads):
+        start = process_time()
         with suppress(ConvergenceError):
             method.solve(profile, load)
-            seconds[number] = process_time() - COMPILING_SECONDS.get() - start
+            seconds[number] = process_time() - start
     return seconds
 
 
@@ -63,24 +67,22 @@ def row(name: str, profile: Waves, method: Method) -> list[str]:
     """Return the numbers of a method on a surface, below HEADER."""
     seconds = seconds_of_loads(method, profile)
     expected = method.seconds(profile, np.ones(1))
-    cells = [name, f"{profile.waves_per_period[-1]}", method.name, " / ".join(f"{value:.2g}" for value in seconds)]
-    return [*cells, f"{np.nanmean(seconds) / expected:.2f}"]
+    waves = profile.waves_per_period[-1] if math.isfinite(profile.m) else math.inf
+    listed = " / ".join(f"{value:.2g}" for value in seconds)
+    return [name, f"{waves:g}", method.name, listed, f"{np.nanmean(seconds) / expected:.2f}"]
 
 
 @click.command()
 @click.option("--most", default=TRACES[-1], show_default=True, help="Waves of the finest surface.")
-@click.option("--methods", default="bem,patches", show_default=True, help="Methods, with commas.")
+@click.option("--methods", default="layer,hybrid,bem,patches", show_default=True, help="Methods, with commas.")
 def main(most: int, methods: str) -> None:
     """Print the seconds of each load, and their mean over the expected ones."""
+    rows = []
     with one_thread:
-        for name in methods.split(","):
-            method = find_method(name)
-            seconds_of_loads(method, Profile(1.25, 5, 3))  # compiles
-            click.echo(
-                markdown.table(
-                    HEADER, [row(what, profile, method) for what, profile in surfaces(most) if method.takes(profile)]
-                )
-            )
+        for method in map(find_method, methods.split(",")):
+            taken = [(what, profile) for what, profile in surfaces(most) if method.takes(profile)]
+            rows += [row(what, profile, method) for what, profile in taken]
+    click.echo(markdown.table(HEADER, rows))
 
 
 if __name__ == "__main__":
