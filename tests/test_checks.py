@@ -272,9 +272,8 @@ def attempt(call, argument):
     """What a call gives, or None where it refuses in a clear sentence."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # To doubt the unit of phases or loads that are drawn so large is as clear an answer as to refuse them.
-        warnings.filterwarnings("ignore", "all (phases|loads)")
-        warnings.filterwarnings("ignore", "(mu|rho)_[12] = .* is (below|above)")
+        # Large numbers are drawn on purpose: a doubt about the unit is as clear an answer as a refusal.
+        warnings.filterwarnings("ignore", "all (phases|loads)|(mu|rho)_[12] = .* is (below|above)")
         try:
             return (call(),)
         except (ValueError, ConvergenceError, FileNotFoundError) as refusal:

@@ -39,7 +39,10 @@ def test_the_trade_measures_all_its_variants(monkeypatch, tmp_path):
 
 def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     """Against a reference of its own it is exact; at heavy loads it rises beyond full contact."""
-    exact = lambda profile, loads: reference.Reference(0.5 * loads, np.full(loads.size, 0.5), "a half")  # noqa: E731
+
+    def exact(profile, loads):
+        return reference.Reference(0.5 * loads, np.full(loads.size, 0.5), "a half")
+
     monkeypatch.setitem(reference.OF_ESTIMATES, "toy", exact)
     list_method(monkeypatch, TOY)
     case = Case({"D": 1.5, "gamma": 3, "m": 2}, (), {})

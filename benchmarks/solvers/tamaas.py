@@ -55,8 +55,7 @@ def begin(problem: Problem) -> PolonskyKeer:
 def begin_counted(problem: Problem) -> PolonskyKeer:
     """A solver with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
 
-    # The class that is derived from is of an optional package, whose types mypy does not see.
-    class Count(import_module("tamaas").Functional):  # type: ignore[misc]
+    class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # of an optional package, without types
         gradients = 0
 
         def computeF(self, pressure: Array, gap: Array) -> float:

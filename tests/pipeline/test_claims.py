@@ -1,5 +1,6 @@
 """Claims on hand-made curves of which it is known what they say: yes, no, neither, or nothing to measure."""
 
+import json
 from dataclasses import replace
 
 import netCDF4
@@ -345,7 +346,10 @@ def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
     claims.write(solutions, tmp_path / "contact.nc", tmp_path / "claims.md")
     judged = claims.evaluate("demelio_exact", [read_study(solutions, "two")])
     assert judged.outcome == NO
-    assert report.from_dataset(dataset.read(tmp_path / "contact.nc")) == {"demelio_exact": judged}
+    data = dataset.read(tmp_path / "contact.nc").sel(claim="demelio_exact")
+    assert (data.claim_statement, data.claim_holds) == (judged.statement, NO)
+    (finding,) = json.loads(data.claim_conditions.item())
+    assert finding == json.loads(json.dumps(judged.findings[0]._asdict()))
     text = (tmp_path / "claims.md").read_text()
     assert "| [demelio\\_exact](#demelio_exact) | Demelio is exact. | no |" in text
     assert "\n## demelio_exact\n" in text

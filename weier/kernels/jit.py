@@ -27,8 +27,8 @@ from weier.digests import PACKAGE, cache_root, digest, digest_of_kernels
 
 try:
     import fcntl
-except ImportError:  # of Windows, where each process compiles for itself
-    fcntl = None  # type: ignore[assignment]
+except ImportError:
+    fcntl = None  # type: ignore[assignment]  # on Windows, where each process compiles for itself
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

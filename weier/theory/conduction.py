@@ -185,7 +185,7 @@ class Bodies:
     """Two bodies in contact, which turn normalised results into SI units: see `weier.Interface` for their values."""
 
     mu_1: float = None  # type: ignore[assignment]  # until E_1 gives it
-    mu_2: float = None  # type: ignore[assignment]
+    mu_2: float = None  # type: ignore[assignment]  # until E_2 gives it
     nu_1: float
     nu_2: float
     rho_1: float

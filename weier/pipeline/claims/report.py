@@ -51,18 +51,6 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
     return xr.Dataset(variables).set_coords("claim")
 
 
-def from_dataset(data: xr.Dataset) -> dict[str, Judgement]:
-    """Return the claims that a dataset holds, by their names."""
-    if "claim" not in data.variables:
-        return {}
-    names = ("claim", "claim_statement", "claim_holds", "claim_conditions", "claim_missing")
-    rows = zip(*(data[name].values.tolist() for name in names), strict=True)
-    return {
-        name: Judgement(says, Check(holds), tuple(Finding(**fields) for fields in json.loads(conditions)), missing)
-        for name, says, holds, conditions, missing in rows
-    }
-
-
 def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
     """Return the decisive number, its limit, and the results of the profiles."""
     if judged.missing:
