@@ -489,7 +489,6 @@ def rows(z, x):
         (rows(COS, EVEN**2), {}, "positions must rise in equal steps, got .*: interpolate the heights"),
         (rows(COS, np.zeros(100)), {}, "positions must rise in equal steps, got 0.0 at height 1 in line 1"),
         (rows(COS, np.where(EVEN == 50, np.nan, EVEN)), {}, "line 51, has no position"),
-        ("1\n" * (10**6 + 1), {"length": 1.0}, "must have at most 1000000 heights, got 1000001: say rows="),
         (rows(COS, EVEN), {"x_unit": "foot"}, "x_unit must be one of m, cm, mm, um, .*nm, .*, got 'foot'"),
         (rows(COS, EVEN), {"columns": 5}, r"say columns="),
         (
@@ -518,6 +517,12 @@ def test_a_file_that_is_no_trace_is_refused_in_one_sentence(file, text, more, sa
     with pytest.raises(ValueError, match=says) as refused:
         Trace.read(file(text), **{"x_unit": "m", "height_unit": "m"} | more)
     assert "\n" not in str(refused.value)
+
+
+def test_more_heights_than_there_may_be_are_refused(file, monkeypatch):
+    monkeypatch.setattr("weier.surface.measured.text.MAX_HEIGHTS", 1000)
+    with pytest.raises(ValueError, match="must have at most 1000 heights, got 1001: say rows="):
+        Trace.read(file("1\n" * 1001), x_unit="m", height_unit="m", length=1.0)
 
 
 TEXT = columns(heading="x (mm),z (\u00b5m)\n")
