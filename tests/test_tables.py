@@ -1,22 +1,15 @@
-"""Tables of text and HTML, and how a profile looks in a notebook."""
+"""Tables of HTML, and how a profile looks in a notebook."""
 
 import numpy as np
 
 import weier
 from weier.surface.profile import MAX_TERMS_SHOWN
-from weier.tables import html_table, significant, text_table
-
-HEADER, ROWS = ("a", "long name", "why"), [["1234", "b", "as it is"], ["5", "c", ""]]
+from weier.tables import html_table, significant
 
 
 def test_numbers_are_written_in_full_unless_they_are_too_long():
     written = {428.3: "430", 0.0123: "0.012", 1.234e7: "1.2e+07", 2.1e-7: "2.1e-07"}
     assert {value: significant(value, 2) for value in written} == written
-
-
-def test_columns_stand_below_their_names():
-    lines = text_table(HEADER, ROWS, "").splitlines()
-    assert lines == ["a     long name  why", "1234  b          as it is", "5     c"]
 
 
 def test_html_keeps_text_as_text():

@@ -1,4 +1,4 @@
-"""Numbers and tables for output: as lines of text, and as HTML for notebooks."""
+"""Numbers with few digits, and tables as HTML for notebooks."""
 
 from __future__ import annotations
 
@@ -9,13 +9,6 @@ from html import escape
 def significant(value: float, count: int) -> str:
     """Format a number with this many significant digits, without exponent if short: 430, not 4.3e+02."""
     return f"{float(f'{value:.{count}g}'):g}"
-
-
-def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> str:
-    """Return lines with columns of equal width; the last column is as wide as its text."""
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)][:-1]
-    lines = ([cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True)] for row in (header, *rows))
-    return "\n".join(indent + "  ".join(line).rstrip() for line in lines)
 
 
 def html_table(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]], footer: str = "") -> str:

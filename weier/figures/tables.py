@@ -15,12 +15,12 @@ from weier.data.variables import attributes
 from weier.figures import lines
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.method import QUANTITIES
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import Bodies
 from weier.units import PASCAL, unit_of
 
-QUANTITIES = ("compliance", "resistance")  # A line between the loads takes both.
 MISSING = 1e300  # In place of NaN, which numpy does not compare with itself.
 
 
