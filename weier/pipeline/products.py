@@ -19,6 +19,7 @@ from weier.pipeline.batches import Solutions
 
 # Figures and tables know methods by their names and looks; the code of a method is in the names of its batches.
 REGISTRY = "weier.methods.registry"
+# The code of every figure.
 FIGURE = (("weier.figures", "draw"), ("weier.pipeline.gather", "read_study"))
 LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
 MARK = re.compile(rb"made of weier:([0-9a-f]{32})")
@@ -32,11 +33,7 @@ def inputs_of_data(solutions: Solutions) -> str:
 def inputs_of_figure(solutions: Solutions, name: str) -> str:
     """Return the digest of the inputs of a figure."""
     figure = solutions.scene.figure(name)
-    code = [
-        (f"weier.figures.{figure.draw}", "draw"),
-        ("weier.figures", "draw"),
-        ("weier.pipeline.gather", "read_study"),
-    ]
+    code = [(f"weier.figures.{figure.draw}", "draw"), *FIGURE]
     return _inputs(solutions, figure.all_studies, [name, repr(figure)], code, "figures")
 
 
