@@ -21,8 +21,9 @@ from matplotlib.patches import Patch
 from weier.data import curves
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
-from weier.figures.tables import QUANTITIES, Extent, Table, extent, tables_of
+from weier.figures.tables import Extent, Table, extent, tables_of
 from weier.kernels.arrays import Array, Indices
+from weier.methods.method import QUANTITIES
 from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
