@@ -11,6 +11,7 @@ from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
     StageLimits,
+    carried_along,
     edge_moves,
     make_guess,
     next_guess,
@@ -157,3 +158,26 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     limit = 2 * (np.pi * small) ** 2 if not (dual and load < 0.5) else 0.5 * abs(error)
     assert abs(moved - exact) < limit * small
     assert abs(half_width - exact) > 0.3 * small
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square_of_the_move(wave, dual):
+    exact = wave.state(dual).segments
+    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
+    for size in (1e-4, 2e-4):
+        segments = exact._replace(
+            centre=exact.centre + 0.4 * size * scale, half_width=exact.half_width + size * scale
+        )
+        step = take_step(problem, make_guess(problem, segments, STAGE), STAGE)
+        carried = carried_along(step, 0.0)
+        solved = take_step(problem, next_guess(problem, step, STAGE, exact.node_count * 0 + step.b.size), STAGE)
+        np.testing.assert_allclose(carried.punches.offset, solved.punches.offset, rtol=1e-12)
+        errors.append(np.abs(carried.b - solved.b).max() / np.abs(solved.b).max())
+        assert np.all(np.abs(solved.moves.outward) <= np.abs(carried.moves.outward))
+        np.testing.assert_allclose(carried.forces.force, solved.forces.force, rtol=1e-5)
+    moved = np.abs(step.b - solved.b).max() / np.abs(solved.b).max()
+    assert errors[1] < 0.01 * moved
+    assert errors[0] < 0.35 * errors[1] + 1e-11  # a quarter

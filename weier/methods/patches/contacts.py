@@ -42,10 +42,11 @@ def contact_degree(n: int, r: float) -> float:
     return (1 if n == 0 else 2) / (np.pi * r)
 
 
+@kernel
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
     """Return the forces that carry the load, displaced by the same height everywhere, and the plane."""
     shift = (load * period - force.sum()) / even.sum()
-    return force + shift * even, OFFSET * load * period - float(shift)
+    return force + shift * even, OFFSET * load * period - shift
 
 
 CONTACTS = Kind(

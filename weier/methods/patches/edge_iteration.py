@@ -363,6 +363,25 @@ def next_guess(
     return Iterate(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
 
 
+def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
+    """Return a step whose edges have moved and whose density is carried along: the next step, but for second order.
+
+    Its moves are bounds on what the next ones would be: the part of the present ones that is rounding of the
+    singularity, in g_0, and their square. The latter counts twice, since the strength B changes with the edges, too.
+    """
+    punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
+    old, shift, growth = punches.segments, 0.5 * (outward[:, 1] - outward[:, 0]), 0.5 * outward.sum(axis=1)
+    b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
+    moved = make_punches(segments, punches.period, punches.dual, MAX_NODES * gap.size)
+    force = transfer_forces(old, b, np.arange(gap.size), moved)
+    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
+    rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
+    left = 2 * float(step.moves.relative.max()) ** 2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
+    forces, moves = step.forces._replace(force=force), step.moves._replace(outward=left)
+    return step._replace(punches=moved, forces=forces, b=b, a=regular_part(old.first_node, b), moves=moves)
+
+
 @kernel
 def _moved_segments(
     origin: Array,

@@ -114,8 +114,8 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
 
     ConvergenceError is raised if two of them overlap.
     """
-    gap, offset = place_nodes(segments.first_node, *segments.extent, period, dual)
-    if not (gap.min() > 0 and segments.half_width.min() > 0):
+    gap, offset, is_apart = place_nodes(segments.first_node, *segments.extent, period, dual)
+    if not is_apart:
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
@@ -129,10 +129,11 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
 @kernel
 def place_nodes(
     first_node: Indices, origin: Array, centre: Array, half_width: Array, period: float, dual: bool
-) -> tuple[Array, Array]:
-    """Return the gap on the right of each segment, and the offsets of its nodes from its middle."""
+) -> tuple[Array, Array, bool]:
+    """Return the gaps on the right of segments, the nodes' offsets, and whether no two segments overlap."""
     offset, _, _, _ = factors_at_nodes(first_node, half_width, period, dual)
-    return distances_between(origin, centre, half_width, period), offset
+    gap = distances_between(origin, centre, half_width, period)
+    return gap, offset, bool(half_width.min() > 0 and gap.min() > 0)
 
 
 @kernel
@@ -153,13 +154,14 @@ def _equations(
     centre: Array,
     half_width: Array,
     offset: Array,
+    forcing: Array,
     period: float,
     dual: bool,
     factor: float,
     on_diagonal: float,
-) -> Table:
-    """Return the influence of all forces at all nodes, plus a constant: the upper triangle of the matrix."""
-    n, at = offset.size, 0
+) -> tuple[Table, Table]:
+    """Return the upper triangle of the influence of all forces at all nodes, and both right sides."""
+    n, at, right = offset.size, 0, np.ones((2, offset.size))
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
     for i in range(first.size - 1):
         for a in range(first[i], first[i + 1]):
@@ -172,10 +174,11 @@ def _equations(
     add_own_blocks(first, half_width, period, dual, matrix)
     at = 0
     for a in range(n):
+        right[0, a] = forcing[a]
         for b in range(a, n):
             matrix[a, b] = factor * (matrix[a, b] + influence[at]) + on_diagonal
             at += 1
-    return matrix
+    return matrix, right
 
 
 def displacement(punches: Punches, force: Array) -> Array:
@@ -228,8 +231,7 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky's factors of the whole matrix, which of contacts is made positive definite by a constant."""
     kind, segments, period = punches.kind, punches.segments, punches.period
     placed = segments.first_node, *segments.extent, punches.offset
-    matrix = _equations(*placed, period, kind.dual, kind.factor(period), kind.on_diagonal)
-    right = np.stack([forcing, np.ones(forcing.size)])
+    matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), kind.on_diagonal)
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
         raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
@@ -279,11 +281,12 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Arr
 
 def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:
     """Return what the forces make at positions in ascending order: a displacement, in g_0, or a pressure, in p_0*."""
-    if punches.matrix is None:
-        position = punches.at_nodes(punches.segments.middle) + punches.offset
-        total = direct_sums(position, force, x, punches.period, punches.dual)
+    middle = np.repeat(punches.segments.middle, punches.segments.node_count)
+    if force.size <= MAX_DIRECT:
+        total = direct_sums(middle + punches.offset, force, x, punches.period, punches.dual)
     else:
-        total = potential(punches.matrix.tree, force, make_tree(np.zeros(x.size), x), punches.period, punches.dual)
+        tree = punches.matrix.tree if punches.matrix is not None else make_tree(middle, punches.offset)
+        total = potential(tree, force, make_tree(np.zeros(x.size), x), punches.period, punches.dual)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
 
@@ -369,6 +372,5 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
 
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on other segments, each that of the old one `origin`, or 0 where that is -1."""
-    assert new.rule is not None
-    extent = new.segments.first_node, new.segments.half_width, new.rule.left
-    return forces_of(*extent, b, segments.first_node, origin, new.dual)
+    extent = new.segments.first_node, new.segments.half_width
+    return forces_of(*extent, b, segments.first_node, origin, new.period, new.dual)

@@ -21,6 +21,7 @@ from weier.methods.patches.edge_iteration import (
     ContactProblem,
     NewtonStep,
     StageLimits,
+    carried_along,
     make_guess,
     merged_intervals,
     next_guess,
@@ -30,7 +31,6 @@ from weier.methods.patches.edge_iteration import (
 from weier.methods.patches.given_edges import (
     Bounds,
     Forces,
-    Punches,
     expansion,
     regular_part,
     solve_tangent,
@@ -80,6 +80,8 @@ ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_LEFT_BY_NODES = 0.5  # ratio of residuals with more and fewer nodes above which the residual is rounding
 MAX_TAIL = 0.3  # last coefficients over the target from which a segment needs more nodes
+# Moves below this, over the root of the relative tolerance, are the last: what they leave is of second order.
+LAST_MOVE = 0.1
 # The last moves of edges over the tolerance, in half-widths: a contact whose force is below the target may take
 # a large part of an increment of the load.
 MAX_MOVE = 1e4
@@ -153,23 +155,26 @@ def _solve_to(
     # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
     # segments that the last one has added are guesses.
     moved, corrections, last_height = False, 0, np.inf
-    coarser: tuple[NewtonStep, ContactState, Array, Records, Records] | None = None  # before nodes were added
+    coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Records, Records] | None = (
+        None  # before nodes were added
+    )
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
-        is_enough = step.unsettled == 0 or (moved and step.unsettled < MAX_UNSETTLED)
+        is_enough, counts, solved = step.unsettled == 0 or (moved and step.unsettled < MAX_UNSETTLED), None, step
         if stage.fine:
             is_enough = _converged(step, target, MAX_MOVE * tolerance, last_move)
+            if not is_enough:  # Segments that have not settled keep their nodes.
+                segments = step.punches.segments
+                enough = target if step.unsettled == 0 else np.inf
+                counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
+                if _ends(step, target, tolerance, last_move) and np.array_equal(counts, segments.node_count):
+                    step, is_enough = carried_along(step, ROUNDING * load * loaded), True
         last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
         if not is_enough:  # stages 1 and 3
             moved = True
-            counts = None
-            if stage.fine:  # Segments that have not settled keep their nodes.
-                segments = step.punches.segments
-                enough = target if step.unsettled == 0 else np.inf
-                counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
             now = next_guess(problem, step, stage, counts)
             continue
         state = contact_state(problem, step, stage.fine)
@@ -202,11 +207,11 @@ def _solve_to(
             # More nodes do not help against rounding, and in gaps they add to it.
             if not np.any(short) or largest > MAX_LEFT_BY_NODES * last_height:
                 if coarser is not None and largest > last_height:
-                    step, state, residual, minima, negative = coarser
+                    solved, step, state, residual, minima, negative = coarser
                 route = guess.route._replace(steps=steps, corrections=corrections)
-                tangent = solve_tangent(step.punches, step.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
+                tangent = solve_tangent(solved.punches, solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
                 state = state._replace(edge_move=step.moves.outward, route=route)
-                state = _with_resistance(state, step.punches, tangent)
+                state = _with_resistance(state, solved, tangent, step is not solved)
                 if problem.dual:
                     state, minima = cracks_between_gaps(
                         state, problem.series, step.punches, tangent, minima, float(residual.max())
@@ -214,7 +219,7 @@ def _solve_to(
                 else:
                     state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
                 return certify(state, residual, minima, negative, problem.series, accepted, margin), steps
-            last_height, coarser = largest, (step, state, residual, minima, negative)
+            last_height, coarser = largest, (solved, step, state, residual, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             now = next_guess(problem, step, stage, counts)
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -246,6 +251,13 @@ def _converged(step: NewtonStep, target: float, small: float, last_move: float) 
     is_settled, is_rounding = move > MIN_ROUNDING_RATIO * last_move, move < MAX_ROUNDING_MOVE
     is_regular = float(step.singular.max()) < target and (is_settled or move < small)
     return step.forces.residual < target and (is_regular or (is_settled and is_rounding))
+
+
+def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -> bool:
+    """Return whether the next step would differ by less than the target, in second order, from this one's move."""
+    move = float(step.moves.relative.max())
+    is_small = move < LAST_MOVE * np.sqrt(tolerance) and move < MIN_ROUNDING_RATIO * last_move
+    return step.unsettled == 0 and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
 
 
 @kernel
@@ -344,9 +356,14 @@ def contact_state(problem: ContactProblem, step: NewtonStep, settled: bool) -> C
     return ContactState(problem.dual, problem.load, -step.forces.plane, segments, a)
 
 
-def _with_resistance(state: ContactState, punches: Punches, tangent: Forces) -> ContactState:
-    """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges."""
-    segments, kind = punches.segments, punches.kind
-    psi = end_sums(segments.first_node, expansion(punches, tangent.force), 0)
+def _with_resistance(state: ContactState, solved: NewtonStep, tangent: Forces, moves: bool) -> ContactState:
+    """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges.
+
+    If its edges have moved since the step that was solved, they have released the energy of their increment.
+    """
+    segments, kind = solved.punches.segments, solved.punches.kind
+    psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    return state._replace(resistance=kind.sign_of_plane * tangent.plane, tangent_strength=strength)
+    released = float((strength**2 * solved.moves.outward).sum()) if moves else 0.0
+    resistance = kind.sign_of_plane * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
+    return state._replace(resistance=resistance, tangent_strength=strength)

@@ -90,31 +90,23 @@ def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Ar
 
 
 @kernel
-def _cosine_sums(angles: int, is_rising: bool, table: Array) -> None:
-    """Fill a table with sum_n n cos(pi n q/N) or, not rising, sum_n cos(pi n q/N)/n, n = 1..N-1, for q = 0, 1, ...
+def _cosine_sum(angles: int, q: int, is_rising: bool, cosine: Array) -> float:
+    """Return sum_n n cos(pi n q/N) or, not rising, sum_n cos(pi n q/N)/n, n = 1..N-1, from a turn of cos(pi q/N).
 
     The first is N (N-1)/2 at q = 0, else -N/2 for even q and N/2 - 1/[2 sin^2(pi q/2N)] for odd q: the derivative of
     the sum of sin(n x), which is [cos(x/2) - cos((N - 1/2) x)]/[2 sin(x/2)].
     """
-    N, turn = angles, 2 * angles
-    cosine = np.empty(turn)
-    for q in range(turn):
-        cosine[q] = np.cos(np.pi / N * q)
-    for q in range(table.size):
-        total, index = 0.0, 0
-        if q > N:  # The sum is even about N.
-            total = table[turn - q]
-        elif is_rising:
-            total = 0.5 * N * (N - 1) if q == 0 else -0.5 * N
-            if q % 2 == 1:
-                total = 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * q) ** 2
-        else:
-            for n in range(1, N):
-                index += q
-                if index >= turn:
-                    index -= turn
-                total += cosine[index] / n
-        table[q] = total
+    N, total, index = angles, 0.0, 0
+    if is_rising:
+        if q == 0:
+            return 0.5 * N * (N - 1)
+        return -0.5 * N if q % 2 == 0 else 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * q) ** 2
+    for n in range(1, N):
+        index += q
+        if index >= 2 * N:
+            index -= 2 * N
+        total += cosine[index] / n
+    return total
 
 
 @kernel
@@ -131,15 +123,16 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
         if of_before == K:
             for q in range(2 * K + 1):
                 here[q] = table[start - 2 * K - 1 + q]
-        else:
-            N = K + shift_of(dual) - 1
-            _cosine_sums(N, dual != inverse, here)
-            if not inverse:
-                at_nodes = np.arange(2.0 * K + 1)
-                replace_by_influence(at_nodes, 2.0 * N, dual)
-                for q in range(2 * K + 1):
-                    here[q] = -here[q] - factor * at_nodes[q]
-        of_before = K
+            continue
+        N, of_before = K + shift_of(dual) - 1, K
+        cosine, at_nodes = np.cos(np.pi / N * np.arange(2 * N)), np.arange(N + 1.0)
+        replace_by_influence(at_nodes, 2.0 * N, dual)
+        for q in range(2 * K + 1):
+            if q > N:  # X is even about N
+                here[q] = here[2 * N - q]
+            else:
+                total = _cosine_sum(N, q, dual != inverse, cosine)
+                here[q] = total if inverse else -total - factor * at_nodes[q]
     return table
 
 
@@ -176,11 +169,10 @@ def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, mat
 
 @kernel
 def _waves(nodes: int, dual: bool) -> tuple[Array, int]:
-    """Return cos(pi q/2N) or, dual, sin(pi q/2N), of a whole turn, and N."""
+    """Return cos(pi q/2N) or, dual, sin(pi q/2N), of a whole turn and each with all its digits, and N."""
     N = nodes + shift_of(dual) - 1
-    wave, first = np.empty(4 * N), N if dual else 0
-    for q in range(4 * N):
-        wave[q] = np.cos(np.pi / (2 * N) * ((q - first) % (4 * N)))
+    angle = np.pi / (2 * N) * np.arange(4 * N)
+    wave = np.sin(angle) if dual else np.cos(angle)
     return wave, N
 
 
@@ -208,13 +200,13 @@ def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool)
 
 @kernel
 def forces_of(
-    first_node: Indices, r: Array, left: Array, b: Array, old_first_node: Indices, origin: Indices, dual: bool
+    first_node: Indices, r: Array, b: Array, old_first_node: Indices, origin: Indices, period: float, dual: bool
 ) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
     Coefficients of higher degree than the nodes carry are left out.
     """
-    force = np.zeros(first_node[-1])
+    force, (_, left, _, _) = np.zeros(first_node[-1]), factors_at_nodes(first_node, r, period, dual)
     for j in range(r.size):
         if origin[j] < 0:
             continue
