@@ -153,6 +153,7 @@ SI_UNITS = {
     "g_0/p_0*": "ohm m^2",
     "p_0*/lambda_0^(1/2)": "Pa m^-0.5",
 }
+SLOPE = " dh/dp"  # The end of the long name of a resistance that is normalised.
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
 SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
 # The coordinates of curves that hold the scale of a trace, in m.
@@ -452,7 +453,7 @@ def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[A
         return variable.dims, variable.values, dict(variable.attrs)
     factor, attributes["units"] = known[unit]
     if "long_name" in attributes:
-        attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit))
+        attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit)).removesuffix(SLOPE)
     if "symbol" in attributes:
         attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
     dims, values = variable.dims, variable.values
