@@ -1,10 +1,13 @@
 """The figure of the message: medians, bands and bounds are those of the data."""
 
+import csv
+from io import StringIO
+
 import numpy as np
 import pytest
 
 from weier.data import dataset
-from weier.figures import message
+from weier.figures import message, values
 from weier.methods import persson
 
 LOADS = np.array([0.01, 0.02, 0.1, 1.0])
@@ -42,3 +45,18 @@ def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
 def test_without_numerical_curves_there_is_nothing_to_draw(study):
     with pytest.raises(ValueError, match="no numerical curves"):
         message.draw([study.sel(solution_method=["persson"])], "")
+
+
+def test_its_values_name_the_series_of_each_panel_and_the_bounds(study):
+    other = study.copy(deep=True)
+    other["D"].values[:] = 1.5
+    rows = list(csv.DictReader(StringIO(values.as_csv(message.draw([study, other], "")))))
+    assert {row["panel"] for row in rows} == {"(a) D=1.25, gamma=5", "(b) D=1.5, gamma=5"}
+    bounds = {
+        (row["resistance (g_0/p_0*), low"], row["resistance (g_0/p_0*), high"])
+        for row in rows
+        if "bounds" in row["curve"]
+    }
+    assert bounds == {("2.0", "9.0")}
+    areas = [row["contact fraction"] for row in rows if row["curve"] == "p = 0.1, median" and row["contact fraction"]]
+    assert np.array(areas, float) == pytest.approx(2 * [0.3 * 0.5**m * 0.1 for m in TERMS])

@@ -107,6 +107,7 @@ def _draw(
         lower, upper = (np.median(together[f"resistance_{side}"][longest]) for side in ("lower", "upper"))
         place = terms[-1] + BESIDE
         bars: dict[str, Any] = {"color": color, "linewidth": 1.4, "capsize": 3, "fmt": "none"}
+        bars["label"] = f"{label}, bounds for m = inf"
         axes.errorbar([place], [middle[-1]], [[middle[-1] - lower], [upper - middle[-1]]], **bars)
         axes.set_xlim(terms[0] - 0.3, place + 0.3)
         axes.set_xticks(terms)

@@ -6,11 +6,12 @@ import csv
 import re
 from collections.abc import Iterator
 from io import StringIO
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
@@ -22,6 +23,7 @@ OF_VARIABLES = {"x": "x (lambda_0)", "height": "height (g_0)"}
 OF_VARIABLES |= {name: f"{name} ({entry.unit})" for name, entry in VARIABLES.items()}
 HEADINGS = {label: OF_VARIABLES[name] for name, label in LABELS.items()}
 HEADINGS |= {label: f"{name} ({SI_UNITS[VARIABLES[name].unit]})" for name, label in SI_LABELS.items()}
+TITLES: tuple[Literal["center", "left", "right"], ...] = ("center", "left", "right")  # Where a panel has its title.
 # Formulas of matplotlib in plain text.
 BRACED, SPACE, WORD = re.compile(r"\\(?:bar|mathrm)\{([^}]*)\}"), re.compile(r"\\[,;!]"), re.compile(r"\\([A-Za-z]+)")
 
@@ -35,7 +37,7 @@ def as_csv(figure: Figure) -> str:
     for axes in figure.axes:
         x, y = (_heading(axis.get_label_text()) for axis in (_labelled(axes, "x"), _labelled(axes, "y")))
         names = x, y, f"{y}, low", f"{y}, high"
-        panel = _plain(axes.get_title())
+        panel = _plain(_title(axes))
         own = [
             {"panel": panel, "curve": curve} | dict(zip(names, values, strict=True))
             for curve, *values in _points(axes)
@@ -58,9 +60,12 @@ def _points(axes: Axes) -> Iterator[tuple[str, float, float | None, float | None
             name = _name(line, f"line {number}")
             for x, y in np.asarray(line.get_xydata(), float).tolist():
                 yield name, x, y, None, None
+    of_bars: dict[Any, Any] = {
+        bar: one for one in axes.containers if isinstance(one, ErrorbarContainer) for bar in one.lines[2]
+    }
     for number, band in enumerate(axes.collections, 1):
         if isinstance(band, PolyCollection | LineCollection):
-            name = _name(band, f"band {number}")
+            name = _name(of_bars.get(band, band), f"band {number}")
             for path in band.get_paths():
                 places, low, high = _ends(np.asarray(path.vertices, float))
                 for x, least, largest in zip(places, low, high, strict=True):
@@ -79,6 +84,18 @@ def _ends(vertices: Any) -> tuple[list[float], list[float], list[float]]:
 def _name(artist: Any, otherwise: str) -> str:
     label = str(artist.get_label())
     return otherwise if label.startswith("_") else _plain(label)
+
+
+def _column(axes: Axes) -> range | None:
+    place = axes.get_subplotspec()
+    return place.colspan if place else None
+
+
+def _title(axes: Axes) -> str:
+    """Return the title of a panel, or that of another panel of its column."""
+    column = [one for one in axes.figure.axes if _column(one) == _column(axes)]
+    titles = [str(one.get_title(loc=where)) for one in (axes, *column) for where in TITLES]
+    return next(filter(None, titles), "")
 
 
 def _labelled(axes: Axes, name: str) -> Any:
