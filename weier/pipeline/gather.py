@@ -7,6 +7,7 @@ which are studies and settings that differ, come from the scene. So no batch is 
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from contextlib import suppress
 from itertools import compress
 from pathlib import Path
@@ -175,66 +176,79 @@ class Reader:
         self._verified = set[int]()
 
     def read(self, cases: Indices) -> xr.Dataset:
-        """Return some cases, by their numbers among all of the scene."""
-        methods, terms, edges, optional = self.layout
-        loads = self.solutions.scene.loads
-        unit = self.solutions.scene.load_unit
-        return self.fill(
-            dataset.blank(len(cases), methods, loads, terms, edges, optional | {"numerics"}, unit), cases
-        )
+        """Return some cases, by their numbers among all of the scene.
 
-    def fill(self, blank: xr.Dataset, cases: Indices) -> xr.Dataset:
-        """Fill in the curves of some cases, method by method: a case has the contact edges of its last method."""
-        for column, method in enumerate(self.layout.methods):
+        Method by method: a case has the contact edges of its last method.
+        """
+        methods, terms, edges, optional = self.layout
+        scene = self.solutions.scene
+        one = dataset.blank(1, methods, scene.loads, terms, edges, optional | {"numerics"}, scene.load_unit)
+        found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
+        # Views of the blank case, which take no memory where no method has values.
+        found = {name: np.broadcast_to(blank[0], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
+        for column, method in enumerate(methods):
             batches, rows, code = (values[cases] for values in self._places[method])
             order = np.argsort(batches, kind="stable")
             for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
                 if here.size and (batch := int(batches[here[0]])) >= 0:
                     start = int(rows[here].min())
-                    part = self._rows(batch, start, int(rows[here].max()) + 1, blank)
-                    _copy(blank, part, rows[here] - start, here, column)
-            if "numerics" in blank:
-                blank["numerics"].values[:, column] = code
-        blank["key"].values[:] = [self.keys[number] for number in cases.tolist()]
-        return blank
+                    part = self._rows(batch, start, int(rows[here].max()) + 1, found)
+                    _copy(found, part, rows[here] - start, here, column)
+            _writable(found, "numerics")[:, column] = code
+        found["key"] = np.array([self.keys[number] for number in cases.tolist()], object)
+        filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
+        return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
 
     def histories(self) -> list[str]:
         """Return the distinct histories of the batches."""
         found = dict[str, None]()
-        for file in self.files():
-            with dataset.reading(file) as data:
-                found[data.attrs.get("history", "")] = None
+        for path in self.files():
+            with netCDF4.Dataset(path) as file:
+                found[getattr(file, "history", "")] = None
         return list(found)
 
     def files(self) -> list[Path]:
-        """Return the batches."""
+        """Return the batches, which are verified."""
         used = {int(number) for batches, _, _ in self._places.values() for number in np.unique(batches)}
         return [self._file(batch) for batch in sorted(used) if batch >= 0]
 
     def _file(self, batch: int) -> Path:
-        return self.solutions.store.batches[batch].with_suffix(".nc")
-
-    def _rows(self, batch: int, start: int, end: int, like: xr.Dataset) -> xr.Dataset:
-        """Return a range of cases of a batch in memory, with the variables of `like`."""
-        file = self._file(batch)
+        file = self.solutions.store.batches[batch].with_suffix(".nc")
         if batch not in self._verified:
             netcdf.check_sealed(file, file.stem)
             self._verified.add(batch)
-        with dataset.reading(file) as data:
-            return data.drop_vars(data.variables.keys() - like.variables.keys()).isel(case=slice(start, end)).load()
+        return file
+
+    def _rows(self, batch: int, start: int, end: int, names: Collection[str]) -> xr.Dataset:
+        """Return a range of cases of a batch in memory, with these variables."""
+        with dataset.reading(self._file(batch)) as data:
+            return data.drop_vars(data.variables.keys() - names).isel(case=slice(start, end)).load()
 
 
-def _copy(blank: xr.Dataset, part: xr.Dataset, there: Indices, rows: Indices, column: int) -> None:
+def _writable(arrays: dict[str, NDArray[Any]], name: str) -> NDArray[Any]:
+    """Return an array to write to, in place of a view of the blank case."""
+    if not arrays[name].flags.writeable:
+        arrays[name] = arrays[name].copy()
+    return arrays[name]
+
+
+def _copy(found: dict[str, NDArray[Any]], part: xr.Dataset, there: Indices, rows: Indices, column: int) -> None:
     """Copy curves of a method and the parameters of their cases from rows of a batch to these rows."""
-    for name in blank.variables.keys() & part.variables.keys() - blank.sizes.keys():
-        target, values, here = blank.variables[name], part.variables[name].values[there], rows
-        if "solution_method" in target.dims:
+    for name in found.keys() & part.variables.keys():
+        dims, values, here = part.variables[name].dims, part.variables[name].values[there], rows
+        if values.dtype.kind == "f" and np.isnan(values).all():
+            continue
+        if values.dtype.kind in "OUT":  # Each text once in memory, since most cases have the same settings.
+            known: dict[str, str] = {}
+            values = np.array([known.setdefault(text, text) for text in values.ravel()], object).reshape(values.shape)
+        target = _writable(found, name)
+        if "solution_method" in dims:
             values = values[:, 0]
-        if "edge" in target.dims:
-            known = np.isfinite(values).any(axis=(1, 2))
-            values, here = values[known], rows[known]
-            target.values[here] = np.nan  # The previous method may have found more edges.
-        run = (here, column) if "solution_method" in target.dims else (here,)
+        if "edge" in dims:
+            has = np.isfinite(values).any(axis=(1, 2))
+            values, here = values[has], rows[has]
+            target[here] = np.nan  # The previous method may have found more edges.
+        run = (here, column) if "solution_method" in dims else (here,)
         rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # Sizes differ between batches.
         within = tuple(slice(min(sizes)) for sizes in rest)
-        target.values[(*run, *within)] = values[(slice(None), *within)]
+        target[(*run, *within)] = values[(slice(None), *within)]
