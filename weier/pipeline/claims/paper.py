@@ -34,6 +34,7 @@ DEMELIO_ERROR = 0.30  # relative error of the resistance in the paper: "by as mu
 LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives: "about".
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
 QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
+PHASE_DIGITS = 11  # Phases that agree in these digits are equal.
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
 
 RULE = (
@@ -84,8 +85,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
     """Return members whose cases differ in one parameter, in its order, and share the phases of common terms."""
     found = []
     for group in curves.groups(cases, *(name for name in PARAMETERS if name != varied)):
-        largest = max(float(case[varied]) for case in group)
-        rows = [_row(group, last, varied) for last in group if float(last[varied]) == largest]
+        rows = _rows(group, varied)
         members = tuple(row for row in rows if len(row) > 1)
         if members:
             first, last = members[0][0], members[0][-1]
@@ -96,15 +96,22 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
     return found
 
 
-def _row(cases: Cases, last: Case, varied: str) -> Cases:
-    """Return one case of each value of a parameter, in its order, with the phases of the last."""
-    same = {float(case[varied]): case for case in cases if _same_phases(case, last)}
-    return [same[value] for value in sorted(same)]
-
-
-def _same_phases(one: Case, other: Case) -> bool:
-    differences = one["phases"].values - other["phases"].values
-    return bool((np.abs(differences[np.isfinite(differences)]) < 1e-12).all())
+def _rows(cases: Cases, varied: str) -> list[Cases]:
+    """Return one case of each value of a parameter, in its order, for the phases of each case of the last value."""
+    by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
+    for case in cases:
+        phases = case["phases"].values
+        own = tuple(phases[np.isfinite(phases)].round(PHASE_DIGITS).tolist())
+        by_value.setdefault(float(case[varied]), []).append((own, case))
+    values = sorted(by_value)
+    terms = {value: len(by_value[value][0][0]) for value in values}
+    last = terms[values[-1]]
+    alike = {value: {own[:last]: case for own, case in by_value[value]} for value in values}
+    rows: list[Cases] = []
+    for own, _ in by_value[values[-1]]:
+        found = (alike[value].get(own[: terms[value]]) for value in values)
+        rows.append([case for case in found if case is not None])
+    return rows
 
 
 def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
