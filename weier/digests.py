@@ -19,7 +19,8 @@ from typing import Any
 PACKAGE = Path(__file__).parent
 KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these folders.
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
-RESOURCES = {".json", ".js", ".css", ".html", ".md", ".mplstyle"}  # the text files of the package beside modules
+# The text files of the package beside modules.
+RESOURCES = frozenset({".json", ".js", ".css", ".html", ".md", ".mplstyle"})
 DECORATOR, MACHINERY = "kernel", "weier.kernels.jit"  # How kernels are compiled changes no number.
 
 Name = tuple[str, str]  # A definition: its module and its name.
@@ -32,28 +33,16 @@ def digest(values: Any) -> str:
 
 
 @cache
-def digest_of_sources(*parts: str) -> str:
+def digest_of_sources(*parts: str, suffixes: frozenset[str] = frozenset({".py", *RESOURCES})) -> str:
     """Return a digest of all texts in some folders of the package, with comments and docstrings."""
-    paths = sorted({path for part in parts for path in (PACKAGE / part).rglob("*")})
-    texts = [path for path in paths if path.suffix in {".py", *RESOURCES}]
-    return digest([[str(path.relative_to(PACKAGE)), path.read_text(encoding="utf-8")] for path in texts])
-
-
-@cache
-def digest_of_resources(*parts: str) -> str:
-    """Return a digest of the text files in some folders of the package that are no modules."""
-    paths = sorted(path for part in parts for path in (PACKAGE / part).rglob("*") if path.suffix in RESOURCES)
+    paths = sorted({path for part in parts for path in (PACKAGE / part).rglob("*") if path.suffix in suffixes})
     return digest([[str(path.relative_to(PACKAGE)), path.read_text(encoding="utf-8")] for path in paths])
 
 
 @cache
 def digest_of_kernels() -> str:
     """Return a digest of all kernels, with the functions and constants that they use."""
-
-    def compute() -> str:
-        return _digest_of(_reached(_all_kernels(), ()))
-
-    return _remembered(["kernels"], compute)
+    return _remembered(["kernels"], lambda: _digest_of(_reached(_all_kernels(), ())))
 
 
 def digest_of_code(*functions: Name, stop: Collection[str] = ()) -> str:
@@ -66,11 +55,7 @@ def digest_of_code(*functions: Name, stop: Collection[str] = ()) -> str:
     stop : collection of str
         Modules whose definitions are not followed.
     """
-
-    def compute() -> str:
-        return _digest_of(_reached(functions, stop))
-
-    return _remembered([sorted(functions), sorted(stop)], compute)
+    return _remembered([sorted(functions), sorted(stop)], lambda: _digest_of(_reached(functions, stop)))
 
 
 def digest_of_callables(functions: Iterable[Callable[..., Any]], *more: Name, stop: Collection[str] = ()) -> str:
@@ -173,12 +158,7 @@ class _Plain(ast.NodeTransformer):
 
     def _without_docstring(self, node: Any) -> Any:
         self.generic_visit(node)
-        first = node.body[0] if node.body else None
-        if (
-            isinstance(first, ast.Expr)
-            and isinstance(first.value, ast.Constant)
-            and isinstance(first.value.value, str)
-        ):
+        if ast.get_docstring(node, clean=False) is not None:
             del node.body[0]
         return node
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from weier.data.netcdf import sealed_name
-from weier.digests import Name, digest, digest_of_code, digest_of_resources
+from weier.digests import RESOURCES, Name, digest, digest_of_code, digest_of_sources
 from weier.methods.registry import METHODS
 from weier.pipeline.batches import Solutions
 
@@ -50,7 +50,7 @@ def _inputs(
     curves = solutions.digest_of_curves(studies)
     cases = scene.digest_of_cases(*(scene.studies if studies is None else studies))
     looks = [[str(getattr(method, name)) for name in LOOKS] for method in METHODS]
-    program = [digest_of_code(*code, stop=[REGISTRY]), digest_of_resources(*resources), looks]
+    program = [digest_of_code(*code, stop=[REGISTRY]), digest_of_sources(*resources, suffixes=RESOURCES), looks]
     return digest([scene.name, entry, curves, cases, program])[:32]
 
 
