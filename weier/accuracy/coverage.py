@@ -29,7 +29,7 @@ class Judged(NamedTuple):
 
     error : in g_0 and g_0/p_0*; NaN where the method finds no solution
     stated : compliance_error and resistance_error
-    ratio : error over stated, after the uncertainty of the reference is taken off; NaN where that is too coarse
+    ratio : error over stated, minus the uncertainty of the reference; NaN if that is too coarse
     """
 
     error: Array

@@ -219,7 +219,7 @@ def extremes(path: Path, summary: Path) -> None:
 def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     """Draw a kind of figure from files.
 
-    It is written as PDF, SVG and PNG beside PATH.
+    It is written as PDF, SVG and PNG next to PATH.
     """
     from weier.data import dataset
     from weier.figures import draw as draw_files  # matplotlib, as in `weier plot`

@@ -51,7 +51,7 @@ def as_csv(data: xr.Dataset) -> str:
 
 
 def as_json(data: xr.Dataset) -> str:
-    """Return the curves of one case as JSON, by method; null stands for a missing number or minus infinity."""
+    """Return the curves of one case as JSON, by method; null is a missing number or minus infinity."""
     case = data.isel(case=0)
     parameters = {name: _plain(case[name].values) for name in PROFILE}
     parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}

@@ -44,7 +44,7 @@ WITHOUT_WINDOWS = {
 class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
 
-    caption : CAPTION, in plain text; {methods} stands for the sentence that distinguishes the curves of methods
+    caption : CAPTION, in plain text; {methods} is replaced by the sentence that distinguishes the methods
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
@@ -90,7 +90,7 @@ def draw(
     formats: Collection[str] = tuple(METADATA),
     mark: str = "",
 ) -> None:
-    """Draw one figure, in several formats beside each other.
+    """Draw one figure, in several formats.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class PlottedCurve(NamedTuple):
     loads, values : the line
     band : the low and the high end of the band, shape (2, loads); None for a single curve
     members : how many curves they are
-    points : whether the line is drawn as points beside a more accurate curve
+    points : whether to draw points instead of a line, next to a more accurate curve
     parameters : those of the first case by name
     differing : the parameters in which the curves differ
     """

@@ -82,7 +82,7 @@ def line(method: str) -> dict[str, Any]:
 
 
 def points(method: str) -> dict[str, Any]:
-    """Return keywords of Axes.plot for the points of a numerical method beside the line of a more accurate one."""
+    """Return keywords of Axes.plot for the points of a numerical method on the line of a more accurate one."""
     _, look = _label_and_style(method)
     return line(method) | POINTS | {"marker": look.marker}
 
@@ -94,7 +94,7 @@ def _label_and_style(method: str) -> tuple[str, Style]:
 
 
 def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Dataset, float, Color]]) -> None:
-    """Draw a few points of other numerical methods beside each of many curves.
+    """Draw a few points of other numerical methods on each of many curves.
 
     Parameters
     ----------

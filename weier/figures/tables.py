@@ -96,7 +96,7 @@ class Table:
         return self.loads[None] if self.in_pascal else self.loads * self.columns["pressure_unit"][rows, None]
 
     def parameters(self, row: int) -> dict[str, Hashable]:
-        """Return the values of a case for grouping: equal phases are one number, and a seed stands for its phases."""
+        """Return the values of a case for grouping: equal phases as one number, a seed instead of its phases."""
         phase = self.phases[row]
         phase = phase[phase != MISSING]
         phases = float(phase[0]) if phase.size and np.ptp(phase) == 0 else tuple(phase.tolist())

@@ -142,7 +142,7 @@ class _Search:
         value = target - self.offset
 
         def rising(log_load: float) -> float:
-            """Return what increases with the load, and vanishes at the target."""
+            """Return a function that increases with the load and vanishes at the target."""
             return (value - self.at(log_load).value) if self.falls else self.at(log_load).value - value
 
         high = math.log(self.full)

@@ -192,7 +192,7 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _number_or_word(value: Any) -> Any:
-    """Return a number that stands for missing heights, also where YAML takes it for a text; or a word that does."""
+    """Return a number or word for missing heights, also if YAML reads the number as text."""
     try:
         found = number("missing_value", value)
     except ValueError:

@@ -26,7 +26,7 @@ class Stated(NamedTuple):
 
 
 class Noise(NamedTuple):
-    """Errors beside those stated: of a height, over the total amplitude; of a slope, relative to itself."""
+    """Errors besides the stated ones: of heights over the total amplitude, and relative ones of slopes."""
 
     height: float = 1e-12
     slope: float = 1e-11

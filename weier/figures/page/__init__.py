@@ -1,6 +1,6 @@
 """The explorer of a scene: one HTML file with the curves of all its cases, methods and ensembles.
 
-The file is self-contained, so that it can be read without a network; `snakemake --report` includes it beside figures
+The file is self-contained, so that it can be read without a network; `snakemake --report` includes it with figures
 and claims. The same data give the same bytes.
 """
 

@@ -74,7 +74,7 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     for _ in range(MAX_HALVINGS):
         between, errors = evaluate_midpoints(waves, rows, left, right)
         rows = merge(rows, between)
-        # A row in the middle of a cell halves its error at least, even beside a kink.
+        # A row in the middle of a cell halves its error at least, even near a kink.
         wrong = ~(errors <= 2 * accuracy)
         if not np.any(wrong):
             return rows
@@ -88,7 +88,7 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
 def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) -> tuple[Rows, Array]:
     """Return rows in the middle of these cells, and the relative errors of the table there, of shape (cells,).
 
-    The cubics must meet the slopes, too: beside a kink one may meet the value by chance.
+    The cubics must agree in slope as well: near a kink the value may agree by chance.
     """
     middle, half = (left + right) / 2, (right - left) / 2
     guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)

@@ -90,7 +90,7 @@ def midpoints(points: int) -> Mesh:
 
 
 def depth_of(edge: Array) -> Depth:
-    """Return what heights are relative to where these are the edges."""
+    """Return the reference heights of these edges."""
     log_sine, trough = np.minimum(edge, 0.0), np.maximum(edge, 0.0)
     return Depth(log_sine, trough, 2 * np.exp(log_sine) + trough)
 

@@ -43,7 +43,7 @@ def error_bound(
     missing : by how much that of the state differs, in p_0*
     gap : largest gap on a contact or overlap anywhere, in g_0: eps
     pressure, width : pressures in gaps and tensions, at most sigma_i, in p_0*, each with the force of sigma_i on the
-        width W_i, in lambda_0, shape (violations,); a width of 0 stands for an unknown one
+        width W_i, in lambda_0, shape (violations,); 0 if unknown
 
     Notes
     -----
@@ -53,7 +53,7 @@ def error_bound(
     D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the error is
     at most eps + sigma (delta + eps)/(P - sigma).
 
-    The pressures on the width W_i can be taken off instead, which changes the mean pressure by sigma_i W_i/L at most
+    The pressures on the width W_i can be removed instead, which changes the mean pressure by sigma_i W_i/L at most
     and moves the surface (`largest_displacement`). That is done wherever it gives less.
     """
     eps, sigma = gap, missing
@@ -113,7 +113,7 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
     """Return points for the residual: the first of each segment and, last, their number; their crests and distances.
 
     They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
-    2 of them among K nodes, which serve for fast sums; else they are so many that the factor `SAMPLED_FACTOR` holds.
+    2 of them among K nodes, which serve for fast sums; otherwise enough for `SAMPLED_FACTOR` to hold.
     """
     nodes = segments.node_count
     count = 2 * (nodes + 1) if apart else np.asarray(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)), np.int64)

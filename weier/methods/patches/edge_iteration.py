@@ -87,10 +87,10 @@ def edge_moves(
     T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All are taken with the sign
     that they have at the left end, where a gap opens.
 
-    A contact that is narrower than the gaps beside it is Hertz's, of which psi/phi is (a^2 - r^2)/(2 r^2) -+
+    A contact narrower than the adjacent gaps is Hertz's, whose psi/phi is (a^2 - r^2)/(2 r^2) -+
     (c - x_c)/r at its ends. The mean of both is half the growth of the squared half-width, and half their difference
-    is the shift of the centre. The value at an edge beside a narrow gap is that of the gap, not of Hertz's contact:
-    then the value at the opposite edge stands for both.
+    is the shift of the centre. At an edge of a narrow gap, the value of the gap is used instead of Hertz's:
+    then the value at the opposite edge is used for both.
 
     Both ends of a gap that is narrower than both contacts give its growth (`_growth_of_gap`): it grows by their mean,
     and half their difference shifts it.

@@ -220,7 +220,7 @@ class _Search(NamedTuple):
         return bool(np.all(minima <= births))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """Return all changes, each located as if it were the only one; empty if one cannot be located."""
+        """Return all changes, each located independently; empty if one cannot be located."""
         try:
             return [self._locate(low, high, event) for event in changes]
         except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
@@ -258,7 +258,7 @@ class _Search(NamedTuple):
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
-        """Return the contacts of `start` under another load, as if none were born or merged in between."""
+        """Follow the contacts of `start` to another load, without births and mergers."""
         return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
 
 

@@ -182,7 +182,7 @@ def _equations(
 
 
 def displacement(punches: Punches, force: Array) -> Array:
-    """Return what the forces make at the nodes: a displacement, in g_0, or a pressure, in p_0*."""
+    """Return the effect of the forces at the nodes: a displacement, in g_0, or a pressure, in p_0*."""
     assert punches.rule is not None
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
@@ -280,7 +280,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Arr
 
 
 def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:
-    """Return what the forces make at positions in ascending order: a displacement, in g_0, or a pressure, in p_0*."""
+    """Return the effect of the forces at ascending positions: a displacement, in g_0, or a pressure, in p_0*."""
     middle = np.repeat(punches.segments.middle, punches.segments.node_count)
     if force.size <= MAX_DIRECT:
         total = direct_sums(middle + punches.offset, force, x, punches.period, punches.dual)

@@ -6,9 +6,9 @@ segments, and "Edges" for how far a crack opens.
 The equations on the segments do not imply the inequalities. Both solvers look for violations here:
 
 - Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
-  segment is missing. `_probe_points` are where it is evaluated, `_brackets` are the probes beside which a minimum may
-  be negative, and `_negative_minima` finds it. `find_missing` does so with fast sums while the set is corrected, and
-  `minima_outside` with closed forms, for a solution.
+  segment is missing. `_probe_points` are where it is evaluated, `_brackets` are the probes next to which a minimum
+  may be negative, and `_negative_minima` finds it. `find_missing` does so with fast sums while the set is corrected,
+  and `minima_outside` with closed forms, for a solution.
 - On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
 What is left of them in a solution enters its bound (`certificate`).
 """
@@ -227,7 +227,7 @@ def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficien
 
 @kernel
 def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brackets:
-    """Return the probes, ascending in each interval, beside which a minimum may lie below the margin.
+    """Return the probes, ascending in each interval, next to which a minimum may lie below the margin.
 
     Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
     lies within half the wider distance, and so no deeper below the probe than half the curvature times its square. A

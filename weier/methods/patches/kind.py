@@ -10,7 +10,7 @@ from weier.methods.patches.surface import CosineSeries
 
 
 class Kind(NamedTuple):
-    """Contacts or gaps: the formulas in which they differ.
+    """Contacts or gaps: the formulas that differ.
 
     dual : whether these are gaps
     right_sign : sign of psi at the right edge where it is positive at the left one

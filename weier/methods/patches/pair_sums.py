@@ -216,7 +216,7 @@ def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, B
 
 @kernel
 def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
-    """Return forces at the Chebyshev points of each node that stand for f at its points, shape (nodes, ORDER)."""
+    """Return equivalent forces at the Chebyshev points of each node, shape (nodes, ORDER)."""
     moment = np.zeros((tree.low.size, ORDER))
     # Within a level the nodes are passed forwards, since memory is read three times as slowly backwards.
     for level in range(tree.depth, -1, -1):

@@ -45,7 +45,7 @@ def resistance_error(state: ContactState, series: CosineSeries) -> float:
 
 
 def _rise_by_cracks(state: ContactState, period: float) -> float:
-    """Return what gaps in the intervals of tension would add to the resistance, in g_0/p_0*.
+    """Return the increase of R by gaps in the intervals of tension, in g_0/p_0*.
 
     A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
     where q is the tangent pressure there. That of an isolated contact is B (2/r)^(1/2)/sqrt(1-t^2), with the strength
@@ -121,7 +121,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     chi = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is in proportion to F. Crests other than
     the highest and its twins are known as gaps are, to rounding of the amplitudes, which adds to e. Curvatures
     kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
-    a. The force follows from the strengths of the edges, as if the contact were Hertz's: F = pi a^(3/2) A/sqrt(8).
+    a. The force follows from the strengths of the edges, for a Hertz contact: F = pi a^(3/2) k_1/sqrt(8).
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
     contacts = contacts_of(state.segments.extent, state.dual, L)

@@ -38,7 +38,7 @@ class Rule(NamedTuple):
 
     own : X of each segment
     left, scale : its factors, shape (nodes,) and (segments,)
-    at_node : what each node has on the diagonal beside X, shape (nodes,)
+    at_node : diagonal entry of each node in addition to X, shape (nodes,)
     inverse : the table of the inverse on what it can invert: all of a gap, and all but the mean of a contact
     inverse_left, inverse_scale : its factors, the diagonal being that of the table
     """

@@ -217,7 +217,7 @@ def at_contacts(at_segments: Sides, dual: bool) -> Sides:
 
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
-    """Return segments, already in order, with so many nodes each."""
+    """Return segments, already sorted, with these numbers of nodes."""
     return Segments(crest, origin, centre, half_width, np.append(0, np.cumsum(node_count)))
 
 
@@ -238,7 +238,7 @@ def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
 
 
 def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
-    """Return the order of positions from left to right in [0, L), and what is to be taken off each to lie there."""
+    """Return the order of positions in [0, L), and the shift of each into that interval."""
     turns = period * np.floor(middle / period)
     return np.argsort(middle - turns, kind="stable"), turns
 

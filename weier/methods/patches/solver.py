@@ -182,7 +182,7 @@ def _curve_point(
 
 
 def _rounding(surface: Surface) -> float:
-    """Return what rounding adds to the error of a compliance, in g_0."""
+    """Return the contribution of rounding to the error of the compliance, in g_0."""
     return COMPLIANCE_ROUNDING * surface.total_amplitude
 
 
@@ -229,7 +229,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
-    """Return the contacts of a state, whether its segments are contacts or gaps; None stands for full contact."""
+    """Return the contacts of a state, from segments of either kind; None is full contact."""
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)

@@ -82,7 +82,7 @@ class Condition(NamedTuple):
     most : whether it is a tendency of most members; otherwise one member refutes it
     ensembles : the ensembles to which it applies
     error : the quantity of the numerical curve whose stated error makes a sign uncertain, if there is one
-    decides : whether the verdict depends on it; otherwise its number only stands beside it
+    decides : whether the verdict depends on it; otherwise its number is only reported
     """
 
     text: str
@@ -102,7 +102,7 @@ class Ensemble(NamedTuple):
     name : the common parameters of its members, in words
     members : the cases of each member
     complete : whether these are all possible members, so that their number does not matter
-    decides : whether a verdict depends on it; otherwise its number only stands beside it
+    decides : whether a verdict depends on it; otherwise its number is only reported
     """
 
     name: str

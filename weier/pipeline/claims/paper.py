@@ -68,7 +68,7 @@ def by_phases(cases: Cases) -> list[Ensemble]:
 
 
 def by_mean(cases: Cases) -> list[Ensemble]:
-    """Return the mean of each ensemble, which decides, and its members beside it."""
+    """Return the mean of each ensemble, which decides, and its members for information."""
     single = by_phases(cases)
     means = [
         Ensemble(
@@ -125,7 +125,7 @@ COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
 
 
 def _beside_one_wave(cases: Cases) -> list[Ensemble]:
-    """Return one case of each longer series, since the estimates know no phases, beside the one-wave solution."""
+    """Return one case of each longer series (the estimates are independent of phases) and the one-wave solution."""
     waves = [case for case in cases if float(case["m"]) == 1]
     longer = curves.groups([case for case in cases if float(case["m"]) > 1], *PARAMETERS)
     need(waves and longer, "one-wave solution and longer series")

@@ -167,7 +167,7 @@ def check_jumps(z: Array, step: float) -> None:
 def _check_abrupt_changes(z: Array, step: float) -> None:
     """Refuse changes from one height to the next that are far larger than all others of the line.
 
-    Suspects are abrupt and have no flank beside them. With the heights around them left out, they must exceed a part
+    Suspects are abrupt and have no adjacent flank. Without the surrounding heights, they must exceed a part
     of the range of the rest, without its form, and the largest change of the rest.
     """
     change = np.diff(z)
@@ -256,7 +256,7 @@ def warn_of_form(level: Array) -> None:
 
 
 def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
-    """Return what least squares leave of heights at some positions."""
+    """Return the residuals of least squares at some positions."""
     x = np.asarray(position, float)
     x = (x - x.mean()) / max(np.ptp(x), 1.0)
     basis = np.linalg.qr(np.vander(x, degree + 1, increasing=True))[0]

@@ -36,8 +36,8 @@ class Layout:
     valid : number of a column that says which heights are valid, by 1 or true
     delimiter, decimal, thousands : signs between columns, in front of decimals, and between thousands
     encoding : of the file
-    comment : lines in the table that begin with one of these texts are left out; "" stands for empty lines
-    missing : texts that stand for missing heights, beside the known ones; "" stands for empty lines
+    comment : prefixes of lines to skip; "" means empty lines
+    missing : further texts for missing heights; "" means empty lines
     """
 
     skip: int | None = None

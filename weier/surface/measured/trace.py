@@ -291,7 +291,7 @@ class Trace(Waves):
             Lines within the table of a file of text that begin with one of these are left out; "" stands for empty
             lines.
         missing_value : float, str or list, optional
-            Numbers and words that stand for missing heights; "" stands for empty lines in one column.
+            Numbers and words for missing heights; "" means empty lines in one column.
         **options
             `unit`, `detrend`, `missing`, `max_gap` and `source`, as of a trace.
 
