@@ -119,8 +119,8 @@ def _join(parts: list[Run]) -> Run:
 def is_clear(error: Exception, method: Method) -> bool:
     """Return whether an error was raised on purpose by weier or the file of the method, with a text without NaN."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
-    of_method = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
-    own = PACKAGE in Path(last.filename).parents or last.filename == of_method
+    source_file = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
+    own = PACKAGE in Path(last.filename).parents or last.filename == source_file
     deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
     return deliberate and bool(text) and not UNCLEAR_WORDS.search(text)
 

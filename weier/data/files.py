@@ -118,4 +118,4 @@ def _check_space(beside: Path, path: Path) -> None:
 
 def _unwritable(path: Path, error: OSError) -> OSError:
     """Return the error with the name of the given file in place of the temporary one."""
-    return OSError(f"{path} cannot be written: {error.strerror}; mend that and run again")
+    return OSError(f"{path} cannot be written: {error.strerror}; fix this and rerun")

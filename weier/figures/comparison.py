@@ -124,15 +124,15 @@ def compare(
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
     grouping = grouping.of(cases)
     drawn = _curves(tables, quantity, grouping)
-    of_each = [_values(drawn, name) for name in grouping.facet]
+    facet_values = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
-    title, shown = style.limit_panels(title, list(itertools.product(*of_each)), noun, style.MAX_GRID)
+    title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
     labels = style.SI_LABELS if interface else style.LABELS
-    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, of_each[1:]))
+    figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, facet_values[1:]))
     differing = {{"phases": "seed"}.get(name, name) for curve in drawn for name in curve.differing}
     names = [name for name in ("method", *SURFACES, "seed") if name not in (*grouping.facet, *differing)]
-    of_all = {name: _values(drawn, name) for name in names}
-    alike = {name: values[0] for name, values in of_all.items() if len(values) == 1 and values[0] != ""}
+    parameter_values = {name: _values(drawn, name) for name in names}
+    alike = {name: values[0] for name, values in parameter_values.items() if len(values) == 1 and values[0] != ""}
     shared = (
         "" if grouping.facet == EACH_CASE.facet else _join(_label(drawn, *parameter) for parameter in alike.items())
     )

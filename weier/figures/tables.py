@@ -140,10 +140,10 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
         "seeded": np.isfinite(seeds),
         "waves": np.concatenate([table.study["m"].values for table in tables]),
     }
-    of_trace = np.concatenate([table.names.astype(str) != "" for table in tables])
+    is_trace = np.concatenate([table.names.astype(str) != "" for table in tables])
     for name in PARAMETERS:
         values = np.concatenate([np.asarray(table.study[name].values, float) for table in tables])
-        values[of_trace] = MISSING  # its name says all
+        values[is_trace] = MISSING  # its name says all
         columns[name] = np.unique(np.where(np.isnan(values), MISSING, values), return_inverse=True)[1]
     units = [_units(table.study, quantity, interface) for table in tables]
     columns |= {name: np.concatenate([own[name] for own in units]) for name in units[0]}

@@ -85,8 +85,8 @@ class Solutions:
     def parts(self) -> list[Part]:
         """The curves of the scene, by product and method, in their order."""
         scene, found = self.scene, []
-        of_case = scene.product_of_cases
-        starts = np.searchsorted(of_case, np.arange(len(scene.products) + 1))
+        product_of_case = scene.product_of_cases
+        starts = np.searchsorted(product_of_case, np.arange(len(scene.products) + 1))
         for product, start, end in zip(scene.products, starts, starts[1:], strict=False):
             if end > start:
                 positions = scene.position_in_product[start:end]

@@ -44,14 +44,14 @@ CODE_DIGITS = 12  # of the digest of the code that files state
 
 
 @cache
-def numerics(method: str, of_trace: bool) -> dict[str, str]:
+def numerics(method: str, is_trace: bool) -> dict[str, str]:
     """Return a digest of the code that computes the curves of a method, and the versions of its packages."""
     found = find_method(method)
     measured = [path for path in (PACKAGE / "surface" / "measured").glob("*.py") if path.stem != "trace"]
     code = digest_of_callables(
         (found.solve, found.applies),
         *OF_ALL,
-        *(OF_TRACES if of_trace else OF_SERIES),
+        *(OF_TRACES if is_trace else OF_SERIES),
         # A trace is identified by its heights, however they are read.
         stop=[f"weier.surface.measured.{path.stem}" for path in measured],
     )
@@ -99,11 +99,11 @@ def kind_of(case: Case, method: str, scene: Scene) -> Kind:
     A series has its loads in p_0*, so that scenes with other bodies share its curves.
     """
     settings = dict(sorted(all_settings(find_method(method), case.settings.get(method, {})).items()))
-    loads, modulus, of_trace = scene.loads, None, "trace" in case.parameters
+    loads, modulus, is_trace = scene.loads, None, "trace" in case.parameters
     if scene.in_si and (bodies := scene.interface):
-        loads = loads if of_trace else bodies.normalised_pressure(loads)
-        modulus = bodies.composite_modulus if of_trace else None
-    return Kind(method, settings, loads.tolist(), scene.contact_edges, numerics(method, of_trace), modulus)
+        loads = loads if is_trace else bodies.normalised_pressure(loads)
+        modulus = bodies.composite_modulus if is_trace else None
+    return Kind(method, settings, loads.tolist(), scene.contact_edges, numerics(method, is_trace), modulus)
 
 
 class Batch(NamedTuple):

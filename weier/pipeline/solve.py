@@ -139,7 +139,7 @@ def solve_under(
     if max_seconds is not None:
         max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
-    of_methods = (
+    settings_of_methods = (
         settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
     )
     pairs = [
@@ -148,7 +148,9 @@ def solve_under(
         for solver in solvers
         if solver.takes(surface)
     ]
-    expected = sum(solver.seconds(surface, own, **of_methods.get(solver.name, {})) for surface, own, solver in pairs)
+    expected = sum(
+        solver.seconds(surface, own, **settings_of_methods.get(solver.name, {})) for surface, own, solver in pairs
+    )
     with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
         if several:
             return _solve_all(profiles, loads, loads_of, methods, settings, edges, workers)

@@ -399,9 +399,9 @@ class StudyKeys(Part):
             return [(("product",), self.product.given)]
         if self.cases:
             return [(("cases", position), case.given) for position, case in enumerate(self.cases)]
-        files, of_all = self.trace.file, self.trace.given
+        files, given = self.trace.file, self.trace.given
         places: list[Keys] = [("trace", "file", number) for number in range(len(files))]
-        traces = [{"trace": of_all | {"file": file}} for file in files]
+        traces = [{"trace": given | {"file": file}} for file in files]
         return list(zip(places if len(files) > 1 else [("trace", "file")], traces, strict=True))
 
 

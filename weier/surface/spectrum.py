@@ -180,13 +180,15 @@ def fit(
     finest = min(math.floor(period / last * DECIMAL_ROUNDING), trace.waves_per_period[-1])
     every = np.arange(1, trace.waves_per_period[-1] + 1)
     variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
-    of_every = np.asarray(np.bincount(trace.waves_per_period, variance)[every], float)  # 0 for waves not there
+    variance_of_wave = np.asarray(
+        np.bincount(trace.waves_per_period, variance)[every], float
+    )  # 0 for waves not there
     band = slice(math.ceil(period / first / DECIMAL_ROUNDING) - 1, finest)
-    k, power = every[band], of_every[band]
-    _check_power(k, every[_has_power(every, of_every)], period)
+    k, power = every[band], variance_of_wave[band]
+    _check_power(k, every[_has_power(every, variance_of_wave)], period)
     beta, scatter = _exponent(k, power), SCATTER[trace.ends]
-    of_D, bias = _influence_on_D(k, beta, scatter)
-    D, D_error = (5 - beta) / 2 - bias, math.sqrt(scatter * of_D @ of_D)
+    D_influence, bias = _influence_on_D(k, beta, scatter)
+    D, D_error = (5 - beta) / 2 - bias, math.sqrt(scatter * D_influence @ D_influence)
     if not 1 < D < 2:
         raise ValueError(
             f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * D:.3g} from {first:g} to "
@@ -195,12 +197,12 @@ def fit(
     n = np.arange(m)
     variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
     part = variances / variances.sum()
-    of_P = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
+    P_share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
     slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
     curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
-    of_g_0 = of_P / 2 - slope * of_D
-    error = math.sqrt(scatter * of_g_0 @ of_g_0)
-    bias = -scatter * of_P @ of_P / 4 - curvature * D_error**2
+    g_0_influence = P_share / 2 - slope * D_influence
+    error = math.sqrt(scatter * g_0_influence @ g_0_influence)
+    bias = -scatter * P_share @ P_share / 4 - curvature * D_error**2
     g_0 = math.sqrt(2 * power.sum() / (KEPT_VARIANCE[trace.ends] * variances.sum())) * math.exp(-bias)
     _warn_of_artefacts(trace, k, D, D_error)
     return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * error, trace.source)

@@ -157,7 +157,7 @@ SENTINEL = np.where(np.isin(N, [5, 6, 50]), -9999, BASE)
 )
 def test_missing_heights_are_refused_with_their_count_and_filled_where_that_is_asked_for(z, more):
     with pytest.raises(
-        ValueError, match=r"^3 of 200 heights are missing, the first is height 6, at most 2 beside each other: say"
+        ValueError, match=r"^3 of 200 heights are missing, the first is height 6, at most 2 adjacent: say"
     ) as it:
         trace(z, **more)
     assert 'missing="interpolate"' in str(it.value)
@@ -193,7 +193,7 @@ def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
     z = BASE.copy()
     z[[0, 1, 2, 3, 4, 5, 6, 50, 199]] = np.nan
     with pytest.raises(
-        ValueError, match=r"9 of 200 .* first is height 1, at most 1 beside .*, 8 of them at the ends"
+        ValueError, match=r"9 of 200 .* first is height 1, at most 1 adjacent, 8 of them at the ends"
     ):
         trace(z)
     cut = trace(z, missing="interpolate")

@@ -108,7 +108,7 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
         (COS, 0.0, {}, "length must be positive and finite, got 0.0"),
         (COS, 1.0, {"shortest": 0.01}, "must lie between two steps and the length of the trace, 0.02 and 1 m"),
         (COS, 1.0, {"shortest": 2.0}, "shortest must lie between two steps"),
-        (COS, None, {}, "length must be given where heights have no positions: in m, or in x_unit beside it"),
+        (COS, None, {}, "length must be given where heights have no positions: in m, or in x_unit"),
         (COS, 1.0, {"unit": None}, 'heights must have a unit: name it, as in height_unit="um", or unit="m" for'),
         (
             COS,

@@ -45,7 +45,7 @@ def conditioning() -> xr.Dataset:
     """Return condition numbers over the dimension nodes; NaN where no matrix is decomposed."""
     values = {"nodes": NODES, "condition_operator": np.array([operator(n) for n in NODES])}
     for name, divisor in (("full", 1), ("half", 2)):
-        of_systems = [system(n, -(-n // divisor)) if n <= MAX_DENSE else np.nan for n in NODES]
-        values[f"condition_{name}"] = np.array(of_systems)
+        system_conditions = [system(n, -(-n // divisor)) if n <= MAX_DENSE else np.nan for n in NODES]
+        values[f"condition_{name}"] = np.array(system_conditions)
     columns = {name: ("nodes", column, variables.attributes(name, OWN)) for name, column in values.items()}
     return xr.Dataset(columns).set_coords("nodes")

@@ -24,9 +24,9 @@ FAULTS = (Outcome.unclear_error, Outcome.not_finite)
 def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
     """Write the faults, the largest errors by method and by extreme, and an error message of each kind."""
     runs, faults = _runs(data), failures(data)
-    of_method: dict[str, list[xr.Dataset]] = {}
+    runs_of_method: dict[str, list[xr.Dataset]] = {}
     for run in runs:
-        of_method.setdefault(run["variant"].item(), []).append(run)
+        runs_of_method.setdefault(run["variant"].item(), []).append(run)
     messages = dict.fromkeys(text for run in runs if (text := run["message"].item()))
     one_of_each = {re.split(r"\d", message)[0]: message for message in reversed(messages)}
     write_page(
@@ -35,8 +35,8 @@ def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
         title=title,
         rows=len(runs),
         faults=f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault.",
-        by_method=rows_as_table(SUMMARY, of_method.values()),
-        by_extreme=_matrix(runs, list(of_method)),
+        by_method=rows_as_table(SUMMARY, runs_of_method.values()),
+        by_extreme=_matrix(runs, list(runs_of_method)),
         messages=_list(reversed(one_of_each.values())),
     )
 

@@ -26,7 +26,7 @@ from weier.theory.conduction import Bodies
 
 EXPLORER_ID = ID("curves-explorer")
 IN_SI = "Pressures are in Pa, compliance in m and resistance in ohm m^2, for the two bodies of the scene."
-VALUES = "The values of each figure are beside it as comma-separated values."
+VALUES = "The values of each figure are available as comma-separated values."
 MEDIANS = "The median of phases has the largest stated error of its curves."
 
 

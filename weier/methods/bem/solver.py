@@ -173,7 +173,7 @@ def checked_points(profile: Waves, points: int | None = None, points_per_wave: i
         return _checked_points_per_wave(points_per_wave) * finest
     if points_per_wave is not None:
         raise ValueError(
-            f"points_per_wave must be left out where there are points, got {shown(points_per_wave)} beside "
+            f"points_per_wave must be left out if points are given, got {shown(points_per_wave)} with "
             f"points = {shown(points)}: give one of the two"
         )
     condition = (

@@ -85,8 +85,8 @@ def carried_load(state: ContactState, period: float) -> float:
     """Return the mean pressure carried by contacts, (pi/2) sum r a_0/L; for gaps, the load itself."""
     if state.dual:
         return state.load
-    of_each = state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
-    return float(0.5 * np.pi * of_each.sum()) / period
+    force = state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
+    return float(0.5 * np.pi * force.sum()) / period
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> Array:

@@ -123,13 +123,13 @@ def edge_moves(
         k, half = (j + 1) % n, 0.5 * gap[j]
         left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, k_0_of_curvature)
         right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
-        of_left, of_right = half < r[j], half < r[k]
-        linear = 0.5 * (left + right) if of_left and of_right else (left if of_left else right)
-        shift = _clip(0.5 * (right - left), MAX_GAP_SHIFT) if of_left and of_right else 0.0
-        closed[j], widening = (of_left or of_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
-        if of_left:
+        narrower_left, narrower_right = half < r[j], half < r[k]
+        linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
+        shift = _clip(0.5 * (right - left), MAX_GAP_SHIFT) if narrower_left and narrower_right else 0.0
+        closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
+        if narrower_left:
             outward[j, 1] = -half * (widening - shift)
-        if of_right:
+        if narrower_right:
             outward[k, 0] = -half * (widening + shift)
     for j in range(n):
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
@@ -180,15 +180,15 @@ class ContactProblem(NamedTuple):
 
     def forcing(self, crest: Indices, y: Array) -> Array:
         """Return the height less the largest or, dual, the tension of full contact, at distances from crests."""
-        of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
-        return np.asarray(evaluate_at(self.series, crest, y, 0) + of_maximum)
+        maximum = self.kind.forcing_of_maximum(self.series, self.load)
+        return np.asarray(evaluate_at(self.series, crest, y, 0) + maximum)
 
     def forcing_at_nodes(self, punches: Punches) -> Array:
         """Return the same at the nodes."""
         segments = punches.segments
-        of_maximum = self.kind.forcing_of_maximum(self.series, self.load)
+        maximum = self.kind.forcing_of_maximum(self.series, self.load)
         return evaluate_at_nodes(
-            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, of_maximum
+            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, maximum
         )
 
 

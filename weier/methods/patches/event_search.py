@@ -262,9 +262,9 @@ class _Search(NamedTuple):
         return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
 
 
-def _intervals(state: ContactState, of_gaps: bool, period: float) -> tuple[Array, Array, Array]:
+def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:
     """Return the contacts of a state, or its gaps: from origin + left to origin + right."""
-    origin, centre, half_width = contacts_of(contact_pieces(state, period)[0], of_gaps, period)
+    origin, centre, half_width = contacts_of(contact_pieces(state, period)[0], gaps, period)
     return origin, centre - half_width, centre + half_width
 
 
@@ -296,14 +296,14 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     return float(minimum.x), float(minimum.fun)
 
 
-def _gaps_or_pressures(state: ContactState, series: CosineSeries, of_gaps: bool, origin: float, y: Array) -> Array:
+def _gaps_or_pressures(state: ContactState, series: CosineSeries, gaps: bool, origin: float, y: Array) -> Array:
     """Return gaps at points origin + y off the contacts, or pressures at points on them; any may be negative.
 
     The density on segments is the pressure of contacts or, integrated, the gap in gaps (dual). The others, off the
     segments, are the complementary residual.
     """
     at = np.full(y.size, origin)
-    if of_gaps != state.dual:
+    if gaps != state.dual:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
     return values_on_segments(state, series.period, at, y, state.dual)[1]
 

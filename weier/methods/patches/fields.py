@@ -161,9 +161,9 @@ def _near_field(
         square[q] = (r / period * (t - node[q])) ** 2
     terms = 3 + int(LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))))
     for k in range(min(terms, SERIES_TERMS) - 1, -1, -1):
-        of_term = factor[k]
+        term = factor[k]
         for q in range(a.size):
-            series[q] = of_term + square[q] * series[q]
+            series[q] = term + square[q] * series[q]
     for q in range(a.size):
         power = square[q] if which == POTENTIAL else r / period * (t - node[q])
         total += force[q] * power * series[q]
@@ -173,19 +173,19 @@ def _near_field(
 
 
 @kernel
-def smooth_part(a: Array, of_gap: bool) -> Array:
+def smooth_part(a: Array, is_gap: bool) -> Array:
     """Return coefficients in U_k of phi or of gap/(r (1-t^2)^(3/2)).
 
     They have the sign of the density and of its integral, the gap, and keep their digits up to the segment's ends.
     """
-    return gap_expansion(a) if of_gap else a
+    return gap_expansion(a) if is_gap else a
 
 
 @kernel
-def at_point(value: float, t: float, r: float, of_gap: bool) -> float:
+def at_point(value: float, t: float, r: float, is_gap: bool) -> float:
     """Return the density or the gap from the value of its smooth part."""
     end_distance = (1 - t) * (1 + t)
-    return value * np.sqrt(end_distance) * (r * end_distance if of_gap else 1.0)
+    return value * np.sqrt(end_distance) * (r * end_distance if is_gap else 1.0)
 
 
 def values_on_segments(
@@ -291,10 +291,10 @@ def _node_forces(segments: Segments, coefficient: Array, dual: bool) -> tuple[Ar
         start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
         node, weight = gauss_nodes(end - start)
         a = smooth_part(coefficient[start:end], dual)
-        of_nodes = _forces_at(a, r, node, weight)
+        at_nodes = _forces_at(a, r, node, weight)
         for q in range(end - start):
             offset[start + q] = r * node[q]
-            force[start + q] = of_nodes[q] * (r * (1 - node[q]) * (1 + node[q]) if dual else 1.0)
+            force[start + q] = at_nodes[q] * (r * (1 - node[q]) * (1 + node[q]) if dual else 1.0)
     return offset, force
 
 
@@ -322,18 +322,18 @@ def _correct_near_segments(
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
-                of_nodes = r * (t - node)
-                replace_by_influence(of_nodes, period, dual)
+                at_nodes = r * (t - node)
+                replace_by_influence(at_nodes, period, dual)
                 near = _near_field(a, node, density, r, far, t, period, which)
-                total[i] += factor * near - (force[here] * of_nodes).sum()
+                total[i] += factor * near - (force[here] * at_nodes).sum()
     return total
 
 
-def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, of_gaps: bool) -> Array:
+def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
     """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
     crest, y = nearest_crests(series, x)
     inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
-    if of_gaps != state.dual:
+    if is_gap != state.dual:
         value = np.zeros(x.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value

@@ -66,9 +66,9 @@ class Punches(NamedTuple):
         """Whether these are gaps."""
         return self.kind.dual
 
-    def at_nodes(self, of_segments: Array) -> Array:
+    def at_nodes(self, at_segments: Array) -> Array:
         """Return a value of each segment at its nodes, shape (nodes,)."""
-        return np.repeat(of_segments, self.segments.node_count)
+        return np.repeat(at_segments, self.segments.node_count)
 
 
 class Forces(NamedTuple):

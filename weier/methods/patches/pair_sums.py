@@ -258,11 +258,11 @@ def _add_block(
 ) -> None:
     """Add a block times f of its columns to the totals of its rows, and the other way round."""
     for i in range(block.shape[0]):
-        of_row = 0.0
+        row_sum = 0.0
         for j in range(block.shape[1]):
-            of_row += block[i, j] * f_of_columns[j]
+            row_sum += block[i, j] * f_of_columns[j]
             to_columns[j] += block[i, j] * f_of_rows[i]
-        to_rows[i] += of_row
+        to_rows[i] += row_sum
 
 
 @kernel
@@ -278,9 +278,11 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         start, end = points_of_leaf(tree, matrix.near[pair, 0])
         first, last = points_of_leaf(tree, matrix.near[pair, 1])
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
-        of_rows = f[start:end] if start != first else none  # The block of a leaf with itself holds each pair twice.
+        row_forces = (
+            f[start:end] if start != first else none
+        )  # The block of a leaf with itself holds each pair twice.
         _add_block(
-            block.reshape(end - start, last - first), of_rows, f[first:last], total[start:end], total[first:last]
+            block.reshape(end - start, last - first), row_forces, f[first:last], total[start:end], total[first:last]
         )
     _add_local_fields(tree, field, total)
     return total

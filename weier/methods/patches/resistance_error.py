@@ -127,26 +127,26 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     contacts = contacts_of(state.segments.extent, state.dual, L)
     crest, _ = nearest_crests(series, contacts[0] + contacts[1])
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
-    of_heights = np.where(is_lower, state.height_error + EPS * series.total_amplitude, state.height_error)
-    of_curvature = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    height_error = np.where(is_lower, state.height_error + EPS * series.total_amplitude, state.height_error)
+    curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     A, B = at_contacts(A, state.dual), at_contacts(state.tangent_strength, state.dual)
-    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, of_heights, of_curvature)
+    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)
 
 
 @kernel
 def _releases(
-    origin: Array, centre: Array, r: Array, L: float, A: Sides, B: Sides, of_heights: Array, of_curvature: float
+    origin: Array, centre: Array, r: Array, L: float, A: Sides, B: Sides, height_error: Array, curvature_error: float
 ) -> float:
     """Return the sum of B^2 delta over all edges, where heights and curvatures are off by these."""
     distance, total = distances_between(origin, centre, r, L), 0.0
     for j in range(r.size):
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
         chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
-        by_force = 2 * r[j] * of_heights[j] / (chi * force) + of_curvature * r[j] ** 3 / (8 * force)
+        by_force = 2 * r[j] * height_error[j] / (chi * force) + curvature_error * r[j] ** 3 / (8 * force)
         for side in range(2):
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
-            move = np.sqrt(2.0) / np.pi * of_heights[j] / (A[j, side] * np.sqrt(scale)) + by_force
+            move = np.sqrt(2.0) / np.pi * height_error[j] / (A[j, side] * np.sqrt(scale)) + by_force
             # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
             if not move < scale:
                 move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)

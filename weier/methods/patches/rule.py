@@ -115,16 +115,16 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
 
     X(q) is minus the sum less what the sum over all nodes has already: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi q/2N)].
     """
-    n, of_before = first_node.size - 1, -1
+    n, previous_K = first_node.size - 1, -1
     table, factor = np.empty(2 * first_node[-1] + n), 0.25 if dual else 1.0
     for j in range(n):
         K, start = first_node[j + 1] - first_node[j], 2 * first_node[j] + j
         here = table[start : start + 2 * K + 1]
-        if of_before == K:
+        if previous_K == K:
             for q in range(2 * K + 1):
                 here[q] = table[start - 2 * K - 1 + q]
             continue
-        N, of_before = K + shift_of(dual) - 1, K
+        N, previous_K = K + shift_of(dual) - 1, K
         cosine, at_nodes = np.cos(np.pi / N * np.arange(2 * N)), np.arange(N + 1.0)
         replace_by_influence(at_nodes, 2.0 * N, dual)
         for q in range(2 * K + 1):
@@ -147,8 +147,8 @@ def times_own(
         for i in range(first, last):
             total = 0.0
             for k in range(first, last):
-                of_difference = table[start + abs(i - k)]
-                total += (of_difference + sign * table[start + i + k - 2 * first + shift]) * left[k] * f[k]
+                table_value = table[start + abs(i - k)]
+                total += (table_value + sign * table[start + i + k - 2 * first + shift]) * left[k] * f[k]
             result[i] += scale[j] * left[i] * total
 
 

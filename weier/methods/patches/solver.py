@@ -96,16 +96,16 @@ class Solution(NamedTuple):
         """Return pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
         if self.state is None:
             return self.mean_pressure - _series_at(self.surface.tensions, x)
-        return self._on_points(self.state, x, of_gaps=False)
+        return self._on_points(self.state, x, gaps=False)
 
     def gap(self, x: ArrayLike) -> Array:
         """Return the gap, in g_0, at x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
-        return self._on_points(self.state, x, of_gaps=True)
+        return self._on_points(self.state, x, gaps=True)
 
-    def _on_points(self, state: ContactState, x: ArrayLike, of_gaps: bool) -> Array:
-        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), of_gaps)
+    def _on_points(self, state: ContactState, x: ArrayLike, gaps: bool) -> Array:
+        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), gaps)
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:

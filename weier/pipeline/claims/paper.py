@@ -45,7 +45,7 @@ RULE = (
     "it. A "
     f"tendency needs {MIN_FRACTION:.0%} of them for either. Otherwise it is not decided, and fewer than "
     f"{MIN_MEMBERS} profiles confirm nothing. Statements about smooth curves of the resistance are judged on the "
-    "mean over the phases, since that of a single profile falls in drops; the single profiles are beside it."
+    "mean over the phases, since that of a single profile drops at births; single profiles are given as well."
 )
 MEANINGS = (
     "Excess and error are of an estimate over the numerical curve, and averages are over the load. "

@@ -105,7 +105,7 @@ def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], st
     longest = int(lengths.max(initial=0))
     cut = int(gaps.sum()) - inside
     summary = f"{gaps.sum()} of {z.size} heights are missing, the first is {place(int(gaps.argmax()))}"
-    summary += f", at most {longest} beside each other" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
+    summary += f", at most {longest} adjacent" * (longest > 0) + f", {cut} of them at the ends" * (cut > 0)
     if missing == REFUSE:
         need = f", max_gap={longest}" if longest > MAX_GAP else ""
         remedy = "fill them on straight lines" + " and cut off the ends" * (cut > 0)
@@ -126,7 +126,7 @@ def check_sentinels(z: Array) -> None:
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
             raise ValueError(
                 f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
-                f"{first[at] + 1}, far from all others or from those beside it: if it stands for missing heights, "
+                f"{first[at] + 1}, far from all others or from its neighbours: if it is a code for missing heights, "
                 f"say missing_value={values[at]:.9g}"
             )
 

@@ -133,14 +133,14 @@ def lines_of(topography: Any, line: int | None, across: str | None, sized: bool 
 def _channel(path: Path, channels: Any, wanted: int | str | None) -> Any:
     """Return the channel of this number or name; else the first one of heights."""
     names = [channel.name for channel in channels]
-    of_heights = [getattr(channel, "is_height_channel", True) for channel in channels]
+    is_height = [getattr(channel, "is_height_channel", True) for channel in channels]
     if wanted is None:
-        if not any(of_heights):
+        if not any(is_height):
             raise ChannelError(f"{path} has no channel of heights, only {', '.join(names) or 'none'}")
-        return channels[of_heights.index(True)]
+        return channels[is_height.index(True)]
     if wanted not in (names if isinstance(wanted, str) else range(len(channels))):
         raise ChannelError(f"channel must be one of {', '.join(names)}, or a number from 0, got {shown(wanted)}")
     number = names.index(wanted) if isinstance(wanted, str) else int(wanted)
-    if not of_heights[number]:
+    if not is_height[number]:
         raise ChannelError(f"channel must have heights, got {names[number]}, which has none")
     return channels[number]

@@ -96,7 +96,7 @@ def _last_digits(x: Array) -> Iterator[Array]:
     """Yield the unit of the last decimal of all positions, and of the last significant digit of each."""
     size = np.abs(x)
     exponent = np.floor(np.log10(np.maximum(size, size[size > 0].min())))
-    of_decimals = (np.full(x.size, 10.0**-decimals) for decimals in range(MOST_DIGITS))
-    of_digits = (10.0 ** (exponent - digits) for digits in range(MOST_DIGITS))
-    for units in (of_decimals, of_digits):
+    decimal_units = (np.full(x.size, 10.0**-decimals) for decimals in range(MOST_DIGITS))
+    digit_units = (10.0 ** (exponent - digits) for digits in range(MOST_DIGITS))
+    for units in (decimal_units, digit_units):
         yield from islice((unit for unit in units if (np.abs(x / unit - np.rint(x / unit)) < 1e-6).all()), 1)

@@ -160,19 +160,19 @@ class Trace(Waves):
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
         one = heights if isinstance(heights, Line) else line_of_array(heights, length is None)
-        of_heights = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
+        height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
-        of_lengths = {"unit": unit, "x_unit": x_unit}
-        z, length = _located(one, z, length, of_lengths)
+        length_units = {"unit": unit, "x_unit": x_unit}
+        z, length = _located(one, z, length, length_units)
         given = z.size
         place = one.place if given == len(one.numbers) else Line(z).place
         z, filled = measured.without_gaps(z, missing, max_gap, place)
         if filled.cut and ends == PERIODIC:
             raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
         measured.check_sentinels(z)
-        z, length = z * of_heights, length * z.size / given
+        z, length = z * height_factor, length * z.size / given
         shortest = _checked_shortest(
-            shortest, length, z.size, UNITS[agreed_unit("the length", of_lengths, ()) or "m"]
+            shortest, length, z.size, UNITS[agreed_unit("the length", length_units, ()) or "m"]
         )
         level = _checked_level(z, length / z.size, detrend, ends)
         period, waves, coefficient = _waves(level, ends, length, shortest)
@@ -324,12 +324,12 @@ class Trace(Waves):
             encoding=encoding,
             comment=comment,
         )
-        of_both = options.get("unit")
+        common_unit = options.get("unit")
         # The arguments have precedence over what a file says.
         lines = [
             one._replace(
-                x_units=() if x_unit or of_both else one.x_units,
-                height_units=() if height_unit or of_both else one.height_units,
+                x_units=() if x_unit or common_unit else one.x_units,
+                height_units=() if height_unit or common_unit else one.height_units,
                 length=one.length if length is None else None,
             )
             for one in read_lines(checked_file(path), layout, line, across, channel)
@@ -387,8 +387,8 @@ class Trace(Waves):
         if refused and len(refused) >= len(traces):
             raise refused[0] from None
         if refused:
-            of_all = f"{len(refused)} of {len(refused) + len(traces)} lines"
-            warnings.warn(f"{of_all} are left out, for reasons such as: {refused[0]}", stacklevel=3)
+            refused_count = f"{len(refused)} of {len(refused) + len(traces)} lines"
+            warnings.warn(f"{refused_count} are left out, for reasons such as: {refused[0]}", stacklevel=3)
         return traces if several else traces[0]
 
     @cached_property
@@ -456,13 +456,13 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
 def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
     """Return equidistant heights and the length of the trace, in m, from the call, the positions or the file."""
     if length is not None:
-        of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
-        scale = 1.0 if units.unit_of(length) else UNITS[of_call]
+        unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
+        scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
         length = scale * checked_number("length", length, "be positive and finite", _is_length, units.METRE)
     if one.positions is None and one.length is None:
         agreed_unit("the length", given, one.x_units)
         if length is None:
-            raise ValueError("length must be given where heights have no positions: in m, or in x_unit beside it")
+            raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
         return z, length
     unit = UNITS[known_unit("positions", given, one.x_units)]
     if one.positions is not None:
