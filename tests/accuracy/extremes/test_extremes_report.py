@@ -90,7 +90,7 @@ def test_the_summary_has_the_worst_of_each_method(measured, tmp_path):
         return text, {line.split(" | ")[0]: line.strip("| ").split(" | ") for line in lines}
 
     text, rows = summary(measured)
-    assert text.startswith("# Small\n\nMade by `snakemake --cores 2 extremes`")
+    assert text.startswith("# Small\n\n`snakemake --cores 2 extremes` makes this page")
     assert "\n8 rows, none of them with a fault.\n" in text
     assert rows["| bem"][1:4] == ["3", "6", "2"]  # extremes, numbers, and errors in words
     digits = measured["compliance_digits"].sel(variant="bem")

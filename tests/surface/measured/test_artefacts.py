@@ -192,9 +192,7 @@ def test_only_short_runs_inside_the_line_are_filled():
 def test_where_heights_are_missing_at_the_ends_the_trace_is_cut_off():
     z = BASE.copy()
     z[[0, 1, 2, 3, 4, 5, 6, 50, 199]] = np.nan
-    with pytest.raises(
-        ValueError, match=r"9 of 200 .* first is height 1, at most 1 adjacent, 8 of them at the ends"
-    ):
+    with pytest.raises(ValueError, match=r"9 of 200 .* first is height 1, at most 1 adjacent, 8 of them at the ends"):
         trace(z)
     cut = trace(z, missing="interpolate")
     filled = np.interp(N[7:199], N[~np.isnan(z)], z[~np.isnan(z)])

@@ -348,7 +348,9 @@ def test_empty_lines_are_missing_heights_where_that_is_said(file):
 def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file):
     lines = [line for n, line in enumerate(columns().splitlines()) if n not in (61, 62, 91)]
     path = file("\n".join(lines))
-    with pytest.raises(ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 beside"):
+    with pytest.raises(
+        ValueError, match=r"^3 of 200 heights are missing, the first is height 61, at most 2 adjacent"
+    ):
         Trace.read(path)
     filled = Trace.read(path, missing="interpolate")
     assert filled.lambda_0 == pytest.approx(1e-3, rel=1e-12)
