@@ -9,6 +9,7 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
+from weier.methods.patches.kind import CAUCHY, POTENTIAL
 from weier.methods.patches.segments import ContactState, from_crests, make_segments
 from weier.methods.patches.surface import evaluate_series, make_series, nearest_crests
 
@@ -113,7 +114,7 @@ def integrate(state, period, x, kernel):
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-@pytest.mark.parametrize("which", [fields.POTENTIAL, fields.CAUCHY])
+@pytest.mark.parametrize("which", [POTENTIAL, CAUCHY])
 def test_integrals_of_densities_are_those_of_direct_quadrature(period, which):
     """On both segments, beside them, at their images and far away."""
     state = states_of_two_segments(period, False)

@@ -148,9 +148,9 @@ def certify(
 
     ConvergenceError is raised if the conditions are violated by more, or if contacts do not carry the load.
     """
-    r, closure, height, period = state.segments.half_width, 0.0, residual, series.period
-    if state.dual:  # A pressure counts as the displacement that it makes over the width of its gap.
-        height = 2 * r * residual
+    r, closure, period = state.segments.half_width, 0.0, series.period
+    height = state.kind.height_of_residual(r) * residual
+    if state.dual:
         closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
@@ -229,7 +229,7 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
 
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large or contacts do not carry the load."""
-    scale = state.load * period if state.dual else state.approach
+    scale = state.kind.scale_of_residual(state.load, state.approach, period)
     relative = state.residual / scale if scale > 0 else np.inf  # Without an indentation, rounding has left no digit.
     relative = max(relative, abs(carried_load(state, period) / state.load - 1))
     if not relative <= MAX_RESIDUAL * tolerance:

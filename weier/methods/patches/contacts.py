@@ -18,9 +18,12 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import POTENTIAL, Kind
 from weier.methods.punches import OFFSET
 
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
+# 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
+NEW_CONTACT_WIDTH = 0.5
 SHIFT = 1  # theta_i = pi (i + 1/2)/K
 
 
@@ -63,4 +66,13 @@ CONTACTS = Kind(
     forcing_of_maximum=lambda series, load: 0.0,
     height_of_residual=np.ones_like,
     finest_height=lambda series: abs(float(series.amplitude[-1])),
+    plane_outside=1.0,
+    integral=POTENTIAL,
+    integral_factor=lambda period: -2.0,
+    constant=lambda load, approach, maximum: -approach,
+    new_width=NEW_CONTACT_WIDTH,
+    limit_outside=lambda load, height, tension: height,
+    rounded_width=lambda period, half_width: period,
+    share=lambda count: 1.0,
+    scale_of_residual=lambda load, approach, period: approach,
 )

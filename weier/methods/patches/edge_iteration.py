@@ -21,7 +21,6 @@ from weier.methods.patches.given_edges import (
     Forces,
     Punches,
     expansion_of,
-    kind_of,
     make_punches,
     moved_expansion,
     regular_part,
@@ -38,6 +37,7 @@ from weier.methods.patches.segments import (
     estimate_node_count,
     from_crests,
     in_order,
+    kind_of,
     make_segments,
     node_factors,
 )

@@ -13,6 +13,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
+from weier.methods.patches.kind import CAUCHY, POTENTIAL
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series, nearest_crests
@@ -25,7 +26,6 @@ MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
 FAR_FIELD_EXPONENT = 18.5
-POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # Angles between x and a segment's centre above this follow from the angles of both, whose rounding is 2e-15 of it.
 MIN_ANGLE = 0.1
@@ -234,10 +234,9 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
-    which = CAUCHY if state.dual else POTENTIAL
-    constant = state.load - series.maximum if state.dual else -state.approach
-    factor = 0.5 / (np.pi * series.period) if state.dual else -2.0
-    return _residuals(state.segments, state.coefficient, series, crest, y, which, constant, factor)
+    kind, density = state.kind, (state.segments, state.coefficient)
+    constant = kind.constant(state.load, state.approach, series.maximum)
+    return _residuals(*density, series, crest, y, kind.integral, constant, kind.integral_factor(series.period))
 
 
 @kernel
@@ -277,10 +276,8 @@ def residuals_by_sums(
     total = potential(tree, force, make_tree(origin, offset), period, state.dual)
     known = segments, state.coefficient, state.dual
     value[order] = _correct_near_segments(*known, force, origin, offset, period, total)
-    forcing = evaluate_at(series, crest, y, 0)
-    if state.dual:
-        return state.load - series.maximum - forcing - 0.5 / period**2 * value
-    return -2 * value - state.approach - forcing
+    constant = state.kind.constant(state.load, state.approach, series.maximum)
+    return np.asarray(constant - evaluate_at(series, crest, y, 0) + state.kind.factor(period) * value)
 
 
 @kernel

@@ -18,9 +18,12 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import CAUCHY, Kind
 from weier.methods.patches.surface import CosineSeries
 
+NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
+# The bound adds up what is left in all gaps, so that each of more gaps than this has its share of the tolerance.
+MAX_SHARING = 5
 SHIFT = 2  # theta_i = pi (i + 1)/(K + 1)
 
 
@@ -71,4 +74,13 @@ GAPS = Kind(
     forcing_of_maximum=lambda series, load: series.maximum - load,
     height_of_residual=_height_of_residual,
     finest_height=_finest_height,
+    plane_outside=0.0,
+    integral=CAUCHY,
+    integral_factor=lambda period: 0.5 / (np.pi * period),
+    constant=lambda load, approach, maximum: load - maximum,
+    new_width=NEW_GAP_WIDTH,
+    limit_outside=lambda load, height, tension: tension * load,
+    rounded_width=lambda period, half_width: 2 * float(half_width.max()),
+    share=lambda count: min(1.0, MAX_SHARING / count),
+    scale_of_residual=lambda load, approach, period: load * period,
 )

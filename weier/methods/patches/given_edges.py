@@ -15,8 +15,6 @@ import scipy  # its modules load when they are first used: a tenth of a second e
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.kind import Kind
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_tree, pair_sums, potential
 from weier.methods.patches.rule import (
@@ -30,7 +28,7 @@ from weier.methods.patches.rule import (
     scales,
     times_own,
 )
-from weier.methods.patches.segments import Segments, distances_between
+from weier.methods.patches.segments import Segments, distances_between, kind_of
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 
@@ -102,11 +100,6 @@ class Bounds(NamedTuple):
     def over(self, unit: float) -> Bounds:
         """Return the same in a unit of height."""
         return Bounds(self.reduction, self.least / unit, self.most / unit)
-
-
-def kind_of(dual: bool) -> Kind:
-    """Return `GAPS` or `CONTACTS`."""
-    return GAPS if dual else CONTACTS
 
 
 def make_punches(segments: Segments, period: float, dual: bool = False, most: int | None = None) -> Punches:

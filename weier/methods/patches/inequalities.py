@@ -44,10 +44,6 @@ SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a
 # Newton's method on differences starts with this stencil, over the length of the bracket, which shrinks by the ratio
 # in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
-# 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
-NEW_CONTACT_WIDTH = 0.5
-NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
 # largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
 MAX_NEW_WIDTH = 0.4
 # A gap is thin whose half-width is less than this part of its distance to the nearest edge. What that edge and the
@@ -284,15 +280,15 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    Also all minima below the margin, those included. A new segment is `NEW_GAP_WIDTH` or `NEW_CONTACT_WIDTH` times as
-    wide as the parabola at its minimum is negative.
+    Also all minima below the margin, those included. A new segment is `new_width` times as wide as the parabola is
+    negative.
     """
-    punches, dual = step.punches, problem.dual
+    punches, kind = step.punches, problem.kind
 
     # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         total = field_of_forces(punches, step.forces.force, x)
-        plane = 0.0 if dual else step.forces.plane
+        plane = kind.plane_outside * step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
     x, interval = _probes(punches.segments, problem.series)
@@ -301,13 +297,13 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if dual:  # Thin gaps are cracks in closed form.
+    if kind.dual:  # Thin gaps are cracks in closed form.
         opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
         minima = minima[opening > MAX_THINNESS * _room(step, minima)]
     depth, room = -minima["value"], _room(step, minima)
     # Between two crests side by side the curvature of the difference may vanish: the floor keeps the reach finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
-    half_width = np.minimum((NEW_GAP_WIDTH if dual else NEW_CONTACT_WIDTH) * reach, MAX_NEW_WIDTH * room)
+    half_width = np.minimum(kind.new_width * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 

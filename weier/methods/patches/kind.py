@@ -8,6 +8,8 @@ from typing import NamedTuple
 from weier.kernels.arrays import Array
 from weier.methods.patches.surface import CosineSeries
 
+POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
+
 
 class Kind(NamedTuple):
     """Contacts or gaps: the formulas that differ.
@@ -26,6 +28,15 @@ class Kind(NamedTuple):
     forcing_of_maximum : from series and load, the forcing where the series has its maximum
     height_of_residual : from half-widths, the height of a residual of 1
     finest_height : of the finest wave of a series, in g_0
+    plane_outside : part of the plane in what lies between segments: the gap has all of it, and the pressure none
+    integral : of the density in what lies between segments, `POTENTIAL` or `CAUCHY`
+    integral_factor : its factor there, from the period
+    constant : the constant there, from load, approach and maximum of the series
+    new_width : width of a new segment over the interval that it replaces, where a parabola is negative
+    limit_outside : from load, limit of overlap and limit of tension over the load, the limit between segments
+    rounded_width : from period and half-widths, the width over which residuals are rounded
+    share : part of the tolerance for each of so many segments
+    scale_of_residual : from load, approach and period, to what a residual is relative
     """
 
     dual: bool
@@ -41,3 +52,12 @@ class Kind(NamedTuple):
     forcing_of_maximum: Callable[[CosineSeries, float], float]
     height_of_residual: Callable[[Array], Array]
     finest_height: Callable[[CosineSeries], float]
+    plane_outside: float
+    integral: int
+    integral_factor: Callable[[float], float]
+    constant: Callable[[float, float, float], float]
+    new_width: float
+    limit_outside: Callable[[float, float, float], float]
+    rounded_width: Callable[[float, Array], float]
+    share: Callable[[int], float]
+    scale_of_residual: Callable[[float, float, float], float]

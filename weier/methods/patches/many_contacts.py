@@ -39,8 +39,6 @@ from weier.methods.patches.given_edges import (
 from weier.methods.patches.inequalities import (
     MAX_INNER,
     MAX_THINNESS,
-    NEW_CONTACT_WIDTH,
-    NEW_GAP_WIDTH,
     find_missing,
     find_negative_intervals,
 )
@@ -50,6 +48,7 @@ from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
     end_sums,
+    kind_of,
     more_nodes,
 )
 from weier.methods.patches.surface import Surface
@@ -70,8 +69,6 @@ MAX_OVER_TARGET = 10.0
 # that no contact is missed on a crest that stands higher than this.
 ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
 ROUNDING = 1e-13  # of a residual over the displacement under the whole load
-# The bound adds up what is left in all gaps, so that each of more gaps than this has its share of the tolerance.
-MAX_SHARING = 5
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
 # A contact is cut where the tension over its largest pressure exceeds this, in rough and in fine corrections. Less
 # changes the resistance by about as much, and the compliance by the square.
@@ -103,9 +100,8 @@ def _stages(
     """
     rough = ROUGH_TOLERANCE * problem.kind.finest_height(problem.series)
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
-    rough_outside, fine_outside = rough, target
-    if problem.dual:
-        rough_outside, fine_outside = ROUGH_TENSION * problem.load, MAX_TENSION * problem.load
+    rough_outside = problem.kind.limit_outside(problem.load, rough, ROUGH_TENSION)
+    fine_outside = problem.kind.limit_outside(problem.load, target, MAX_TENSION)
     return (
         StageLimits(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
         # The forces are solved to a tenth of the target, where a thousandth of the residual at the start is less:
@@ -143,12 +139,10 @@ def _solve_to(
 
     With `follows`, the segments stay those of the guess, only stage 3 is used, and no inequality is judged.
     """
-    load, wanted = problem.load, tolerance * scale
-    loaded = problem.series.period  # the width over which a residual is rounded
-    if problem.dual:
-        wanted *= min(1.0, MAX_SHARING / guess.segments.half_width.size)
-        loaded = 2 * float(guess.segments.half_width.max())
-    target = max(TARGET * wanted, ROUNDING * load * loaded)
+    load, kind, half_width = problem.load, problem.kind, guess.segments.half_width
+    wanted = tolerance * scale * kind.share(half_width.size)
+    rounding = ROUNDING * load * kind.rounded_width(problem.series.period, half_width)
+    target = max(TARGET * wanted, rounding)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
@@ -169,7 +163,7 @@ def _solve_to(
                 enough = target if step.unsettled == 0 else np.inf
                 counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
                 if _ends(step, target, tolerance, last_move) and np.array_equal(counts, segments.node_count):
-                    step, is_enough = carried_along(step, ROUNDING * load * loaded), True
+                    step, is_enough = carried_along(step, rounding), True
         last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
@@ -201,7 +195,7 @@ def _solve_to(
             now = next_guess(problem, step, stage)
         else:  # stage 5 and, where the residual is small on all segments that can have more nodes, stage 6
             residual = contact_residual(state, problem.series)
-            height = problem.kind.height_of_residual(state.segments.half_width) * residual
+            height = kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
             short, largest = (height > allowed) & (count < MAX_NODES), float(height.max())
             # More nodes do not help against rounding, and in gaps they add to it.
@@ -329,7 +323,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     """
     if negative.size == 0:
         return np.empty((0, 2))
-    width = NEW_CONTACT_WIDTH if state.dual else NEW_GAP_WIDTH
+    width = kind_of(not state.dual).new_width
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
         centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j

@@ -11,7 +11,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.kernels.jit import kernel
 from weier.methods.patches.certificate import gap_uncertainty
-from weier.methods.patches.inequalities import NEW_GAP_WIDTH
+from weier.methods.patches.gaps import NEW_GAP_WIDTH
 from weier.methods.patches.segments import (
     ContactState,
     Sides,

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
@@ -35,6 +38,11 @@ MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # factor and addend of the nodes of a segment whose coefficients have not decayed
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
 COARSE_TOLERANCE = 1e-3  # of the density while the set of segments is corrected
+
+
+def kind_of(dual: bool) -> Kind:
+    """Return `GAPS` or `CONTACTS`."""
+    return GAPS if dual else CONTACTS
 
 
 @kernel
@@ -180,13 +188,18 @@ class ContactState(NamedTuple):
     narrow_gaps: Records = np.empty(0, MINIMUM)
     route: Route = Route(GRID)
 
+    @property
+    def kind(self) -> Kind:
+        """`CONTACTS` or `GAPS`."""
+        return kind_of(self.dual)
+
 
 def segment_strengths(state: ContactState) -> Sides:
     """Return k_1 of the pressure k_1 s^(1/2) at left and right edges, shape (segments, 2), from U_k(1).
 
     In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
     """
-    segments, factor = state.segments, 0.5 / np.pi if state.dual else 1.0
+    segments, factor = state.segments, state.kind.strength_factor
     at_ends = end_sums(segments.first_node, state.coefficient, 1)
     return np.asarray(factor * np.sqrt(2 / segments.half_width)[:, None] * at_ends)
 

@@ -16,7 +16,7 @@ from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import NodalSolution, in_continuum
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.inequalities import NEW_CONTACT_WIDTH
+from weier.methods.patches.contacts import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     CRESTS,
     GRID,
