@@ -107,6 +107,10 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         SCALED.find_pressure(surface)
     with pytest.raises(ValueError, match=r"resistance, compliance, contact_fraction, got 'resistanc': did you mean"):
         SCALED.find_pressure(surface, resistanc=1e-10)
+    with pytest.raises(
+        ValueError, match=r"resistance must lie between 0, .* Pa on, and .* ohm m\^2, .* got -1 ohm m\^2$"
+    ):
+        SCALED.find_pressure(surface, resistance=-1.0)
     perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)
     with pytest.raises(ValueError, match="two perfect conductors"):
         perfect.find_pressure(surface, resistance=1e-10)

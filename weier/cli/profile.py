@@ -85,7 +85,8 @@ def _request(
     ((name, text),) = wanted.items()
     unit = VARIABLES[name].unit
     values: Any = units.listed(name, text, own.scales[unit][1] if own and unit in own.scales else unit)
-    found = inverse.find_load(surface, **{name: to_normalised(own, name, unit, values) if own else values})
+    normalised = to_normalised(own, name, unit, values) if own else values
+    found = inverse.loads_for(surface, name, normalised, own.scales if own else None)
     return Request(profile, found["mean_pressure"].values, both, None, found)
 
 

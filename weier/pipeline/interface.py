@@ -13,7 +13,7 @@ from weier import units
 from weier.checks import checked_numbers, hinting, shown
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.pipeline.inverse import Wanted, checked_wanted, find_load
+from weier.pipeline.inverse import Wanted, checked_wanted, loads_for
 from weier.pipeline.solve import in_order, solve_under
 from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves, checked_surface
@@ -146,7 +146,8 @@ class Interface(Bodies):
         4.305e+07 Pa
         """
         own, (name, value) = self.at(surface), checked_wanted(wanted)
-        return own.in_si(find_load(surface, **{name: to_normalised(own, name, VARIABLES[name].unit, value)}))
+        normalised = to_normalised(own, name, VARIABLES[name].unit, value)
+        return own.in_si(loads_for(surface, name, normalised, own.scales))
 
 
 def _positive(pressures: Array) -> Any:

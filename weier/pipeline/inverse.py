@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from weier.checks import checked_numbers, checked_word, hinting
 from weier.data import variables
 from weier.data.variables import VARIABLES
+from weier.kernels.arrays import Array
 from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE
@@ -27,6 +28,7 @@ from weier.pipeline.solve import solve
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
+from weier.units import NONE, NORMALISED_PRESSURE
 
 ERROR = "mean_pressure_error"
 # Brent's method ends within this of ln p, some roundings.
@@ -104,12 +106,21 @@ def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
     >>> print(found.mean_pressure.values.round(6), found.resistance.values.round(6))
     [0.199413] [1.5]
     """
+    return loads_for(profile, *checked_wanted(wanted))
+
+
+def loads_for(
+    profile: Waves, name: str, target: ArrayLike, scales: Mapping[str, tuple[Array, str]] | None = None
+) -> xr.Dataset:
+    """Find loads as `find_load` does.
+
+    Messages are in the units of `scales`, which has the value and the name of each normalised unit in SI.
+    """
     check_resolvable(checked_surface(profile))
-    name, target = checked_wanted(wanted)
     targets = np.atleast_1d(checked_numbers(name, target, unit=VARIABLES[name].unit))
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
-    search = _Search(profile, name)
+    search = _Search(profile, name, scales or {})
     found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
@@ -119,7 +130,7 @@ def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
         which = "the wanted value" if targets.size == 1 else f"{dropped.size} of {targets.size} wanted values"
         warnings.warn(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
-            stacklevel=3,  # at the call of `find_load`, which `hinting` hands on
+            stacklevel=4,  # at the call of `find_load`, which `hinting` hands on
         )
     return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
 
@@ -127,8 +138,8 @@ def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
 class _Search:
     """Loads of one surface at which a quantity has a value."""
 
-    def __init__(self, profile: Waves, name: str) -> None:
-        self.profile, self.name = profile, name
+    def __init__(self, profile: Waves, name: str, scales: Mapping[str, tuple[Array, str]]) -> None:
+        self.profile, self.name, self.scales = profile, name, scales
         self.falls = name == "resistance"
         # Compliance is compared as indentation, which is accurate under light loads.
         self.offset = first_contact(profile) if name == "compliance" else 0.0
@@ -198,13 +209,19 @@ class _Search:
             raise ValueError(self._limits(target))
 
     def _limits(self, target: float) -> str:
-        full = f"full contact under {self.full:.6g} p_0*"
-        first = f"{self.at(math.log(MIN_LOAD)).value + self.offset:.6g}"
-        top = self.profile.total_amplitude
+        unit, pressure = VARIABLES[self.name].unit, NORMALISED_PRESSURE
+        full = f"full contact under {self._shown(self.full, pressure)}"
+        first = self._shown(self.at(math.log(MIN_LOAD)).value + self.offset, unit)
+        low, top = (self._shown(height, unit) for height in (self.offset, float(self.profile.total_amplitude)))
         limits = {
-            "resistance": f"between 0, from {full} on, and {first} g_0/p_0*, under the lightest load of "
-            f"{MIN_LOAD:g} p_0*",
-            "compliance": f"between {self.offset:.6g} g_0, at first contact, and {top:.6g} g_0, at {full}",
+            "resistance": f"between 0, from {full} on, and {first}, under the lightest load of "
+            f"{self._shown(MIN_LOAD, pressure)}",
+            "compliance": f"between {low}, at first contact, and {top}, at {full}",
             "contact_fraction": f"between 0, at first contact, and 1, at {full}",
         }
-        return f"{self.name} must lie {limits[self.name]}, got {target:g}"
+        return f"{self.name} must lie {limits[self.name]}, got {self._shown(target, unit)}"
+
+    def _shown(self, value: float, unit: str) -> str:
+        """Return a value with its unit, in that of the scales if it has one."""
+        factor, name = self.scales.get(unit, (1.0, unit))
+        return f"{value * float(factor):.6g}{'' if name == NONE else f' {name}'}"
