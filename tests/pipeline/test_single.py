@@ -25,7 +25,7 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
 def test_what_no_method_finds_raises():
     with pytest.raises(ValueError, match="bem: m = inf has no finest wave"):
         single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
-    with pytest.raises(ConvergenceError, match=r"patches: the compliance .* is known to .*: take a larger one"):
+    with pytest.raises(ConvergenceError, match=r"patches: the compliance .* is known to .*: take .* or more"):
         single.solve_one(SERIES | {"m": 5}, np.array([1.0]), ["patches"], {"patches": {"tolerance": 1e-13}})
 
 

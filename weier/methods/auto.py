@@ -16,7 +16,7 @@ import numpy as np
 from weier.checks import checked_number, checked_word, hinting
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
-from weier.methods.errors import OutOfReachError
+from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Style
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
@@ -27,7 +27,6 @@ TOLERANCE = 1e-3
 # tolerance of h, in g_0, over that of R; arbitrary, since the stated error of R is checked after the solution
 COMPLIANCE_SHARE = 1e-2
 MAX_LISTED = 5  # loads in a message
-MARGIN = 1.05  # so that a suggested tolerance, rounded to two digits, is within reach
 
 
 @dataclass(frozen=True, repr=False)

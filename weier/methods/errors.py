@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the least one within reach.
+
 
 class ConvergenceError(RuntimeError):
     """A solver stopped before its solution met the contact conditions.

@@ -2,11 +2,21 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
+from tests.methods.patches.westergaard_states import OneWave
 from tests.profiles import THREE_WAVES
 from weier.methods import patches
-from weier.methods.patches.certificate import certify, contact_residual, error_bound, largest_displacement
+from weier.methods.patches.certificate import (
+    SAMPLED_FACTOR,
+    certify,
+    contact_residual,
+    effect_of_cracks,
+    error_bound,
+    largest_displacement,
+)
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
+from weier.methods.patches.segments import MINIMUM, Cracks
 
 
 def one_wave(load):
@@ -26,21 +36,21 @@ def test_the_bound_holds_for_states_that_use_up_their_tension(load, part):
     sigma = part * load
     for other in (load - sigma, load + sigma):
         state, exact = one_wave(other) if other < 1 else 1.0, one_wave(load)
-        bound = bound_by(state, load, pressure=[sigma], width=[0.0])
+        bound = bound_by(state, load, pressure=[sigma], width=[1.0])
         assert abs(state - exact) <= bound
-        assert abs(state - exact) + 1e-3 <= bound_by(state, load, 1e-3, 0.0, [sigma], [0.0])
+        assert abs(state - exact) + 1e-3 <= bound_by(state, load, 1e-3, 0.0, [sigma], [1.0])
         assert bound_by(state, load, missing=sigma) == pytest.approx(bound, rel=1e-12)
-        assert bound_by(state, load, 0.0, 0.5 * sigma, [0.2 * sigma, 0.3 * sigma], [0.0, 0.0]) == pytest.approx(bound)
+        assert bound_by(state, load, 0.0, 0.5 * sigma, [0.2 * sigma, 0.5 * sigma], [0.4, 0.6]) <= bound * (1 + 1e-12)
     drop = one_wave(load) - one_wave(load - sigma)
     # h is nearly a straight line under a light load, so that the bound is hardly larger than the difference.
-    sharp = bound_by(one_wave(load - sigma), load, pressure=[sigma], width=[0.0])
+    sharp = bound_by(one_wave(load - sigma), load, pressure=[sigma], width=[1.0])
     assert drop <= sharp
     assert load > 1e-5 or sharp < 1.3 * drop
     assert sigma * -np.log(load) < drop  # R sigma is no bound
 
 
 def test_no_bound_follows_from_as_much_tension_as_load():
-    assert bound_by(0.3, 0.1, pressure=[0.1], width=[0.0]) == np.inf
+    assert bound_by(0.3, 0.1, pressure=[0.1], width=[1.0]) == np.inf
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -59,7 +69,7 @@ def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period,
 
 def test_each_condition_that_is_violated_counts_in_the_bound():
     assert bound_by(0.3, 0.5, 1e-5) == 1e-5
-    assert bound_by(0.3, 0.5, 1e-5, 0.0, [1e-6], [0.0]) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
+    assert bound_by(0.3, 0.5, 1e-5, 0.0, [1e-6], [1.0]) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
     moved = 2e-10 * (1 + np.log(1e9)) + 0.6 * 0.5e-10
     assert bound_by(0.3, 0.5, pressure=[0.1], width=[1e-9], period=2.0) == pytest.approx(moved, rel=1e-6)
     both = bound_by(0.3, 0.5, pressure=[1e-7, 0.1], width=[1.9, 1e-9], period=2.0)
@@ -84,3 +94,54 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     moved = patches.solve_load(THREE_WAVES, load * (1 + 1e-6)).state
     deviation = abs(moved.approach - state.approach)
     assert deviation <= certified(moved._replace(load=load))
+
+
+def test_as_many_pressures_are_taken_off_as_give_the_least():
+    """Two narrow high ones are, and two wide low ones are not; each choice by itself is worse, in any order."""
+    pressure, width, period = np.array([1e-9, 3e-3, 2e-9, 1e-3]), np.array([0.5, 1e-8, 0.4, 2e-8]), 2.0
+    force = 3e-11 + 2e-11
+    moved = largest_displacement(3e-3, force, period)
+    sigma = force / period + 2e-9
+    expected = moved + sigma * (0.3 + moved) / (0.5 - sigma)
+    assert bound_by(0.3, 0.5, pressure=pressure, width=width, period=period) == pytest.approx(expected, rel=1e-12)
+    assert bound_by(0.3, 0.5, pressure=pressure[::-1], width=width[::-1], period=period) == pytest.approx(expected)
+    assert bound_by(0.3, 0.5, pressure=pressure[:0], width=width[:0], period=period) == 0
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
+    """int w dx/[2 L^2 sin^2(pi (x-c)/L)] over both gaps beside a contact, by quadrature."""
+    wave, volume, t = OneWave(period, 0.2 * period, 0.3 * period), 1e-9, 0.4
+    one, none = np.ones(1), np.zeros(1)
+    cracks = Cracks(np.zeros(1, int), t * one, none, none, none, none, volume * one, 3e-12 * one, none)
+    place, (left, right) = wave.crest + t * wave.half_width, (wave.crest - 0.2 * period, wave.crest + 0.2 * period)
+
+    def tension(x):
+        return volume / (2 * period**2 * np.sin(np.pi * (x - place) / period) ** 2)
+
+    force = quad(tension, right, left + period)[0]
+    for dual in (False, True):
+        moved, mean, doubt = effect_of_cracks(wave.state(dual)._replace(cracks=cracks), period)
+        assert mean == pytest.approx(force / period, rel=1e-9)
+        assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9)
+        assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("part", [0.1, 0.4])
+def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths(period, part):
+    """A pressure sigma all over the gap, and a parabola at a minimum of the pressure, each counts on its width."""
+    wave = OneWave(period, part * period, 0.2 * period)
+    state, series, sigma, depth, curvature = wave.state(True), wave.series(True), 1e-9, 1e-8, 50.0
+    r, indentation = state.segments.half_width[0], 1 + state.approach
+    minima = np.zeros(1, MINIMUM)
+    minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
+    nothing = find_negative_intervals(state)
+    found = certify(state, np.array([sigma]), minima, nothing, series, 1e-3, 0.0)
+    assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9)
+    reach = np.sqrt(2 * depth / curvature)
+    expected = bound_by(indentation, wave.load, 0.0, 0.0, [SAMPLED_FACTOR * sigma, depth], [2 * r, 2 * reach], period)
+    closure = abs(0.5 * np.pi * r * state.coefficient[0])
+    assert found.error == pytest.approx(expected, rel=1e-6, abs=2 * closure)
+    assert found.height_error == pytest.approx(found.error + 4 * SAMPLED_FACTOR * r * sigma, rel=1e-6)
+    assert found.tensions[0, 2] == pytest.approx(reach / wave.half_width)

@@ -11,6 +11,7 @@ from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
     StageLimits,
+    _changes,
     carried_along,
     edge_moves,
     make_guess,
@@ -181,3 +182,34 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
     moved = np.abs(step.b - solved.b).max() / np.abs(solved.b).max()
     assert errors[1] < 0.01 * moved
     assert errors[0] < 0.35 * errors[1] + 1e-11  # a quarter
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
+    """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
+    exact = wave.state(dual)
+    problem = ContactProblem(wave.series(dual), wave.load, dual)
+    step = take_step(problem, make_guess(problem, exact.segments, STAGE), STAGE)
+    count = min(step.a.size, exact.coefficient.size)
+    scale = np.abs(exact.coefficient).max()
+    np.testing.assert_allclose(step.a[:count], exact.coefficient[:count], rtol=0, atol=1e-10 * scale)
+    assert -step.forces.plane == pytest.approx(exact.approach, abs=1e-12)
+    assert step.moves.relative[0] < 1e-9
+
+
+def test_a_gap_that_both_of_its_edges_nearly_close_is_tight_and_merges_if_it_was_so_before():
+    """Each edge takes 0.46 of the gap between the contacts, and one of them alone would not."""
+    first, r, gap, force = np.array([0, 1, 2]), np.ones(2), np.array([0.1, 3.0]), np.ones(2)
+    both = np.array([[0.0, 0.046], [0.046, 0.0]])
+    for outward, was, is_tight, merges in (
+        (both, False, True, False),
+        (both, True, True, True),
+        (both * [[1, 1], [0, 1]], True, False, False),
+        (both * [[1, 1], [-1, 1]], True, False, False),
+    ):
+        vanishing, merging, tight = _changes(first, r, gap, force, outward, np.zeros(2, bool), np.array([was, False]))
+        assert tight.tolist() == [is_tight, False]
+        assert merging.tolist() == [merges, False]
+        assert not np.any(vanishing)

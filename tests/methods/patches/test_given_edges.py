@@ -1,10 +1,22 @@
-"""Punches and cracks with given edges: closed forms and steps."""
+"""Punches and cracks with given edges: closed forms, steps, and the expansions of their densities."""
 
 import numpy as np
 import pytest
+from numpy.polynomial.chebyshev import chebval
 
 from weier.kernels.blas import one_thread
-from weier.methods.patches.given_edges import Bounds, displacement, make_punches, solve_forces_on_contacts
+from weier.methods.patches.given_edges import (
+    Bounds,
+    displacement,
+    expansion,
+    make_punches,
+    moved_expansion,
+    regular_part,
+    solve_forces_on_contacts,
+    transfer_forces,
+    vanishing_at_edges,
+)
+from weier.methods.patches.rule import times_own
 from weier.methods.patches.segments import make_segments
 
 
@@ -67,3 +79,95 @@ def test_steps_do_not_grow_with_the_contacts_or_gaps(count, dual):
     else:
         assert np.ptp(fresh) < 1e-8 * np.abs(fresh).max()
         assert solved.force.sum() == pytest.approx(1, rel=1e-12)
+
+
+def polynomials(count, seed=0):
+    """Coefficients in U_k of one polynomial a segment, whose last two are 0, and (1-t^2) times it in T_k."""
+    a = np.concatenate([[*np.random.default_rng(seed + size).normal(size=size - 2), 0, 0] for size in count])
+    first, b = np.append(0, np.cumsum(count)), np.zeros(a.size)
+    for j in range(len(count)):
+        for k in range(count[j] - 2):  # (1-t^2) U_k = (T_k - T_(k+2))/2
+            b[first[j] + k] += 0.5 * a[first[j] + k]
+            b[first[j] + k + 2] -= 0.5 * a[first[j] + k]
+    return first, a, b
+
+
+def test_the_regular_part_of_an_expansion_is_what_is_left_but_for_a_straight_line():
+    first, a, b = polynomials([5, 12, 7])
+    b[first[:-1]] += [1.0, 2.0, 3.0]
+    b[first[:-1] + 1] -= 0.7
+    np.testing.assert_allclose(regular_part(first, b), a, atol=1e-14)
+
+
+@pytest.mark.parametrize("power", [0, 2])
+def test_what_is_singular_at_edges_is_spread_over_the_coefficients(power):
+    """In proportion to k^2 or evenly, of each parity, and the force of each segment stays."""
+    first, _, b = polynomials([6, 11])
+    rng = np.random.default_rng(1)
+    off = b + 1e-6 * rng.normal(size=b.size)
+    changed = vanishing_at_edges(first, off, power)
+    for j in range(2):
+        here = slice(first[j], first[j + 1])
+        k, change = np.arange(first[j + 1] - first[j]), (changed - off)[here]
+        assert change[0] == 0
+        assert abs(changed[here].sum()) < 1e-15
+        assert abs((changed[here] * (-1.0) ** k).sum()) < 1e-15
+        for parity in (2, 1):
+            part = change[parity::2] / k[parity::2] ** power
+            np.testing.assert_allclose(part, part[0], rtol=1e-5, atol=1e-15)
+
+
+def test_a_density_moves_with_its_segment():
+    """A place that moved by w = (dc + t dr)/r has psi + w [(1-t^2) phi' - t phi], which polynomials give exactly."""
+    first, a, b = polynomials([9, 14])
+    r, shift, growth = np.array([0.1, 2.0]), np.array([0.011, -0.1]), np.array([-0.007, 0.3])
+    moved = moved_expansion(first, r, b, a, shift, growth)
+    t = np.linspace(-1, 1, 7)
+    for j in range(2):
+        here = slice(first[j], first[j + 1])
+        angle, k = np.arccos(t[1:-1]), np.arange(first[j + 1] - first[j])[:, None]
+        phi = (a[here, None] * np.sin((k + 1) * angle) / np.sin(angle)).sum(axis=0)
+        h = 1e-6
+        beside = [(a[here, None] * np.sin((k + 1) * x) / np.sin(x)).sum(axis=0) for x in (angle - h, angle + h)]
+        slope = (beside[1] - beside[0]) / (2 * h) / -np.sin(angle)
+        at = t[1:-1]
+        expected = chebval(at, b[here]) + (shift[j] + at * growth[j]) / r[j] * ((1 - at**2) * slope - at * phi)
+        np.testing.assert_allclose(chebval(at, moved[here]), expected, atol=1e-8)
+    # Beyond 0.3 half-widths the derivative predicts nothing: such a move counts as one of 0.3.
+    limited = moved_expansion(first, r, b, a, 10 * r, 0 * r) - b
+    np.testing.assert_allclose(limited, moved_expansion(first, r, b, a, 0.3 * r, 0 * r) - b, atol=1e-14)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_forces_come_back_from_their_expansion(dual, period):
+    """And an expansion on other nodes has the same values; a new segment has no forces."""
+    centre, half_width = np.array([0.2, 0.6]) * period, np.array([0.1, 0.2]) * period
+    punches = punches_at(centre, half_width, 10, period, dual, most=0)
+    force = np.random.default_rng(2).normal(size=20)
+    if dual:  # of 10 nodes, U_0 ... U_9 and so T_1 ... T_10, of which the last has no place among 10 coefficients
+        force = transfer_forces(punches.segments, expansion(punches, force), np.arange(2), punches)
+    b = expansion(punches, force)
+    again = transfer_forces(punches.segments, b, np.arange(2), punches)
+    np.testing.assert_allclose(again, force, rtol=1e-11, atol=1e-13)
+    finer = punches_at(centre, half_width, 16, period, dual, most=0)
+    of_finer = expansion(finer, transfer_forces(punches.segments, b, np.array([1, -1]), finer))
+    np.testing.assert_allclose(of_finer[:10], b[10:], atol=1e-11 * np.abs(b).max())
+    assert not np.any(of_finer[16:])
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 9.0])
+def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
+    """The displacement T_k needs the forces k/(2K) T_k, and the pressure U_k in a gap 2 pi r^2 w_i U_k/(k+1)."""
+    nodes, r, none = 9, np.array([0.13]) * period, np.zeros(9)
+    rule = punches_at(np.array([0.4]) * period, r, nodes, period, dual, most=0).rule
+    angle = np.pi * (np.arange(nodes) + (1.0 if dual else 0.5)) / (nodes + dual)
+    weight = np.pi / (nodes + 1) * np.sin(angle) ** 2 * 2 * np.pi * r**2
+    for k in range(nodes):
+        value = np.sin((k + 1) * angle) / np.sin(angle) if dual else np.cos(k * angle)
+        force = none.copy()
+        scale = rule.inverse_left, rule.inverse_scale
+        times_own(np.array([0, nodes]), rule.inverse, *scale, dual, value, force)
+        expected = weight * value / (k + 1) if dual else k / (2 * nodes) * value
+        np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)

@@ -1,14 +1,20 @@
 """What violates the inequalities is found: where it is, how deep, and how wide a new segment becomes."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tests.methods.patches.westergaard_states import WAVES, OneWave
+from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
+from weier.methods.patches import inequalities
 from weier.methods.patches.certificate import SAMPLED_FACTOR, contact_residual, sample_points
-from weier.methods.patches.inequalities import find_negative_intervals, minima_of_gaps, minima_outside
-from weier.methods.patches.segments import ContactState, make_segments
-from weier.methods.patches.surface import make_series
+from weier.methods.patches.edge_iteration import ContactProblem, StageLimits, make_guess, take_step
+from weier.methods.patches.given_edges import Bounds, field_of_forces
+from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
+from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
+from weier.methods.patches.surface import make_series, nearest_crests
 
 
 def state_of(phi, period, r, dual=False, nodes=12):
@@ -122,3 +128,53 @@ def test_a_residual_between_the_samples_is_no_larger_than_the_factor_allows(wave
         mixed = np.cos(degree * angle) + np.cos((degree // 2) * angle)
         sampled = np.cos(degree * np.arccos(t)) + np.cos((degree // 2) * np.arccos(t))
         assert np.abs(mixed).max() <= SAMPLED_FACTOR * np.abs(sampled).max()
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypatch):
+    """A lower crest beside one contact, or a lower crest of the tension beside one gap, that was left out."""
+    series = make_series(np.array([0.2, 1.0]), [1, 3], np.array([0.5, 0.0]), period)
+    load = 0.6 * series.maximum if dual else 0.5 / period
+    half_width = np.array([0.05 * period])
+    segments = make_segments(
+        np.array([np.argmax(series.crest_offset)]),
+        series.crest_position[series.crest_offset == 0],
+        np.zeros(1),
+        half_width,
+        np.array([20]),
+    )
+    problem = ContactProblem(series, load, dual)
+    stage = StageLimits(True, 1e-10, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
+    step = take_step(problem, make_guess(problem, segments, stage), stage)
+
+    def residual(x):
+        total = field_of_forces(step.punches, step.forces.force, x)
+        return (0.0 if dual else step.forces.plane) + total - problem.forcing(*nearest_crests(series, x))
+
+    edges, minima = find_missing(problem, step, 0.0, 0.0)
+    assert len(edges) == np.count_nonzero(minima["value"] < 0) > 0
+    room = inequalities._room(step, minima)
+    for (left, right), minimum, most in zip(edges, minima, room, strict=True):
+        x = minimum["position"] + 1e-3 * period * np.arange(-1, 2)
+        below, here, above = residual(x)
+        curvature = (below + above - 2 * here) / (1e-3 * period) ** 2
+        assert here < min(below, above)
+        reach = np.sqrt(-2 * here / curvature) * (np.sqrt(2) if dual else 0.5)
+        assert 0.5 * (right - left) == pytest.approx(min(reach, inequalities.MAX_NEW_WIDTH * most), rel=1e-3)
+    if dual:  # Gaps thinner than the limit are cracks in closed form: b^2 = 4 q_0/kappa.
+        thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
+        thinness /= np.minimum(room, 1 / series.wavenumber[-1])
+        for factor, expected in ((1.01, 0), (0.99, 1)):
+            monkeypatch.setattr(inequalities, "MAX_THINNESS", factor * thinness.max())
+            assert len(find_missing(problem, step, 0.0, 0.0)[0]) == expected
+
+
+def test_two_new_segments_share_the_room_between_them():
+    """Contacts on [0, 1] and from 5 on, and new ones at 2, 2.6 and, behind the second contact, 7."""
+    segments = SimpleNamespace(right=np.array([1.0, 6.0]))
+    step = SimpleNamespace(punches=SimpleNamespace(segments=segments, gap=np.array([4.0, 4.0])))
+    minima = np.zeros(3, MINIMUM)
+    minima["position"], minima["interval"] = [2.0, 2.6, 7.0], [0, 0, 1]
+    np.testing.assert_allclose(inequalities._room(step, minima), [0.3, 0.3, 1.0])

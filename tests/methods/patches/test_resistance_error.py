@@ -5,8 +5,9 @@ import pytest
 
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from weier.methods.patches.certificate import GAP_FACTOR, GAP_ROUNDING
-from weier.methods.patches.resistance_error import TANGENT_ERROR, resistance_error
+from weier.methods.patches.resistance_error import EPS, TANGENT_ERROR, resistance_error
 from weier.methods.patches.segments import MINIMUM, Cracks
+from weier.methods.patches.surface import make_series
 
 HEIGHT = 1e-9  # g_0, of which the heights may be off
 
@@ -144,3 +145,24 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_rounding_widens_contacts(period):
+    """Of curvatures, by half of itself relative to a; and of heights on crests that are not the highest."""
+    wave = OneWave(period, 0.1 * period, 0.2 * period)
+    a, A, waves = wave.half_width, wave.strength, np.array([1, 2])
+    force = np.pi / np.sqrt(8) * a**1.5 * A
+    chi = max(-2 * np.log(np.pi * a / period), 1.0)
+    amplitude = np.array([1.0, 0.7])
+    of_curvature = EPS * np.sum(amplitude * (2 * np.pi * waves / period) ** 2) * a**3 / (8 * force)
+    total = EPS * amplitude.sum()
+    of_height = np.sqrt(2) * total / (np.pi * A * np.sqrt(a)) + 2 * a * total / (chi * force)
+    state = wave.state(False)._replace(height_error=0.0, error=0.0)
+    for shift, is_lower in ((0.0, False), (np.pi, True)):
+        # cos x + 0.7 cos 2x has its highest crest at 0, and a lower one at half a period.
+        phases = -2 * np.pi * waves * wave.crest / period + shift * waves
+        series = make_series(amplitude, [1, 2], phases, period)
+        found = resistance_error(state, series) - TANGENT_ERROR * max(wave.resistance, 1.0)
+        move = of_curvature + (of_height if is_lower else 0.0)
+        assert found == pytest.approx(4 * np.pi**2 / period * wave.tangent_strength**2 * move, rel=1e-2)

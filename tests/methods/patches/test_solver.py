@@ -149,10 +149,16 @@ def test_a_tolerance_that_means_no_number_is_refused(tolerance):
         patches.curve(THREE_WAVES, 0.1, tolerance=tolerance)
 
 
-def test_a_bound_beyond_the_tolerance_is_no_answer():
-    """Hundreds of contacts are solved without a matrix, to a hundredth of 1e-10 of the indentation."""
-    with pytest.raises(ConvergenceError, match=r"known to .* not to the tolerance of 1e-13: take a larger one"):
-        patches.curve(Profile(1.25, 5, 4, 1.0), [1.0], tolerance=1e-13)
+@pytest.mark.second_attempt
+def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
+    """A hundred contacts on a period of 100 lambda_0, where rounding of the sums exceeds 1e-13."""
+    profile = Profile(1.45, "11/10", 3, 1.0)
+    with pytest.raises(
+        ConvergenceError, match=r"known to .* not to the tolerance of 1e-13: take .* or more"
+    ) as error:
+        patches.curve(profile, [0.76], tolerance=1e-13)
+    least = float(str(error.value).split("take ")[1].split()[0])
+    assert patches.curve(profile, [0.76], tolerance=least).compliance_error[0] <= least < 1e-11
 
 
 def test_thousands_of_waves_under_a_light_load():

@@ -7,6 +7,7 @@ from weier import Profile
 from weier.methods import patches
 from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import start
+from weier.methods.patches.surface import make_series
 
 
 def gap_with_a_parabola(at, depth, curvature, n=16):
@@ -73,3 +74,30 @@ def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profi
 def test_a_contact_across_the_end_of_the_period_is_counted_on(nodes, runs):
     first, last = contact_runs(np.array(nodes, bool))
     assert (first.tolist(), last.tolist()) == runs
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_isolated_contacts_are_hertz_s(period):
+    """Two crests of different heights, whose forces obey F_i [1 - 2 ln(pi a_i/L)] - 2 F_j ln|2 sin| = z_i - d."""
+    series = make_series(np.array([1.0, 1e-7, 1.0]), [1, 2, 3], np.array([0.0, 1.0, np.pi]), period)
+    load = 3e-6 / period
+    guess = start.isolated_contacts(series, load)
+    crest, a = guess.segments.crest, guess.segments.half_width
+    assert crest.size == 2
+    force = series.crest_curvature[crest] * a**2 / 4
+    assert force.sum() == pytest.approx(load * period, rel=1e-9)
+    position = series.crest_position[crest]
+    other = -2 * np.log(2 * abs(np.sin(np.pi * (position[1] - position[0]) / period)))
+    sunk = force * (1 - 2 * np.log(np.pi * a / period)) + force[::-1] * other - series.crest_offset[crest]
+    assert sunk[0] == pytest.approx(sunk[1], rel=start.FORCE_TOLERANCE)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_isolated_gaps_are_those_of_parabolas_of_tension(period):
+    """a^2 = 4 (S - p)/kappa on each crest of the tension."""
+    series = make_series(np.array([1.0, 1e-6, 0.5]), [1, 2, 3], np.array([0.0, 1.0, 0.0]), period)
+    load = series.maximum - 1e-4
+    guess = start.isolated_gaps(series, load)
+    (half_width,), (crest,) = guess.segments.half_width, guess.segments.crest
+    assert half_width == pytest.approx(2 * np.sqrt(1e-4 / series.crest_curvature[crest]), rel=1e-9)
+    assert start.isolated_gaps(series, series.maximum * 1.001) is None

@@ -14,6 +14,11 @@ MERGING = Profile(1.1241528007905877, 2, 3, (3.731679150515029, 3.76811926399312
 MERGER = 0.80812372
 
 
+# The same of gaps, of which the thin one is found in the pressure between them.
+HEAVY = Profile(1.87106899647774, 5, 3, (5.58535798388015, 5.353055348199227, 4.092897663819084))
+HEAVY_MERGER = 15.766205995466
+
+
 def one(value):
     return np.array([value])
 
@@ -103,16 +108,19 @@ def test_what_is_no_thin_gap_is_left():
 
 
 @pytest.mark.parametrize("below", [1e-6, 1e-7, 1e-9])
-def test_thin_gaps_are_those_of_segments_of_their_own(below, monkeypatch):
+@pytest.mark.parametrize(("profile", "merger", "dual"), [(MERGING, MERGER, False), (HEAVY, HEAVY_MERGER, True)])
+def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, below, monkeypatch):
     """Separate contacts, and gaps with a segment for the thin one, to what the edge nearby changes."""
-    load = MERGER * (1 - below)
-    starts = Starts(MERGING, 1e-10)
+    load = merger * (1 - below)
+    starts = Starts(profile, 1e-10)
+    for module in (inequalities, many_contacts, thin_gaps):
+        monkeypatch.setattr(module, "MAX_THINNESS", 1e-2 if dual else 1e-3)
     thin, _ = solve_state(starts, load)
+    assert thin.dual == dual
     contacts = make_solution(starts.surface, thin, load)
-    monkeypatch.setattr(inequalities, "MAX_THINNESS", 0.0)
-    monkeypatch.setattr(many_contacts, "MAX_THINNESS", 0.0)
-    monkeypatch.setattr(thin_gaps, "MAX_THINNESS", 0.0)
-    guess = gaps_guess(starts.surface, thin._replace(cracks=thin.cracks))
+    for module in (inequalities, many_contacts, thin_gaps):
+        monkeypatch.setattr(module, "MAX_THINNESS", 0.0)
+    guess = thin if dual else gaps_guess(starts.surface, thin)
     assert guess.dual
     gaps, _ = many_contacts.solve_many_contacts(starts.surface, guess, 1e-12)
     assert thin.cracks.contact.size == 1
@@ -121,3 +129,6 @@ def test_thin_gaps_are_those_of_segments_of_their_own(below, monkeypatch):
     assert contacts.mean_gap == pytest.approx(of_gaps.mean_gap, abs=1e-13)
     assert thin.resistance == pytest.approx(gaps.resistance, abs=1e-11)
     np.testing.assert_allclose(contacts.edges, of_gaps.edges, atol=1e-8)
+    if dual and below > 1e-8:
+        assert gaps.cracks.contact.size == 0
+        assert thin.cracks.rise[0] > 1e-3 * below

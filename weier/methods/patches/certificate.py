@@ -6,8 +6,6 @@ docs/patches.md, "The bound on the compliance", derives the formulas. `contact_r
 
 from __future__ import annotations
 
-from math import log
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +13,7 @@ from weier.kernels.arrays import Array, Indices, Records
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.segments import ContactState, Segments, contacts_of
+from weier.methods.patches.segments import ContactState, Segments, contacts_of, distances_between
 from weier.methods.patches.surface import CosineSeries
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, also of looser targets
@@ -40,39 +38,40 @@ def error_bound(
     ----------
     indentation : of the state from first contact, or more: delta, in g_0
     load : mean pressure that is required, P, in p_0*
-    missing : by how much that of the state differs, in p_0*
-    gap : largest gap on a contact or overlap anywhere, in g_0: eps
-    pressure, width : pressures in gaps and tensions, at most sigma_i, in p_0*, each with the force of sigma_i on the
-        width W_i, in lambda_0, shape (violations,); 0 if unknown
+    missing : by how much that of the state differs, and further pressures that may stand anywhere, in p_0*
+    gap : largest gap on a contact or overlap anywhere, in g_0, and displacements by what is removed: eps
+    pressure, width : pressures in gaps or tensions, at most sigma_i, in p_0*, each on an interval of its own of the
+        width W_i, in lambda_0, shape (violations,)
 
     Notes
     -----
-    With D(P) the exact mean gap and sigma the sum of all sigma_i and of `missing`, the mean gap d of the state
-    satisfies D(P + sigma) - eps <= d <= D(P - sigma) + eps. Since h is concave and its tangent at P - sigma lies
-    above its chord from first contact,
+    With D(P) the exact mean gap and sigma the largest sigma_i plus `missing`, the mean gap d of the state satisfies
+    D(P + sigma) - eps <= d <= D(P - sigma) + eps. Since h is concave and its tangent at P - sigma lies above its
+    chord from first contact,
     D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the error is
     at most eps + sigma (delta + eps)/(P - sigma).
 
-    The pressures on the width W_i can be removed instead, which changes the mean pressure by sigma_i W_i/L at most
-    and moves the surface (`largest_displacement`). That is done wherever it gives less.
+    The largest pressures can be removed instead. Their force sum sigma_i W_i changes the mean pressure by its part
+    of the period at most, and moves the surface (`largest_displacement`). As many are removed as give the least.
     """
-    eps, sigma = gap, missing
-    for p, w in zip(pressure.tolist(), width.tolist(), strict=True):
-        taken_off = largest_displacement(p, w, period) if w > 0 else np.inf
-        is_less = taken_off < p * (1 - w / period) * indentation / load
-        eps, sigma = (eps + taken_off, sigma + p * w / period) if is_less else (eps, sigma + p)
-    return eps + sigma * (indentation + eps) / (load - sigma) if sigma < load else np.inf
+    order = np.argsort(-pressure)
+    left, force = np.append(pressure[order], 0.0), np.append(0.0, np.cumsum((pressure * width)[order]))
+    eps, sigma = gap + largest_displacement(left[0], force, period), missing + left + force / period
+    some = sigma < load
+    bound = eps[some] + sigma[some] * (indentation + eps[some]) / (load - sigma[some])
+    return float(bound.min(initial=np.inf))
 
 
-def largest_displacement(pressure: float, width: float, period: float) -> float:
-    """Return a bound on the displacement, of mean 0, by pressures up to sigma with the force of sigma on a width W.
+def largest_displacement(pressure: float | Array, force: Array, period: float) -> Array:
+    """Return a bound on the displacement, of mean 0, by pressures up to sigma of a force F.
 
-    Pressures of one sign move the surface the most if sigma stands on the width round one place, since
+    Pressures of one sign move the surface the most if sigma stands on the width W = F/sigma round one place, since
     -2 ln|2 sin(pi x/L)| decreases with the distance: by -2 int ln|2 sin(pi x/L)| dx over the width, and so by
-    2 sigma W [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 sigma W ln 2 at most. Both signs
-    together move it by 2 sigma W [1 + max(ln(L/2W), ln 2)] at most, however they share W.
+    2 F [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 F ln 2 at most. Both signs together move
+    it by 2 F [1 + max(ln(L/2W), ln 2)] at most, however they share F.
     """
-    return 2 * pressure * width * (1 + max(log(0.5 * period / width), log(2.0)))
+    half_period_of_width = 0.5 * period * pressure / np.maximum(force, 1e-280)  # which may be 0
+    return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
 
 
 def _indentation(state: ContactState, series: CosineSeries) -> float:
@@ -162,17 +161,14 @@ def certify(
     else:
         gap = max(float(residual.max()), -float(below["value"].min(initial=0.0)))
         violated, on = -negative["lowest"], r[negative["segment"]] * (negative["end"] - negative["start"])
-    pressure = float(violated.max(initial=0.0))
-    # On this width, the largest pressure has the force of all.
-    width = min(float(np.sum(violated * on)) / pressure, period) if pressure > 0 else 0.0
-    beyond, width_beyond, unsure = pressure_beside_cracks(state, period)
+    moved, beyond, unsure = effect_of_cracks(state, period)
     error = unsure + error_bound(
         _indentation(state, series),
         state.load,
-        abs(carried_load(state, period) - state.load),
-        gap,
-        np.append(beyond, pressure),
-        np.append(width_beyond, width),
+        abs(carried_load(state, period) - state.load) + beyond,
+        gap + moved,
+        violated,
+        on,
         period,
     )
     # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
@@ -205,21 +201,29 @@ def _tensions_from_minima(state: ContactState, minima: Records, period: float) -
     return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
 
 
-def pressure_beside_cracks(state: ContactState, period: float) -> tuple[Array, Array, float]:
-    """Return the tension that each thin gap leaves outside its contact, its width, and the doubt about all lifts.
+def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, float]:
+    """Return the displacement and the mean pressure of the tension outside thin gaps, and the doubt about all lifts.
 
-    With a gap w, pressures change by -int w/sin^2 dx/(2 L^2), which is left beyond the edges of its contact. It is
-    the largest at the nearest edge, and the width is that on which this value has the same force. If nothing else
-    moves, the mean gap rises by the mean of w.
+    With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which is left in all other gaps: the
+    force int w dx/(2 pi L) [cot(pi (x-c)/L)] there. It is taken off, as in `error_bound`, as if all of it were as
+    large as at the nearest edge. If nothing else moves, the mean gap rises by the mean of w.
     """
     cracks = state.cracks
     if cracks.contact.size == 0:
-        return np.empty(0), np.empty(0), 0.0
-    r = contacts_of(state.segments.extent, state.dual, period)[2][cracks.contact]
-    angle = np.pi / period * np.minimum(np.stack([1 + cracks.middle, 1 - cracks.middle]) * r, 0.5 * period)
-    largest = 0.5 / np.sin(angle.min(axis=0)) ** 2
-    width = period / (2 * np.pi) * (1 / np.tan(angle)).sum(axis=0) / largest
-    return cracks.volume / period**2 * largest, width, float(np.abs(cracks.lift - cracks.volume / period).sum())
+        return 0.0, 0.0, 0.0
+    origin, centre, r = contacts_of(state.segments.extent, state.dual, period)
+    of, middle = cracks.contact, origin + centre
+    position = (middle[of] + cracks.middle * r[of])[:, None]
+    # The distance from each crack to the right end of each contact, and to the left end of the next one.
+    start = np.mod(middle + r - position, period)
+    end = start + distances_between(origin, centre, r, period)
+    scale = cracks.volume / period**2
+    nearest = np.minimum(np.minimum(start.min(axis=1), period - end.max(axis=1)), 0.5 * period)
+    tension = 0.5 * scale / np.sin(np.pi / period * nearest) ** 2
+    cot = 1 / np.tan(np.pi / period * start) - 1 / np.tan(np.pi / period * end)
+    force = 0.5 * period / np.pi * scale * cot.sum(axis=1)
+    moved = float(largest_displacement(tension, force, period).sum())
+    return moved, float(force.sum()) / period, float(np.abs(cracks.lift - cracks.volume / period).sum())
 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:

@@ -319,7 +319,7 @@ def _correct_near_segments(
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
-                at_nodes = r * (t - node)
+                at_nodes = (origin[i] - centre) + (offset[i] - r * node)  # to the last digit as the sums have it
                 replace_by_influence(at_nodes, period, dual)
                 near = _near_field(a, node, density, r, far, t, period, which)
                 total[i] += factor * near - (force[here] * at_nodes).sum()

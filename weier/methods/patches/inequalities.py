@@ -46,9 +46,10 @@ SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 # largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
 MAX_NEW_WIDTH = 0.4
-# A gap is thin whose half-width is less than this part of its distance to the nearest edge. What that edge and the
-# crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise: 4e-11 l^2/L at most.
-MAX_THINNESS = 1e-3
+# A gap is thin whose half-width b is less than this part of its distance l to the nearest edge. What that edge and
+# the crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise, 1.6e-7 of it. Contacts
+# beside wider gaps need 15/(4 b/r)^(1/2) nodes for twelve digits, 500 at most.
+MAX_THINNESS = 2e-4
 # How far a minimum may lie below the lowest of three probes, over the depth that the parabola through them may have:
 # a safety factor, for what is no parabola.
 MAX_FALL = 3
@@ -299,7 +300,9 @@ def find_missing(
     minima = found[found["value"] < -tolerance]
     if kind.dual:  # Thin gaps are cracks in closed form.
         opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-        minima = minima[opening > MAX_THINNESS * _room(step, minima)]
+        # Beside long contacts, whose edges are far, thin compared with the finest wave.
+        scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
+        minima = minima[opening > MAX_THINNESS * scale]
     depth, room = -minima["value"], _room(step, minima)
     # Between two crests side by side the curvature of the difference may vanish: the floor keeps the reach finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

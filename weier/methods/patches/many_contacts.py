@@ -215,7 +215,8 @@ def _solve_to(
                 return certify(state, residual, minima, negative, problem.series, accepted, margin), steps
             last_height, coarser = largest, (solved, step, state, residual, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
-            now = next_guess(problem, step, stage, counts)
+            # With other nodes edges move anew, by more than in the last step, and that is not rounding.
+            now, last_move = next_guess(problem, step, stage, counts), np.inf
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 

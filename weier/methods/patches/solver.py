@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.error_model import COMPLIANCE_ROUNDING
-from weier.methods.errors import ConvergenceError
+from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.many_contacts import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_many_contacts
 from weier.methods.patches.resistance_error import resistance_error
@@ -208,7 +208,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
-    failure, steps = ConvergenceError(""), 0
+    failure, best, steps = ConvergenceError(""), np.inf, 0
     first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
     second = max(first / TIGHTENING, LEAST_TOLERANCE)
     for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
@@ -220,11 +220,13 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
             steps += more
             if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
                 return state._replace(route=state.route._replace(attempts=attempt)), steps
-            failure = ConvergenceError(
-                f"the compliance under the mean pressure {load:.6g} p_0* is known to {known:.1e} g_0, not to the "
-                f"tolerance of {starts.tolerance:g}: take a larger one",
-                known,
-            )
+            best = min(best, known)
+    if best < np.inf:
+        failure = ConvergenceError(
+            f"the compliance under the mean pressure {load:.6g} p_0* is known to {best:.1e} g_0, not to the "
+            f"tolerance of {starts.tolerance:g}: take {MARGIN * best:.1e} or more",
+            best,
+        )
     raise failure
 
 
