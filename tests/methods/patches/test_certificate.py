@@ -9,11 +9,13 @@ from tests.profiles import THREE_WAVES
 from weier.methods import patches
 from weier.methods.patches.certificate import (
     SAMPLED_FACTOR,
+    _largest_and_width,
     certify,
     contact_residual,
     effect_of_cracks,
     error_bound,
     largest_displacement,
+    sample_points,
 )
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.segments import MINIMUM, Cracks
@@ -85,8 +87,8 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     assert state.dual == (load > 1)
 
     def certified(wrong):
-        residual, negative = contact_residual(wrong, series), find_negative_intervals(wrong)
-        return certify(wrong, residual, minima_outside(wrong, series, 0.0), negative, series, 1e-3, 0.0).error
+        (residual, width), negative = contact_residual(wrong, series), find_negative_intervals(wrong)
+        return certify(wrong, residual, width, minima_outside(wrong, series, 0.0), negative, series, 1e-3, 0.0).error
 
     assert certified(state) < 1e-12
     if not state.dual:  # the residual of gaps is a pressure
@@ -130,18 +132,39 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 @pytest.mark.parametrize("part", [0.1, 0.4])
 def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths(period, part):
-    """A pressure sigma all over the gap, and a parabola at a minimum of the pressure, each counts on its width."""
+    """A pressure in a part of the gap, and a parabola at a minimum of the pressure: each counts on its width."""
     wave = OneWave(period, part * period, 0.2 * period)
     state, series, sigma, depth, curvature = wave.state(True), wave.series(True), 1e-9, 1e-8, 50.0
     r, indentation = state.segments.half_width[0], 1 + state.approach
     minima = np.zeros(1, MINIMUM)
     minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
     nothing = find_negative_intervals(state)
-    found = certify(state, np.array([sigma]), minima, nothing, series, 1e-3, 0.0)
+    found = certify(state, np.array([sigma]), np.array([0.3 * r]), minima, nothing, series, 1e-3, 0.0)
     assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9)
     reach = np.sqrt(2 * depth / curvature)
-    expected = bound_by(indentation, wave.load, 0.0, 0.0, [SAMPLED_FACTOR * sigma, depth], [2 * r, 2 * reach], period)
+    expected = bound_by(
+        indentation, wave.load, 0.0, 0.0, [SAMPLED_FACTOR * sigma, depth], [0.3 * r, 2 * reach], period
+    )
     closure = abs(0.5 * np.pi * r * state.coefficient[0])
     assert found.error == pytest.approx(expected, rel=1e-6, abs=2 * closure)
     assert found.height_error == pytest.approx(found.error + 4 * SAMPLED_FACTOR * r * sigma, rel=1e-6)
     assert found.tensions[0, 2] == pytest.approx(reach / wave.half_width)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("nodes", [8, 30])
+def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes, apart):
+    """Random polynomials, and one that is large at an end only, whose width is far less than the segment's."""
+    state, random = OneWave(1.0, 0.2, 0.3).state(False, nodes), np.random.default_rng(nodes)
+    first, _, y = sample_points(state.segments, apart)
+    r = state.segments.half_width[0]
+    t, dense = (y - state.segments.centre[0]) / r, np.cos(np.linspace(0, np.pi, 20_001))
+    for degree in range(nodes + 3):
+        for coefficient in (np.eye(degree + 1)[-1], random.normal(size=degree + 1), np.arange(degree + 1.0)):
+            polynomial = np.polynomial.Chebyshev(coefficient)
+            largest, width = _largest_and_width(state.segments, first, np.abs(polynomial(t)))
+            force = r * np.abs(np.trapezoid(np.abs(polynomial(dense)), dense))
+            assert SAMPLED_FACTOR * largest[0] * width[0] >= force * (1 - 1e-6)
+            assert width[0] <= 2 * r
+    if nodes == 30:  # the last polynomial, sum k T_k, is as large as its degree squared at the right end
+        assert width[0] < 0.2 * r

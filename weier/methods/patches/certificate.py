@@ -88,9 +88,10 @@ def carried_load(state: ContactState, period: float) -> float:
     return float(0.5 * np.pi * force.sum()) / period
 
 
-def contact_residual(state: ContactState, series: CosineSeries) -> Array:
-    """Return the largest residual on each segment: the gap on a contact or, dual, the pressure in a gap.
+def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
+    """Return the largest residual on each segment, and the width on which it has the force of the whole residual.
 
+    The residual is the gap on a contact or, dual, the pressure in a gap.
     The potentials come from closed forms, or from fast sums for many segments, at points between the nodes, so that
     neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some
     points.
@@ -98,14 +99,30 @@ def contact_residual(state: ContactState, series: CosineSeries) -> Array:
     segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
     first, crest, y = sample_points(segments, by_sums)
     if not by_sums:
-        return np.asarray(np.maximum.reduceat(np.abs(residuals_one_by_one(state, series, crest, y)), first[:-1]))
+        return _largest_and_width(segments, first, np.abs(residuals_one_by_one(state, series, crest, y)))
     count = np.diff(first)
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
     # The seed is fixed, so that each run checks the same points.
     some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
     residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
-    return np.asarray(np.maximum.reduceat(residual, first[:-1]))
+    return _largest_and_width(segments, first, residual)
+
+
+def _largest_and_width(segments: Segments, first: Indices, residual: Array) -> tuple[Array, Array]:
+    """Return the largest sample on each segment, and the width on which `SAMPLED_FACTOR` times it has the force.
+
+    A polynomial q of degree n, times sin(theta), is a trigonometric one of degree n + 1. De la Vallee Poussin's
+    kernel yields it from samples at m zeros of T_m, so that int |q| dt is at most pi/(m-n-1) times the sum of
+    |q| sin(theta) over them (docs/patches.md, "The bound on the compliance").
+    """
+    count = np.diff(first)
+    of = np.repeat(np.arange(count.size), count)
+    sine = np.sin((np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of])
+    largest = np.maximum.reduceat(residual, first[:-1])
+    mean = np.pi / (count - segments.node_count - 3) * np.add.reduceat(residual * sine, first[:-1])
+    width = np.minimum(mean / np.maximum(SAMPLED_FACTOR * largest, 1e-300), 2.0)
+    return largest, segments.half_width * width
 
 
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
@@ -125,6 +142,7 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
 def certify(
     state: ContactState,
     residual: Array,
+    residual_width: Array,
     minima: Records,
     negative: Records,
     series: CosineSeries,
@@ -138,7 +156,7 @@ def certify(
     sigma from the pressures on segments. Of gaps (dual), the residual is a pressure: sigma comes from the complement,
     and eps from the overlap in segments and from what these do not close.
 
-    residual : the largest on each segment, of `contact_residual`
+    residual, residual_width : the largest on each segment and its width, of `contact_residual`
     minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
         and, of gaps, all below the margin
     negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
@@ -157,7 +175,7 @@ def certify(
     if state.dual:  # Pressures stand in the gaps, and where the parabolas at minima of the pressure are negative.
         gap = max(closure, -float(negative["lowest"].min(initial=0.0)))
         reach = np.sqrt(-2 * below["value"] / np.maximum(below["curvature"], -below["value"] / period**2))
-        violated, on = np.append(residual, -below["value"]), np.append(2 * r, 2 * reach)
+        violated, on = np.append(residual, -below["value"]), np.append(residual_width, 2 * reach)
     else:
         gap = max(float(residual.max()), -float(below["value"].min(initial=0.0)))
         violated, on = -negative["lowest"], r[negative["segment"]] * (negative["end"] - negative["start"])

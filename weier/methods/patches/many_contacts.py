@@ -149,9 +149,8 @@ def _solve_to(
     # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
     # segments that the last one has added are guesses.
     moved, corrections, last_height = False, 0, np.inf
-    coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Records, Records] | None = (
-        None  # before nodes were added
-    )
+    # before nodes were added
+    coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Array, Records, Records] | None = None
     now = make_guess(problem, guess.segments, stage)
     for steps in range(1, MAX_STEPS + 1):
         step = take_step(problem, now, stage)
@@ -194,14 +193,14 @@ def _solve_to(
             stage = fine
             now = next_guess(problem, step, stage)
         else:  # stage 5 and, where the residual is small on all segments that can have more nodes, stage 6
-            residual = contact_residual(state, problem.series)
+            residual, width = contact_residual(state, problem.series)
             height = kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
             short, largest = (height > allowed) & (count < MAX_NODES), float(height.max())
             # More nodes do not help against rounding, and in gaps they add to it.
             if not np.any(short) or largest > MAX_LEFT_BY_NODES * last_height:
                 if coarser is not None and largest > last_height:
-                    solved, step, state, residual, minima, negative = coarser
+                    solved, step, state, residual, width, minima, negative = coarser
                 route = guess.route._replace(steps=steps, corrections=corrections)
                 tangent = solve_tangent(solved.punches, solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
                 state = state._replace(edge_move=step.moves.outward, route=route)
@@ -212,8 +211,8 @@ def _solve_to(
                     )
                 else:
                     state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
-                return certify(state, residual, minima, negative, problem.series, accepted, margin), steps
-            last_height, coarser = largest, (solved, step, state, residual, minima, negative)
+                return certify(state, residual, width, minima, negative, problem.series, accepted, margin), steps
+            last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             # With other nodes edges move anew, by more than in the last step, and that is not rounding.
             now, last_move = next_guess(problem, step, stage, counts), np.inf
