@@ -1,0 +1,104 @@
+"""Limits on which results do not depend, as docs/patches.md lists them: all of them at once, halved and doubled."""
+
+import ast
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import weier
+
+PACKAGE = Path(weier.__file__).parent
+PAGE = PACKAGE.parent / "docs" / "patches.md"
+# Each start, contacts and gaps, few and hundreds of them, beside a merger and through all events of a range of loads.
+SOLVE = """
+import json
+import numpy as np
+from weier import Profile
+from weier.methods import patches
+
+merging = 0.80812372 * (1 - np.array([1e-4, 1e-6, 1e-8]))
+cases = [
+    (1.25, 5, 3, (0.0, 1.0, 2.0), np.geomspace(1e-6, 9, 8)),
+    (1.5, "5/2", 3, (0.0, 1.0, 2.0), np.geomspace(1e-3, 5, 6)),
+    (1.1241528007905877, 2, 3, (3.731679150515029, 3.768119263993129, 0.9341084634895267), merging),
+    (1.25, 5, 4, (0.0, 1.0, 2.0, 3.0), [0.3, 1.5, 8.0]),
+    (1.5128, "6/5", 4, (0.7, 3.9, 4.9, 3.8), [0.3, 2.49]),
+    (1.8, 3, 4, (1.0, 2.0, 3.0, 4.0), [1e-3, 1.0, 10.0]),
+]
+found = []
+for *series, loads in cases:
+    curve = patches.curve(Profile(*series), loads)
+    values = curve.compliance, curve.compliance_error, curve.resistance, curve.resistance_error, curve.patch_count
+    found.append([np.asarray(value, float).tolist() for value in values])
+events = patches.events(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 0.3, 10.0)
+print(json.dumps([found, events.mean_pressure.tolist(), events.birth.tolist()]))
+"""
+
+
+def limits():
+    """The names of each module in the table of the page."""
+    section = PAGE.read_text(encoding="utf-8").split("## Limits without an effect\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", section, re.MULTILINE)
+    return {module: re.findall(r"`(\w+)`", names) for module, names in rows}
+
+
+def scale(path, names, factor):
+    """Multiply the numbers that a module assigns to these names; whole numbers stay whole, and at least 1."""
+    source, left = path.read_text(encoding="utf-8"), set(names)
+    lines, places = source.splitlines(keepends=True), []
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.Assign):
+            target, value = node.targets[0], node.value
+            both = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+            pairs = zip(target.elts, value.elts, strict=True) if both else [(target, value)]
+            places += [(number, one.id) for one, number in pairs if isinstance(one, ast.Name) and one.id in left]
+    for value, name in sorted(places, key=lambda place: (-place[0].lineno, -place[0].col_offset)):
+        number = eval(compile(ast.Expression(value), "", "eval"))
+        new = max(1, round(number * factor)) if isinstance(number, int) else number * factor
+        line = lines[value.lineno - 1]
+        lines[value.lineno - 1] = line[: value.col_offset] + repr(new) + line[value.end_col_offset :]
+        left.discard(name)
+    assert not left, f"{path.name} has no {left}"
+    path.write_text("".join(lines), encoding="utf-8")
+
+
+def solved(folder):
+    """The results by the package in a folder."""
+    environment = os.environ | {"PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    run = subprocess.run([sys.executable, "-c", SOLVE], cwd=folder, env=environment, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+def test_the_page_lists_numbers_that_modules_assign(tmp_path):
+    for module, names in limits().items():
+        path = tmp_path / f"{module}.py"
+        before = (PACKAGE / "methods" / "patches" / path.name).read_text(encoding="utf-8")
+        path.write_text(before, encoding="utf-8")
+        scale(path, names, 2)
+        assert path.read_text(encoding="utf-8") != before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [0.5, 2])
+def test_results_do_not_depend_on_limits(tmp_path, factor):
+    """Kernels are compiled with the others: a minute or two."""
+    changed = tmp_path / "changed"
+    for folder in (tmp_path, changed):
+        shutil.copytree(PACKAGE, folder / "weier", ignore=shutil.ignore_patterns("__pycache__"))
+    for module, names in limits().items():
+        scale(changed / "weier" / "methods" / "patches" / f"{module}.py", names, factor)
+    (usual, loads, births), (found, other_loads, other_births) = solved(tmp_path), solved(changed)
+    for (h, of_h, R, of_R, count), (h_2, of_h_2, R_2, of_R_2, count_2) in zip(usual, found, strict=True):
+        assert count == count_2
+        for i in range(len(h)):
+            assert abs(h[i] - h_2[i]) <= of_h[i] + of_h_2[i]
+            assert abs(R[i] - R_2[i]) <= of_R[i] + of_R_2[i]
+    assert births == other_births
+    assert other_loads == pytest.approx(loads, rel=1e-9)
