@@ -185,7 +185,7 @@ class Reader:
         one = dataset.blank(1, methods, scene.loads, terms, edges, optional | {"numerics"}, scene.load_unit)
         found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
         # Views of the blank case, which take no memory where no method has values.
-        found = {name: np.broadcast_to(blank[0], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
+        found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
         for column, method in enumerate(methods):
             batches, rows, code = (values[cases] for values in self._places[method])
             order = np.argsort(batches, kind="stable")
