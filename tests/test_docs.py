@@ -170,7 +170,7 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
     figures = scene.load("config/scenes/paper.yaml").figures
     for name in figures:
-        shutil.copy("docs/figure_3.png", folder / f"{name}.png")
+        shutil.copy("docs/message.png", folder / f"{name}.png")
     command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet"]
     settings = ["-D", f"scene_figures={folder}", "-d", folder / "doctrees"]
     done = subprocess.run([*command, *settings, "docs", folder / "html"], capture_output=True, text=True)

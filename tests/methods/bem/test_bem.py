@@ -154,7 +154,7 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
         ({"staircase": "taken off"}, '"removed" or "kept", got'),
         ({"points_per_wave": 16.5}, "points_per_wave must be a whole number"),
         ({"points_per_wave": 2}, r"of at least 3 \(64 is the default\), got 2"),
-        ({"points_per_wave": 16, "points": 80}, "got 16 beside points = 80: give one of the two"),
+        ({"points_per_wave": 16, "points": 80}, "got 16 with points = 80: give one of the two"),
     ],
 )
 def test_bad_settings_are_refused(settings, message):
