@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.pipeline.batch import arrays, describe_case
 from weier.scene import Case
 
-DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # These describe a case beside its coordinates.
+DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # describe a case, besides its coordinates
 VARIANT = Variable(("variant",), "method and settings that are compared", content=LABEL)
 
 
@@ -42,11 +42,11 @@ Measure = Callable[[Comparison, Variant], Mapping[str, Any]]
 def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping[str, Variable]) -> xr.Dataset:
     """Return an empty dataset for the comparisons.
 
-    It is like that of a scene, over variants instead of methods, whose method is the coordinate solution_method.
-    `kept` names variables of the common table; `own` are further ones, whose dimension of variants is called
-    solution_method as in that table.
+    It is like that of a scene, with variants instead of methods; the coordinate solution_method has their methods.
+    `kept` names variables of the common table; `own` are further ones, with the dimension solution_method for
+    variants, as in that table.
     """
-    # Each variant once, by name, in the order of the comparison that has most of them.
+    # Each variant once, by name, in the order of the comparison with most of them.
     lists = sorted((comparison.variants for comparison in comparisons), key=len, reverse=True)
     variants = {variant.name: variant for own in lists for variant in own}
     methods = [variant.method for variant in variants.values()]

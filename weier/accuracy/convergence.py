@@ -37,8 +37,8 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     Returns
     -------
     Dataset
-        As that of a scene, over resolved_terms instead of methods. If the grid is too large for the estimate, there
-        are only the bounds; if it is too large for these, too, the status shows it.
+        As that of a scene, over resolved_terms instead of methods. If the grid is too large for the estimate, only
+        bounds are given; if it is too large for these as well, see the status.
 
     Raises
     ------

@@ -1,8 +1,7 @@
-"""Whether stated errors hold, on families of hard series, against contact patches at a tight tolerance.
+"""Coverage of stated errors on families of hard series, against contact patches at a tight tolerance.
 
-`python -m weier.accuracy.coverage` draws fresh series, prints how many numbers of a family are beyond what a method
-states of their errors, with the largest ratio of error to statement, and lists the worst. With a file, exact curves
-are solved once.
+`python -m weier.accuracy.coverage` draws new series, prints the number of errors above the stated error and the
+largest ratio for each family and method, and lists the worst. With a file, exact curves are solved once.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 
-FINER = 10  # A number is judged if the error of the reference is smaller by this factor than its own.
+FINER = 10  # least ratio of the stated or measured error to the error of the reference
 
 
 class Judged(NamedTuple):
@@ -62,7 +61,7 @@ HEADER = ["family", "loads", *(f"{symbol} by {name}" for name in METHODS for sym
 
 
 def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
-    """Compare a method with the exact curve, load by load where it refuses the curve; NaN where it refuses a load."""
+    """Compare a method with the exact curve, load by load if it refuses the curve; NaN at loads that it refuses."""
     try:
         found = _numbers(solve(draw, draw.loads))
     except ConvergenceError:
@@ -75,7 +74,7 @@ def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
 
 
 def _numbers(curve: Any) -> Array:
-    """Return compliance, resistance and what is stated of their errors, shape (4, loads)."""
+    """Return compliance, resistance and their stated errors, shape (4, loads)."""
     return np.array([curve.compliance, curve.resistance, curve.compliance_error, curve.resistance_error])
 
 
@@ -108,7 +107,7 @@ def row(family: str, found: Found) -> list[str]:
 
 
 def exceeded(found: Found) -> Iterator[tuple[float, str]]:
-    """Yield errors larger than stated: their ratio to the statement, and their places."""
+    """Yield errors larger than stated: their ratio to the stated error, and their location."""
     for draw, by_method in found:
         D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phase.tolist()
         for name, judged in by_method.items():
@@ -124,7 +123,7 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
 
 
 def report(found: Found, worst: int) -> None:
-    """Print a row a family, one of all, and the worst of what exceeds its statement."""
+    """Print a row per family, one for all, and the largest errors above the stated ones."""
     rows = []
     for family in (*FAMILIES, "all"):
         if of_family := [one for one in found if family in (one[0].family, "all")]:
@@ -145,8 +144,8 @@ def report(found: Found, worst: int) -> None:
 def main(count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
     """Compare methods with tight contact patches on families of hard series.
 
-    A cell has the numbers beyond what is stated, the numbers judged, and the largest error in what is stated of it.
-    Ctrl-C prints what was found so far.
+    A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
+    stated error. Ctrl-C prints the results so far.
     """
     names = [name.strip() for name in families.split(",")]
     if unknown := set(names) - set(FAMILIES):

@@ -1,7 +1,7 @@
 """Errors of the estimates on ensembles, and the exponent of the stiffness: `python -m weier.accuracy.estimates`.
 
-The reference are contact patches on profiles of random phases. Errors of h are in g_0, those of R and of the contact
-area are relative. Loads of full contact are left out, where ratios mean nothing.
+The reference is contact patches on profiles with random phases. Errors of h are in g_0, errors of R and of the
+contact area are relative. Loads of full contact are omitted, since ratios are meaningless there.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
 ESTIMATES = ("archard", "demelio", "layer", "persson")
-# D, gamma and m: as many terms as have 25 to 64 of the finest waves in a period.
+# D, gamma and m, with 25 to 64 of the finest waves per period
 SERIES = tuple((D, gamma, m) for D in (1.25, 1.5, 1.75) for gamma, m in ((2, 7), (5, 3)))
 LOADS = np.geomspace(0.01, 4, 14)
 RANGES = ((0.002, 0.01), (0.01, 0.05), (0.05, 0.3))  # p_0*, of the exponents of the stiffness
-MIN_RESISTANCE = 1e-3  # g_0/p_0*: below it the contact is full but for a few gaps.
+MIN_RESISTANCE = 1e-3  # g_0/p_0*: below it contact is nearly full
 
 
 class Errors(NamedTuple):

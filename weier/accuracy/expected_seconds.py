@@ -1,4 +1,4 @@
-"""Processor seconds over those that methods expect: `python -m weier.accuracy.expected_seconds [--most WAVES]`.
+"""Measured over expected processor seconds: `python -m weier.accuracy.expected_seconds [--most WAVES]`.
 
 The constants of `Method.seconds` come from this table, for series and traces of 25 to 12 000 waves, and m = inf.
 """
@@ -21,7 +21,7 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
-FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # Loads, over that of full contact; in p_0* for the infinite series.
+FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
 SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
 HURST = (0.8, 0.3)  # The exponents of the traces.
@@ -76,7 +76,7 @@ def row(name: str, profile: Waves, method: Method) -> list[str]:
 @click.option("--most", default=TRACES[-1], show_default=True, help="Waves of the finest surface.")
 @click.option("--methods", default="layer,hybrid,bem,patches", show_default=True, help="Methods, with commas.")
 def main(most: int, methods: str) -> None:
-    """Print the seconds of each load, and their mean over the expected ones."""
+    """Print the seconds of each load, and their mean ratio to the expected ones."""
     rows = []
     with one_thread:
         for method in map(find_method, methods.split(",")):

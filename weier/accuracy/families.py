@@ -1,4 +1,4 @@
-"""Families of hard series with their exact curves by contact patches, drawn afresh or kept in a file.
+"""Families of hard series with their exact curves by contact patches, newly drawn or read from a file.
 
 A family is made of features: of the series, its phases, its loads, and the settings of boundary elements.
 """
@@ -22,20 +22,20 @@ from weier.kernels.arrays import Array
 from weier.methods import patches
 
 MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
-LOADS = 8  # So many loads of each series are compared.
-# Tolerances of the patches, and of those on the reflected profile: the first one that can be met counts.
+LOADS = 8  # loads per series
+# tolerances of the patches, also on the reflected profile; the first one that can be met is used
 REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
-ARRAYS = ("loads", "exact", "uncertainty")  # These fields of a draw are arrays.
+ARRAYS = ("loads", "exact", "uncertainty")  # fields of a draw that are arrays
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
 
 class Draw(NamedTuple):
-    """A series under loads with its exact curve, which is NaN where contact patches find none.
+    """A series with its loads and exact curve; NaN where contact patches fail.
 
     exact : compliance and resistance, shape (2, loads)
     settings : of boundary elements
-    uncertainty : of h and R, by how much patches on the reflected profile differ, and what the residual adds
+    uncertainty : of h and R: the difference from patches on the reflected profile, plus the effect of the residual
     """
 
     family: str
@@ -60,7 +60,7 @@ def rational(random: Generator) -> tuple[float, Fraction, int]:
 
 
 def coarse(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw ratios of 20 to 1000: a few crests of the first wave bear hundreds of contacts."""
+    """Draw ratios of 20 to 1000: a few crests of the first wave carry hundreds of contacts."""
     return random.uniform(1.02, 1.98), Fraction(round(np.exp(random.uniform(np.log(20), np.log(1000))))), 2
 
 
@@ -102,7 +102,7 @@ def aligned(random: Generator, waves: Array) -> Array:
 
 
 def twin_crests(random: Generator, waves: Array) -> Array:
-    """Return an even profile, whose crests come in pairs, but for one phase by 1e-12 to 1e-2."""
+    """Return an even profile, with crests in pairs, perturbed in one phase by 1e-12 to 1e-2."""
     phases = np.asarray(np.pi * random.integers(0, 2, waves.size), np.float64)
     phases[random.integers(waves.size)] += 10 ** random.uniform(-12, -2) * random.choice([-1, 1])
     return phases
@@ -145,7 +145,7 @@ def _near(random: Generator) -> Array:
 
 
 def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
-    """Draw the default of 64 points a wave, or another number: 12 are the paper's."""
+    """Draw the default of 64 points per wave, or another number, such as the 12 of the paper."""
     return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
 
 
@@ -172,7 +172,7 @@ Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, 
 
 
 def _family(*features: Callable[..., Any]) -> Features:
-    """Return the features that are named, and what is usual for the others."""
+    """Return the named features, with defaults for the others."""
     kinds: Features = (SERIES, PHASES, PRESSURES, SETTINGS)
     chosen = [tuple(f for f in features if f in kind) for kind in kinds]
     usual_of_kind: Features = tuple((feature,) for feature in DEFAULT)
@@ -197,7 +197,7 @@ FAMILIES: dict[str, Features] = {
 
 
 def draw_one(random: Generator, family: str) -> Draw:
-    """Return a fresh series of a family with its exact curve."""
+    """Return a new series of a family with its exact curve."""
     series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
     profile = _profile(random, series, phases)
     pressures = _pressures(random, profile, loads)
@@ -214,7 +214,7 @@ def _profile(random: Generator, series: Callable[..., Any], phases: Callable[...
 
 
 def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, Profile], Array]) -> Array:
-    """Return increasing loads near births and mergers, or any where contact patches find none of these."""
+    """Return increasing loads near births and mergers, or any loads if there are none."""
     try:
         return np.unique(loads(random, profile))
     except ConvergenceError as error:
@@ -246,7 +246,7 @@ def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patc
 
 
 def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Yield draws of the families: first those in the file, then fresh ones, which are added to it."""
+    """Yield draws of the families: first those in the file, then new ones, which are added to it."""
     kept = [_from_line(line) for line in path.read_text().splitlines()] if path and path.exists() else []
     kept = [draw for draw in kept if draw.family in names]
     yield from kept

@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 
 MAX_DIGITS = 16.0  # digits of a double, for an error of 0
 TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.
-MEASURED, STATED = "deviation", "error"  # These are the endings of the variables of measured and stated errors.
+MEASURED, STATED = "deviation", "error"  # suffixes of the variables of measured and stated errors
 
 
 def deviation(values: Array, right: Sequence[Any]) -> Array:
@@ -41,9 +41,9 @@ def _digits(value: float, right: Any) -> float:
 def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
     """Return measured or stated errors of a tradeoff, shape (case, variant, mean_pressure); NaN where there are none.
 
-    Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from some
-    g_0/p_0* at light loads to 0 at full contact, so an error relative to itself is meaningless at full contact, and
-    one in g_0/p_0* says little at light loads.
+    Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from several
+    g_0/p_0* at light loads to 0 at full contact, so that relative errors are meaningless near full contact, and
+    absolute ones at light loads.
     """
     error = data[f"{quantity}_{kind}"].values
     if quantity == "resistance":

@@ -1,8 +1,8 @@
-"""The closed forms in 50 digits: their sums term by term, from the same doubles that a method is given.
+"""The closed forms in 50 digits: sums term by term, from the same doubles as the method.
 
-The sums are those of docs/closed_forms.md: "One wave", "Archard" and "Demelio". They have nothing in common with the
-code of the methods. An infinite series is summed until the rest is a geometric series or below the last digit. Each
-function returns compliance, in g_0, and resistance, in g_0/p_0*.
+The sums are those of docs/closed_forms.md: "One wave", "Archard" and "Demelio". They share no code with the methods.
+An infinite series is summed until the remainder is geometric or negligible. Each function returns compliance, in g_0,
+and resistance, in g_0/p_0*.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import mpmath as mp
 
-DIGITS = 50  # Cancellation in the sums leaves far more than the 16 digits of a double.
+DIGITS = 50  # far more than 16 digits remain after cancellation
 Pair = tuple[Any, Any]
 
 

@@ -2,7 +2,7 @@
 
 An estimate is compared with the sum that defines it (`OF_ESTIMATES`), and a solution of the series with the exact
 contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
-them. The patches solve the profile shifted along x, so that no number is the same by construction.
+them. The patches solve the profile shifted along x, so that no number agrees by construction.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from weier.surface.expansions import expand
 from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 
-MIN_TOUCH = 1e-20  # p_0*: below it Hertz's formula is exact in double precision, as its relative error is a few p.
+MIN_TOUCH = 1e-20  # p_0*: below it Hertz's formula, with a relative error of a few p, is exact in double precision
 TOUCH_HEIGHT = 1e-12  # g_0: at such loads, only crests closer than this to the highest one touch.
-AT_FULL_CONTACT = 1 + 1e-12  # Full contact is certain at this factor of its load, which is known to rounding.
-# The reference takes the smallest of these tolerances that can be met: the bound of many contacts exceeds the first.
+AT_FULL_CONTACT = 1 + 1e-12  # full contact is certain at this multiple of its computed load
+# the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
-RESISTANCE_FACTOR = 50.0  # Largest error of R over the tolerance of h that was measured next to mergers.
+RESISTANCE_FACTOR = 50.0  # largest measured error of R over the tolerance of h near mergers
 SHIFT = 0.3  # lambda_0: the contact patches solve the profile shifted by this distance.
-MAX_FINER_SCALES, FINER_ACCURACY = 10, 1e-6  # More scales of the finer layer take minutes with this accuracy.
+MAX_FINER_SCALES, FINER_ACCURACY = 10, 1e-6  # more scales take minutes at this accuracy
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
 
 
@@ -67,7 +67,7 @@ def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
-# The references of estimates, which have errors of their own beside those of their models, by their names.
+# references of the estimates, whose numerical errors are measured apart from their model errors, by name
 OF_ESTIMATES: dict[str, Callable[[Profile, Array], Reference | None]] = {
     "archard": partial(_sums, multiprecision.archard),
     "demelio": partial(_sums, multiprecision.demelio),
@@ -78,8 +78,8 @@ OF_ESTIMATES: dict[str, Callable[[Profile, Array], Reference | None]] = {
 def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
     """Return the reference of a method at these loads; NaN without a result or an affordable reference.
 
-    For one wave all methods are exact. Otherwise an estimate has its own reference. The exact contact is the
-    reference of numerical methods, and of those that state the error of each number.
+    For one wave all methods are exact. Otherwise an estimate has its own reference; for numerical methods, and those
+    with stated errors, it is the exact contact.
     """
     (h, R), error = [np.full(loads.size, mp.nan, object) for _ in range(2)], np.zeros(loads.size)
     solved = result.outcome == Outcome.finite
@@ -139,8 +139,7 @@ def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pai
 def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Array, Array]:
     """Return errors of the reference itself, in compliance and resistance, each of shape (loads,).
 
-    Close to a birth, rounding of the phases may put the shifted profile on its other side. Its stated error covers
-    this.
+    Close to a birth, rounding of the phases may shift the birth across the load; the stated error covers this.
     """
     total = np.full(result.compliance.size, profile.total_amplitude)
     h, R = TOLERANCES[0], RESISTANCE_FACTOR * TOLERANCES[0]
@@ -156,10 +155,10 @@ def _single_crest(profile: Profile) -> bool:
 
 
 def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
-    """Return h = h_0 + p (1 - ln(4 pi^2 p/k)) of a contact so small that only its curvature k matters.
+    """Return h = h_0 + p (1 - ln(4 pi^2 p/k)) for a small contact on a crest of curvature k.
 
-    It is Hertz's, of half-width a = 2 sqrt(p/k), and Westergaard's wave of curvature 4 pi^2 is the case
-    h = p (1 - ln p).
+    It is Hertzian, of half-width a = 2 sqrt(p/k); the limit of Westergaard's wave, of curvature 4 pi^2, is h = p (1 -
+    ln p).
     """
     with mp.workdps(multiprecision.DIGITS):
         x = mp.mpf(profile.crest[0])
@@ -186,6 +185,6 @@ def _total(profile: Profile) -> mp.mpf:
 
 
 def _shift(profile: Profile) -> Profile:
-    """Return a profile shifted along x: it has the curves of the one given, but other numbers."""
+    """Return a profile shifted along x, which has the same curves but different phases."""
     cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

@@ -22,8 +22,7 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
-# runs, of which the median counts: load lengthens some, and the clock of a virtual machine may shorten
-# others.
+# runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
 REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
 # The names of stated errors among the results of a method.
@@ -46,7 +45,7 @@ class Run(NamedTuple):
 
     compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
     compliance_error, resistance_error : errors stated by the method for each number, NaN where it states none
-    solution_error : largest error of the compliance that the method knows of its solution, in g_0
+    solution_error : largest error of the compliance according to the method, in g_0
     outcome : of the solution at each load, shape (loads,)
     seconds : processor time
     others : further results of the method, by name
@@ -110,7 +109,7 @@ def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 
 
 def _join(parts: list[Run]) -> Run:
-    """Return runs of single loads as one, without what else they returned."""
+    """Return runs of single loads as one, without their other results."""
     h, R, h_error, R_error, solution_error, outcome, *_ = zip(*parts, strict=True)
     h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
     return Run(h, R, h_error, R_error, max(solution_error), outcome)

@@ -12,8 +12,7 @@ from weier.methods.settings import TOLERANCE, defaults
 from weier.surface.profile import Profile
 
 TOLERANCES = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # g_0
-# Settings that are compared beside tolerances, by the name of the method: the grid of the paper, and meshes of half a
-# wave.
+# settings compared in addition to tolerances, by method: the grid of the paper, and meshes of half a wave
 OTHER_SETTINGS: dict[str, tuple[Settings, ...]] = {
     "bem": ({"staircase": "kept", "points_per_wave": 12},),
     "layer": ({"points": 6}, {"points": 24}),
@@ -30,7 +29,7 @@ class Variant(NamedTuple):
 
 
 def variants_of(method: Method, profile: Profile) -> Iterator[Variant]:
-    """Yield the variants of a method for a finite series, from the coarsest; none of "auto", which runs others."""
+    """Yield the variants of a method for a finite series, from the coarsest; none for "auto"."""
     tolerances = TOLERANCES if TOLERANCE in defaults(method) else ()
     if tolerances and not method.numerical:
         return

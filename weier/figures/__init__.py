@@ -4,8 +4,7 @@ A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` ret
 `grouping`, a scene may choose the parameters of colours, panels and medians. This folder may import all others except
 the command line.
 
-The constants of the modules are read from their text, so that the kinds can be listed without importing matplotlib,
-which takes longer than all the rest.
+The constants of the modules are read from their text, so that kinds can be listed without importing matplotlib.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
-VALUES = "csv"  # The values of a figure are a further format.
+VALUES = "csv"  # a further format, the values of a figure
 MARKS = {"png": "Comment", "pdf": "Keywords", "svg": "Keywords"}  # where a format keeps the mark of a product
 
 # Backends without windows; matplotlib chooses the first of them if there is no display.

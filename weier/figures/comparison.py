@@ -32,9 +32,8 @@ from weier.theory.conduction import Bodies
 
 TITLE_ROW = 0.2  # inches: the height of a line of the title.
 MAX_NAMED = 8  # values of a parameter in a legend below the panels
-MAX_INSIDE = 6  # A legend of more entries would cover the curves.
-# The looks of bands around medians, of a solid line that dashed ones of its colour cover, and of bands of stated
-# errors.
+MAX_INSIDE = 6  # longer legends would cover the curves
+# styles of bands around medians, of a solid line under dashed ones of its colour, and of bands of stated errors
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 BEHIND: dict[str, Any] = {"facecolor": "0.86", "edgecolor": "0.7", "linewidth": 0.4, "zorder": 1.0}
 BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
@@ -52,7 +51,7 @@ class PlottedCurve(NamedTuple):
     method : of all
     loads, values : the line
     band : the low and the high end of the band, shape (2, loads); None for a single curve
-    members : how many curves they are
+    members : number of curves
     points : whether to draw points instead of a line, next to a more accurate curve
     parameters : those of the first case by name
     differing : the parameters in which the curves differ
@@ -77,7 +76,7 @@ class Members(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many curves they are."""
+        """The number of curves."""
         return sum(rows.size for _, rows, _ in self.rows)
 
     def column(self, name: str) -> Array:

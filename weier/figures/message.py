@@ -27,7 +27,7 @@ BAND = (10, 90)  # percentiles
 QUANTITIES = ("contact_fraction", "resistance")
 SERIES = ("D", "gamma")  # one column of panels per value
 WIDTH, HEIGHT = 2.9, 2.3  # inches, of a panel
-BESIDE = 0.55  # Terms between the longest series and its bounds.
+BESIDE = 0.55  # distance of the bounds from the longest series, in terms
 LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "s"), (style.BLACK, "^"))  # of the loads
 
 

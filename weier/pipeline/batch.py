@@ -59,8 +59,8 @@ def solve_batch(
     contact_edges : bool
         Whether to keep the edges of contact.
     done, failed : callable
-        Called with a line of progress every `pause` seconds and with the number of loads that took a second attempt,
-        and with the reason why a method has no curve.
+        `done` is called with a line of progress every `pause` seconds and with the number of second attempts,
+        `failed` with the reason why a method has no curve.
     pause : float
         Seconds between two lines of progress.
     workers : int
@@ -68,9 +68,9 @@ def solve_batch(
     loads_of : callable, optional
         From a surface to its loads in p_0*, for loads in Pa.
     known : Dataset, optional
-        The result for the first of the cases, which are not solved again.
+        The result for the first cases, which are not solved again.
     keep : callable, optional
-        Called with the result for the first of the cases, where Ctrl-C ends the solution of the others.
+        Called with the result for the first cases if Ctrl-C interrupts the solution.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
     scalars, such as `chosen_method` and `chosen_terms`.
     """
     for name, value in values.items():
-        if name in curves and np.size(value):  # a method may give no edges of contact
+        if name in curves and np.size(value):  # a method may return no edges
             # A case has one row of edges, of its last method, which may find fewer contacts than the one before.
             if "edge" in VARIABLES[name].dims:
                 curves[name][_row(name, position)] = np.nan

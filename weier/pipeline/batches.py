@@ -20,13 +20,13 @@ from weier.scene.cases import Scene
 from weier.scene.identity import Keys, as_text, distinct, ordered
 from weier.scene.study import CaseProduct
 
-SEEDS = ("phases", "seed")  # The time of a curve hardly depends on these.
+SEEDS = ("phases", "seed")  # a curve's time hardly depends on these
 
 
 class Part(NamedTuple):
     """The curves of a product of cases by one method.
 
-    first : number of its first case among all of the scene; the others follow
+    first : index of its first case in the scene; the others follow
     positions : of its cases in the product
     surfaces : their keys
     """
@@ -39,7 +39,7 @@ class Part(NamedTuple):
 
     @property
     def cases(self) -> slice:
-        """Its cases among all of the scene."""
+        """Indices of its cases in the scene."""
         return slice(self.first, self.first + len(self.positions))
 
     def batch_case(self, number: int) -> Case:
@@ -131,8 +131,8 @@ class Solutions:
     def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
         """Return the batches of these studies, or of the whole scene: the solved ones, and those to be solved.
 
-        The latter hold only curves of these studies that no earlier call has described, so that a case of two figures
-        is solved once. They are cut for so many cores; `store.write` writes their descriptions.
+        The latter contain only curves of these studies that no earlier call has described, so that a case of two
+        figures is solved once. They are sized for this number of cores; `store.write` writes their descriptions.
         """
         wanted = self._cases_of(studies)
         missing: dict[str, list[tuple[Part, Indices]]] = {}
@@ -151,7 +151,7 @@ class Solutions:
         return [self.store.batches[number].with_suffix(".nc") for number in used]
 
     def digest_of_curves(self, studies: Collection[str] | None = None) -> str:
-        """Return a digest of all that the curves of these studies depend on, in whatever batches they are."""
+        """Return a digest of all dependencies of the curves of these studies, in whatever batches they are."""
         wanted, own = self._cases_of(studies), dict[str, list[Keys]]()
         for part in self.parts:
             if len(surfaces := part.surfaces[wanted[part.cases]]):
@@ -167,7 +167,7 @@ class Solutions:
     def _describe(self, parts: Sequence[tuple[Part, Indices]], cores: int) -> None:
         """Describe batches of curves of one kind."""
         surfaces = np.concatenate([part.surfaces[lacking] for part, lacking in parts])
-        first = distinct(surfaces)[0]  # of curves that two cases with other methods beside this one have in common
+        first = distinct(surfaces)[0]  # curves shared by cases that differ in other methods
         surfaces = surfaces[first]
         seconds = np.concatenate([part.seconds()[lacking] for part, lacking in parts])[first]
         owner = np.repeat(np.arange(len(parts)), [len(lacking) for _, lacking in parts])[first]
@@ -199,6 +199,6 @@ class CasesOfParts(Sequence[Case]):
 
 
 def unused(store: Store, scenes: Collection[Solutions]) -> Mapping[str, int]:
-    """Return the solved batches that none of these scenes uses, with their bytes."""
+    """Return the solved batches that none of these scenes uses, with their sizes in bytes."""
     used = {path.stem for solutions in scenes for path in solutions.files()}
     return {name: size for name, size in store.solved.items() if name not in used}

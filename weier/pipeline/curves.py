@@ -1,7 +1,7 @@
-"""The solved curves of all scenes: batches in one folder, each of one method, found again curve by curve.
+"""The solved curves of all scenes: batches in one folder, each of one method, looked up curve by curve.
 
-A curve depends on its surface, its method with all settings, the loads, and the code and packages that compute it; on
-nothing else, so that scenes share curves. The name of a batch is a digest of all that.
+A curve depends only on its surface, its method with all settings, the loads, and the code and packages that compute
+it, so that scenes share curves. The name of a batch is a digest of these.
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ def numerics(method: str, is_trace: bool) -> dict[str, str]:
         (found.solve, found.applies),
         *OF_ALL,
         *(OF_TRACES if is_trace else OF_SERIES),
-        # A trace is identified by its heights, however they are read.
+        # a trace is identified by its heights, not its file
         stop=[f"weier.surface.measured.{path.stem}" for path in measured],
     )
     return {"code": code[:CODE_DIGITS], "packages": versions()}
 
 
 class Kind(NamedTuple):
-    """What the curves of a batch have in common.
+    """The common properties of the curves of a batch.
 
     method, settings : the method with all its settings
     loads : in p_0*, or in Pa with `modulus`
@@ -122,7 +122,7 @@ class Batch(NamedTuple):
 
     @property
     def name(self) -> str:
-        """A digest of all that its curves depend on."""
+        """A digest of all dependencies of its curves."""
         return f"{self.kind.name}-{digest([self.kind._asdict(), as_text(self.surfaces)])[:12]}"
 
     @property
@@ -208,7 +208,7 @@ class Store:
     def find(self, kind: Kind, surfaces: Keys) -> tuple[Indices, Indices]:
         """Return the number of the batch, and the row in it, of the curve of each surface; -1 where there is none."""
         lookup, batch, row = self._lookup(kind.name)
-        place = lookup.find(surfaces)  # -1 is the last one, which stands for no batch
+        place = lookup.find(surfaces)  # -1 is the last entry, for no batch
         return np.append(batch, -1)[place], np.append(row, -1)[place]
 
     def add(self, batch: Batch) -> Path:
@@ -233,7 +233,7 @@ class Store:
 
     @cached_property
     def solved(self) -> dict[str, int]:
-        """The names of all solved batches, with the bytes of their files."""
+        """The names of all solved batches, with their sizes in bytes."""
         sizes = {entry.name: entry.stat().st_size for entry in self._entries() if entry.is_file()}
         named = {name[:-3]: size for name, size in sizes.items() if name.endswith(".nc")}
         return {name: size for name, size in sorted(named.items()) if f"{name}.json" in sizes}
@@ -262,7 +262,7 @@ class Store:
 
 
 def cut(seconds: Array, most: int, cores: int) -> list[slice]:
-    """Divide curves, in their order, into batches of about equal time: two for each core, or one if they are short.
+    """Divide curves, in order, into batches of about equal time: two per core, or one if they are short.
 
     No batch is expected to take longer than `MAX_SECONDS`, unless a single curve does, and none has more than `most`.
     """
@@ -280,10 +280,10 @@ def cut(seconds: Array, most: int, cores: int) -> list[slice]:
     return parts
 
 
-# The least time of a batch where there are several for each core, since the start of one takes one or two seconds.
+# least time of a batch with several per core: starting one takes one or two seconds
 MIN_SECONDS = 30.0
-MAX_SECONDS = 120.0  # The longest time of a batch, since a killed one is lost.
-# The least time of a batch where there are fewer than one for each core, since the start of a process takes as long.
+MAX_SECONDS = 120.0  # longest time of a batch, which is lost if it is killed
+# least time of a batch with less than one per core: the time to start a process
 START_SECONDS = 1.0
 BATCHES_PER_CORE = 2  # Two batches for each core leave no core idle for long at the end.
 CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.

@@ -1,7 +1,7 @@
 """Collect curves from batches: of all cases into one file, or of some cases into memory.
 
-A file is written in blocks of cases, so that it may be larger than memory. The labels of cases beside their profiles,
-which are studies and settings that differ, come from the scene. So no batch is solved again when a study is renamed.
+A file is written in blocks of cases, so that it may be larger than memory. The studies and differing settings of a
+case come from the scene, so that renaming a study solves nothing again.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def _of_study(name: str) -> dict[str, Any]:
 
 
 def _column(values: list[Any]) -> NDArray[Any]:
-    """Return numbers with NaN, or texts with "", where there is None."""
+    """Return numbers or texts, with NaN or "" in place of None."""
     if any(isinstance(value, str | bool) for value in values):
         return np.array([json.dumps(value) if isinstance(value, bool) else value or "" for value in values])
     return np.array(values, float)
@@ -184,7 +184,7 @@ class Reader:
         scene = self.solutions.scene
         one = dataset.blank(1, methods, scene.loads, terms, edges, optional | {"numerics"}, scene.load_unit)
         found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
-        # Views of the blank case, which take no memory where no method has values.
+        # Views of the blank case take no memory where there are no values.
         found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
         for column, method in enumerate(methods):
             batches, rows, code = (values[cases] for values in self._places[method])
@@ -238,7 +238,7 @@ def _copy(found: dict[str, NDArray[Any]], part: xr.Dataset, there: Indices, rows
         dims, values, here = part.variables[name].dims, part.variables[name].values[there], rows
         if values.dtype.kind == "f" and np.isnan(values).all():
             continue
-        if values.dtype.kind in "OUT":  # Each text once in memory, since most cases have the same settings.
+        if values.dtype.kind in "OUT":  # stores each distinct text once
             known: dict[str, str] = {}
             values = np.array([known.setdefault(text, text) for text in values.ravel()], object).reshape(values.shape)
         target = _writable(found, name)

@@ -2,7 +2,7 @@
 
 All three are monotone in the load p: h and the contact fraction increase, and R = dh/dp decreases, with a drop at
 each birth of a contact. Brent's method in ln p finds the load by contact patches. Its error is the distance to the
-nearest loads at which the quantity, with its stated error, certainly lies on one side of the target.
+nearest loads at which the quantity, including its stated error, is certainly above or below the target.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from weier.theory.bounds import first_contact
 from weier.units import NONE, NORMALISED_PRESSURE
 
 ERROR = "mean_pressure_error"
-# Brent's method ends within this of ln p, some roundings.
+# tolerance of Brent's method in ln p, a few units of rounding
 LOG_ACCURACY = 1e-14
-FIRST_DECADES = 1.0  # The first bracket is so wide; each further one is twice as wide.
-WIDER = 10.0  # The distance to a load that is certain to lie on one side is found within this factor.
-# A load that misses a tolerance of patches is solved with a looser one; the error of the load follows.
+FIRST_DECADES = 1.0  # width of the first bracket; each further one is twice as wide
+WIDER = 10.0  # the distance to a load certainly on one side is found within this factor
+# tolerances of patches, the next of which is tried if one cannot be met; the error of the load follows
 LOOSER, MAX_TOLERANCE = 100.0, 1e-4
-JUMP = 1e-6  # A quantity that differs by more than this from its target, relative, drops past it.
+JUMP = 1e-6  # relative difference from the target above which the quantity jumps past it
 
 
 class Wanted(TypedDict, total=False):
@@ -192,7 +192,7 @@ class _Search:
         return self.known[log_load]
 
     def _curve(self, load: float) -> patches.PatchCurve:
-        """Return the solution under one load, as accurate as it can be had."""
+        """Return the solution under one load, at the tightest tolerance that can be met."""
         while True:
             try:
                 return patches.curve(self.profile, [load], self.tolerance)
@@ -202,7 +202,7 @@ class _Search:
                     raise
 
     def _check(self, target: float) -> None:
-        """Refuse what the quantity reaches at no load, or at all loads beyond full contact."""
+        """Refuse a value that is attained at no load, or at all loads beyond full contact."""
         top = float(self.profile.total_amplitude)
         low, high = {"resistance": (0.0, math.inf), "compliance": (self.offset, top)}.get(self.name, (0.0, 1.0))
         if not low < target < high:

@@ -1,8 +1,7 @@
 """The products of a scene, each with a digest of everything that it was made of.
 
-A product carries this digest, so that a stale one is found by itself, in a copy of the folder, too. All digests are
-computed here: of the curves that a product reads, as the names of batches are, of their order, of the product's own
-entry in the scene, and of the code that makes it.
+A product carries this digest, so that an outdated one is detected, also in a copy of the folder. The digest covers
+the curves that the product reads, their order, the product's entry in the scene, and the code that makes it.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from weier.digests import RESOURCES, Name, digest, digest_of_code, digest_of_sou
 from weier.methods.registry import METHODS
 from weier.pipeline.batches import Solutions
 
-# Figures and tables know methods by their names and looks; the code of a method is in the names of its batches.
+# Figures and tables depend on names and looks of methods; the names of batches cover the code of methods.
 REGISTRY = "weier.methods.registry"
 # The code of every figure.
 FIGURE = (("weier.figures", "draw"), ("weier.pipeline.gather", "read_study"))

@@ -58,7 +58,7 @@ class Progress:
 
 
 class Watch:
-    """Says once that a solution takes long, then how far it is, and ends it after a limit.
+    """Announces a long solution once, reports its progress, and ends it at a time limit.
 
     It is called after each load, by a solver that reports to it.
     """
@@ -90,7 +90,7 @@ class Watch:
             print(f"{ERASE}weier.solve: {far}", end="", file=sys.stderr, flush=True)
 
     def _announce(self, what: str) -> None:
-        """Say once, in a sentence, what takes long."""
+        """Announce once, in a sentence, what takes long."""
         self.announced = True
         limit = "" if self.max_seconds else "; max_seconds would limit them"
         print(f"weier.solve: {what}{limit}", file=sys.stderr, flush=True)

@@ -31,11 +31,11 @@ from weier.surface.waves import Waves
 from weier.theory.bounds import infinite_series_bounds
 
 PART_SECONDS = 5.0  # seconds of work that Ctrl-C may lose
-OF_CASES = ("source", "name", "digest")  # Cases have these parameters of a trace, and scene files do not.
+OF_CASES = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
 
 
 class Stopped(Exception):  # noqa: N818 - it is no error
-    """A solution that was ended early: the curves of the loads that are done, and what ended it."""
+    """An interrupted solution: the curves of the finished loads, and the reason."""
 
     def __init__(self, data: xr.Dataset, cause: BaseException) -> None:
         super().__init__(f"stopped after {data.sizes['mean_pressure']} loads")
@@ -177,7 +177,7 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _text(title: str, case: Case, loads: Array) -> str:
     """Return a scene file that gives the same curves."""
-    # Lists of phases are one to a profile in a scene.
+    # a scene has one list of phases per profile
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
     scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}

@@ -86,8 +86,10 @@ def solve(
     ChildProcessError
         If a process terminates early, for example without the guard named above.
 
-    Notes ----- Results at a load do not depend on the other loads, except for the bound on the error of the
-    resistance by boundary elements, which more loads make tighter.
+    Notes
+    -----
+    Results at a load do not depend on the other loads, except for the bound on the error of the resistance by
+    boundary elements, which more loads make tighter.
 
     Examples
     --------
@@ -123,7 +125,7 @@ def solve_under(
     max_seconds: float | None = None,
     **settings: Any,
 ) -> xr.Dataset:
-    """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which gives those of a surface in p_0*.
+    """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which converts them for a surface to p_0*.
 
     The other arguments are those of `solve`.
     """

@@ -1,4 +1,4 @@
-"""Solution of curves under as many loads each, one after another or in several processes.
+"""Solution of curves with equal numbers of loads, sequentially or in several processes.
 
 A solver runs Python code between its kernels, so that threads would wait for the interpreter lock. Other processes
 receive tasks and return arrays instead.
@@ -62,7 +62,7 @@ class Solver:
             with reporting_to(self.count):
                 outcome = self._solve(*curve)
         except (NotApplicableError, ConvergenceError) as error:
-            outcome = error.with_traceback(None)  # which would keep the arrays of the solver
+            outcome = error.with_traceback(None)  # the traceback would keep the arrays of the solver
         self.count.end_curve()
         return outcome
 
@@ -89,8 +89,8 @@ def solve_curves(
     curves : sequence of CurveTask
         Curves of the same profile are adjacent, and all have the same number of loads.
     workers : int
-        Number of processes: this one alone for 1, and in a daemonic process, as of `multiprocessing.Pool`, which may
-        start no others. The results do not depend on it, to the last bit.
+        Number of processes; only this one for 1, or in a daemonic process (as of `multiprocessing.Pool`), which may
+        not start others. The results are bitwise independent of it.
     pause : float
         Seconds between two messages of progress.
     say : callable
@@ -111,7 +111,7 @@ def solve_curves(
 def _side_by_side(curves: Sequence[CurveTask], loads: int, workers: int, progress: Progress) -> Iterator[Outcome]:
     """Yield the outcomes by other processes.
 
-    They are spawned, since a forked process could wait for ever for locks that threads of this one hold.
+    They are spawned, since a forked process could deadlock on locks held by threads of this one.
     """
     try:
         with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (loads,)) as pool:

@@ -1,7 +1,6 @@
-"""Functions of scenes for the rules of the Snakefile: files, what each product was made of, and checks before a run.
+"""Functions of scenes for the rules of the Snakefile: files, digests of inputs, and checks before a run.
 
-Snakemake adds a traceback to an error. An invalid scene or folder ends the run with one sentence instead. Nothing is
-written unless jobs are going to run.
+An invalid scene or folder ends the run with one sentence, without a traceback. A dry run writes nothing.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ from weier.scene import Scene
 
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
-VALUES = "csv"  # So are its values.
+VALUES = "csv"  # format of its values
 DATA = ("contact.nc", "claims.md")
 LOCKS = Path(".snakemake/locks")
 LOCKED = (
@@ -149,7 +148,7 @@ class Scenes:
     def unsettled_batches(self, wildcards: Any) -> list[str]:
         """Return the batches of the data or a figure that are missing or stale.
 
-        Snakemake does not make a product all of whose inputs are ancient while one of them is made again.
+        If all inputs of a product are ancient, Snakemake does not remake it when one of them is remade.
         """
         return self._batches_where(wildcards, fresh=False)
 
@@ -180,7 +179,7 @@ class Scenes:
         return paths
 
     def _check_batches(self, name: str, paths: Iterable[str]) -> None:
-        """Refuse batches that are not those of their names, or have changed since the data were gathered from them.
+        """Refuse batches whose content does not match their name, or has changed since the data were gathered.
 
         A job reads a batch only if a product is to be made, and verifies it then.
         """
@@ -220,11 +219,11 @@ class Scenes:
         return round(attempt * (10 + len(self.scene(wildcards.scene).distinct) / 10_000))
 
     def kernels(self, wildcards: Any) -> list[str]:
-        """Return the files that mark the kernels of the method of a batch as compiled."""
+        """Return the marker files of compiled kernels for the method of a batch."""
         return kernels_of(methods_of(wildcards.batch.partition("-")[0]))
 
     def outdated_data(self, wildcards: Any) -> list[str]:
-        """Return an input of the data and claims that makes them stale if they were made of something else."""
+        """Return an input of the data and claims that makes them outdated if their digest has changed."""
         return self._outdated(wildcards.scene, "", *DATA)
 
     def outdated_figure(self, wildcards: Any) -> list[str]:
@@ -236,7 +235,7 @@ class Scenes:
         return self._outdated(wildcards.scene, "page.html", "page.html")
 
     def _outdated(self, name: str, product: str, *files: str) -> list[str]:
-        """Return an input that is older than a product, or newer if the product was made of something else."""
+        """Return an input that is older than a product, or newer if the product's digest has changed."""
         paths = [path for path in (self.results / name / file for file in files) if path.exists()]
         with ending_in_one_sentence():
             stale = bool({made_of(path) for path in paths} - {self._inputs(name, product)})
@@ -322,7 +321,7 @@ def methods_of(name: str) -> Sequence[Method]:
 
 
 def kernels_of(methods: Iterable[Method]) -> list[str]:
-    """Return the files that mark the kernels of these methods as compiled.
+    """Return the marker files of the compiled kernels of these methods.
 
     Closed forms compile in seconds and need no job of their own. The list is empty if kernels are not compiled or the
     cache is not writable; each job then compiles its own kernels.
@@ -335,7 +334,7 @@ def kernels_of(methods: Iterable[Method]) -> list[str]:
 
 
 def kernels_file(method: str) -> str:
-    """Return the file that marks a method as compiled: in the cache, so that it serves runs in all folders.
+    """Return the marker file of a compiled method: in the cache, so that runs in all folders share it.
 
     Without a home directory there is no cache, and the file is not used.
     """
@@ -356,8 +355,8 @@ def check_packages(*names: str) -> None:
 def names_of_scenes(config: Mapping[str, Any], folder: Path) -> list[str]:
     """Return the names of the scenes of the configuration, of which a folder has the files.
 
-    Snakemake makes numbers of 2024, 0815 and 1e5 on its command line, and flags of true and false: the scene of the
-    folder that it would read as this value is meant.
+    Snakemake converts 2024, 0815 and 1e5 on its command line to numbers, and true and false to flags; the name is the
+    one in the folder that converts to this value.
     """
     with ending_in_one_sentence():
         for key in config:
@@ -376,7 +375,7 @@ def names_of_scenes(config: Mapping[str, Any], folder: Path) -> list[str]:
 
 
 def _as_snakemake(word: str) -> Any:
-    """Return the value that Snakemake makes of a word on its command line."""
+    """Return the value to which Snakemake converts a word on its command line."""
     for read in (int, float):
         with suppress(ValueError):
             return read(word)

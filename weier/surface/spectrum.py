@@ -311,7 +311,7 @@ def _exponent(k: Indices, power: Array) -> float:
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:
-    """Return the derivatives of D by each ln P_k on a spectrum k^-beta, and the bias of D to second order.
+    """Return the derivatives of D with respect to ln P_k on a spectrum k^-beta, and the bias of D to second order.
 
     With P_k k^beta = 1 + e_k and the weights w of sum 1, the change b of beta solves sum w (1 + e) exp(b x) x = 0: to
     second order, b = -A/S_2 + A B/S_2^2 - A^2 S_3/(2 S_2^3), A = sum w e x, B = sum w e x^2, S_j = sum w x^j.

@@ -42,7 +42,7 @@ def write(scene: Scene, contact: Path, path: Path, mark: str = "") -> None:
     path : path
         The HTML file to write.
     mark : str
-        What it was made of, for a comment at its end.
+        Digest of its inputs, for a comment at its end.
     """
     with dataset.reading(contact) as data:
         text = _page(as_cases(data), scene.interface)

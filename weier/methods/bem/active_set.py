@@ -32,11 +32,11 @@ PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so 
 # level : of the grid that it is on
 # steps, corrections : of conjugate gradients and of the contact, on this grid
 # work : nodes of all pairs of FFTs; 0 before the load begins
-# limit : of the work, beyond which a call ends
+# limit : of the work, at which a call returns
 # energy : of the residual before the last step
 # plane, residual, resistance : of the solution so far
 # moved : whether the pressure has changed since the operator was applied afresh
-# kept : whether the last direction serves the next step, as the contact is the same
+# kept : whether the last direction is used in the next step, with unchanged contact
 SEARCH = record_type(
     ("level steps corrections work limit", np.int64, ()),
     ("energy plane residual resistance", np.float64, ()),
@@ -52,7 +52,7 @@ class GridState(NamedTuple):
     direction : of the search, shape (N,), in p_0*; 0 outside contact
     product : preconditioned residual, then A times the direction, shape (N,), in p_0*, then g_0
     residual : z - A p - H in contact, continued into the gaps, shape (N,), in g_0
-    spectrum : of what is being multiplied, shape (N//2 + 1,)
+    spectrum : work array for the FFT, shape (N//2 + 1,)
     contact : whether a node is in contact, shape (N,)
     edge : space for the edges of contact, shape (N + 2,)
     search : progress of the load, shape (1,)
@@ -155,7 +155,7 @@ def _refresh(load: float, grid: Grid, state: GridState) -> None:
 def violations(plane: float, grid: Grid, state: GridState) -> tuple[float, float]:
     """Return largest |gap| in contact; largest penetration outside or tension inside, as lengths in g_0.
 
-    A tension counts as the displacement that it makes at its own node.
+    A tension counts as the displacement at its own node.
     """
     contact_gap = 0.0
     violation = 0.0
@@ -188,8 +188,8 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
     """Take one step of preconditioned conjugate gradients at constant load on the active set: two pairs of FFTs.
 
-    The energy is r.M^-1 r of the residual r before the step, M the preconditioner. The load is kept by subtracting
-    the mean in contact from M^-1 r. The product serves M^-1 r first, and A times the direction after it.
+    The energy is r.M^-1 r of the residual r before the step, M the preconditioner. The load is preserved by
+    subtracting the mean in contact from M^-1 r. The array `product` contains M^-1 r, then A times the direction.
     """
     search, points = state.search[0], state.pressure.size
     for i in range(points):
@@ -241,7 +241,8 @@ def solve_load(load: float, grid: Grid, state: GridState) -> bool:
         solved = search.residual <= grid.max_residual
         if solved and not search.moved:
             return True
-        # The contact is corrected when its violations clearly outweigh the error on it, each time by a larger factor.
+        # The contact is corrected when its violations exceed the error on it by a factor that grows with each
+        # correction.
         if search.moved and (solved or violation > (FIRST_PATIENCE + search.corrections) * contact_gap):
             search.moved = not (_correct_contact(plane, state) or solved)
             edge = find_edges(state.contact, state.edge)
@@ -273,9 +274,9 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
     """Continue with the tangent pressure on the contact as it stands; return whether it is done.
 
-    It overwrites the pressure in `state`. A q is flat in contact within `flatness` times the resistance, which is the
-    energy q.A q/N. The resistance is inf if that was missed. It starts from flat punches on the contact of this load,
-    so that the result depends on no other load.
+    It overwrites the pressure in `state`. A q is constant in contact within `flatness` times the resistance, the
+    energy q.A q/N; otherwise the resistance is inf. The initial guess, flat punches on the contact of this load,
+    makes the result independent of other loads.
     """
     search, points = state.search[0], state.pressure.size
     edge = find_edges(state.contact, state.edge)
@@ -351,7 +352,7 @@ class NestedSolver:
         return float(self.state.search["plane"][0])
 
     def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
-        """Return the resistance on the contact that `solve` has left, or inf."""
+        """Return the resistance on the last contact of `solve`, or inf."""
         while not solve_tangent(flatness, self.grid, self.state):
             pass
         return float(self.state.search["resistance"][0])
@@ -367,7 +368,7 @@ class NestedSolver:
         return float(self.state.search["work"][0] / self.grid.height.size)
 
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
-        """Return the solution under a load, `with_tangent` also its derivative, at about the cost of another load."""
+        """Return the solution under a load; `with_tangent`, also its derivative, at about twice the cost."""
         plane, state = self.solve(load), self.state
         pressure, gap = state.pressure.copy(), plane - state.deformed
         R = np.nan

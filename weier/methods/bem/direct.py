@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array, Flags
 from weier.kernels.blas import one_thread
@@ -24,9 +24,9 @@ class ActiveSet(NamedTuple):
     """One load: the last solution, on the nodes in contact, and whether another round would change them.
 
     plane : height of the rigid plane above the mean plane, in g_0
-    resistance : minus its derivative by the mean pressure while the contact stays as it is, in g_0/p_0*
+    resistance : minus its derivative with respect to the mean pressure at fixed contact, in g_0/p_0*
     pressure : of the nodes, shape (N,), in p_0*, free of tension
-    tangent_pressure : its derivative by the mean pressure, shape (N,)
+    tangent_pressure : its derivative with respect to the mean pressure, shape (N,)
     contact : whether a node is in contact, shape (N,)
     rounds : dense solutions so far
     converged : whether the last one changed no node
@@ -42,7 +42,7 @@ class ActiveSet(NamedTuple):
 
 
 class DenseSolver:
-    """One profile on a grid: each load starts from the contact of the one before."""
+    """One profile on a grid: each load is warm-started from the previous contact."""
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Fill the matrix; all nodes are in contact at first."""
@@ -71,13 +71,13 @@ class DenseSolver:
 
 
 def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_residual: float) -> ActiveSet:
-    """Drop the nodes in tension and add those that penetrate, until there are none or MAX_ROUNDS are over.
+    """Drop nodes in tension and add penetrating ones, until there are none or after MAX_ROUNDS.
 
-    `matrix`, shape (N, N), is of displacement per nodal pressure; `contact` is where the search begins.
+    `matrix`, shape (N, N), gives displacements per nodal pressure; `contact` is the initial active set.
     """
     rounds, converged = 0, False
     while not converged and rounds < MAX_ROUNDS:
-        nodes = contact if contact.any() else height == height.max()  # Some node has to carry the load.
+        nodes = contact if contact.any() else height == height.max()  # at least one node carries the load
         plane, resistance, pressure, tangent_pressure = _on_contact(matrix, nodes, height, load)
         gap = plane - height + matrix @ pressure
         tensile = nodes & (pressure < -max_residual / matrix[0, 0])
@@ -88,7 +88,7 @@ def solve_load(matrix: Array, height: Array, contact: Flags, load: float, max_re
 
 
 def _on_contact(matrix: Array, contact: Flags, height: Array, load: float) -> tuple[float, float, Array, Array]:
-    """Return plane, resistance, pressure and tangent pressure if all nodes in contact stay there, in tension too."""
+    """Return plane, resistance, pressure and tangent pressure for a given contact, with tension allowed."""
     nodes = np.flatnonzero(contact)
     n, points = nodes.size, contact.size
     system, right = np.ones((n + 1, n + 1)), np.zeros((n + 1, 2))

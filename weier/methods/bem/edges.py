@@ -18,8 +18,8 @@ REACH = 2
 def find_edges(contact: Flags, space: Indices) -> Indices:
     """Return nodes where contact begins or ends, between two more.
 
-    The first and the last number are the last and the first edge, shifted by one period. `space`, shape (N + 2,), is
-    where they are written; without an edge they mean nothing.
+    The first and the last number are the last and the first edge, shifted by one period. They are written to `space`,
+    shape (N + 2,); without an edge they are meaningless.
     """
     edges = 0
     for i in range(contact.size):
@@ -38,7 +38,7 @@ def _path_into_gap(which: int, edge: Indices, contact: Flags) -> tuple[int, int,
     before, here, after = edge[which - 1], edge[which], edge[which + 1]
     if contact[here]:
         return here, -1, min(here - before + 1, REACH * (after - here))
-    # A negative index counts from the end, so that the path leads across the end of the period.
+    # A negative index counts from the end, so that the path may cross the end of the period.
     node = here - 1 - contact.size if here > 0 else -1
     return node, 1, min(after - here + 1, REACH * (here - before))
 

@@ -38,8 +38,8 @@ def solution_error(profile: Waves, points: int, residual: Array) -> Array:
 def curvature(profile: Waves) -> float:
     """Return a bound on the largest |z''|, in g_0 per square radian of the finest wave.
 
-    A sum of waves, of which the finest has n in a period, is nowhere larger than at M > 2 n samples, times
-    1/cos(pi n/M) (Ehlich and Zeller 1964); nor is it larger than the sum of the amplitudes.
+    A sum of waves of at most n per period nowhere exceeds its maximum at M > 2 n samples times 1/cos(pi n/M) (Ehlich
+    and Zeller 1964), nor the sum of its amplitudes.
     """
     waves = profile.waves_per_period
     amplitude = profile.amplitude * np.array([k / waves[-1] for k in waves]) ** 2  # k are integers of any size
@@ -51,7 +51,7 @@ def curvature(profile: Waves) -> float:
 
 
 def fewest_points(profile: Waves, error: float) -> int:
-    """Return fewest nodes in a period that keep within this `compliance_error`, and can be halved to nested grids."""
+    """Return the least number of nodes per period within this `compliance_error`, divisible for nested grids."""
     needed = math.sqrt(MISSED_CREST * curvature(profile) / error)
     needed = min(max(needed, MIN_MEASURED_POINTS), MAX_POINTS_PER_WAVE)
     halvings = 2 ** int(math.log2(needed / MIN_POINTS_PER_CARRIED_WAVE))
@@ -63,8 +63,8 @@ def errors(
 ) -> tuple[Array, Array]:
     """Return errors of compliance and resistance of a `curve` over increasing loads, with these residuals.
 
-    From full contact on, both are known. The compliance is known at no load, too, so that the chords of the concave
-    curve to these two, and to others of its loads, bound the resistance.
+    Both are exact from full contact on. The compliance is exact at zero load, too; the chords of the concave curve to
+    these two points and to its other loads bound the resistance.
     """
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude

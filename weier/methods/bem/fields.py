@@ -44,7 +44,7 @@ def field(profile: Waves, mean_pressure: float, points: int | None = None, max_r
     check_max_residual(max_residual)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     height = profile.sampled_height(points)
-    # In full contact the solution is in closed form; under a very heavy load rounding would hide the waves.
+    # In full contact there is a closed form; the numerical solution at very heavy loads would be rounding.
     if load >= min(full_contact_load(profile, points), profile.full_contact_load):
         return Field(x, load + full_contact_pressure(height, profile.period), np.zeros(points), height)
     grid = NestedSolver(profile, points, max_residual)

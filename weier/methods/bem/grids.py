@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -26,7 +26,7 @@ COARSE_ACCURACY = 30.0
 
 
 class Harmonics(NamedTuple):
-    """The waves of a profile, coarse to fine, each of shape (m,).
+    """The waves of a profile, from coarse to fine; arrays of shape (m,).
 
     waves_per_period : of each
     cycle : phase, in wavelengths
@@ -42,7 +42,7 @@ class Hierarchy(NamedTuple):
     """Nested grids, coarse to fine, each about twice as fine as the one before; their arrays follow each other.
 
     points : nodes of each grid, shape (grids,)
-    terms : waves that each carries, from the coarsest wave on, shape (grids,)
+    terms : number of waves on each grid, from the coarsest wave on, shape (grids,)
     height : profile of these waves, shape (sum of points,), in g_0
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
         in g_0/p_0* and p_0*/g_0
@@ -80,7 +80,7 @@ class Grid(NamedTuple):
 def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
     """Return grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
 
-    An odd number is followed by one that the FFT likes, of at least half as many.
+    An odd number is followed by at least half as many nodes, a number with small prime factors.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def inverse(eigenvalue: Array) -> Array:
 
 
 def full_contact_pressure(height: Array, period: float) -> Array:
-    """Return the pressures, of mean 0, that press these heights at the nodes of a period flat."""
+    """Return the pressures of mean 0 that flatten these heights at the nodes of a period."""
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
 
 
@@ -187,10 +187,10 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 
 @kernel
 def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> None:
-    """Take the pressure p so far for the local mean of one more wave, and put that mean on each of its crests.
+    """Add a wave to the pressure p, with the previous p as its local mean, concentrated on its crests.
 
-    `finer` is a working array. The pressure stays as it is where no crest is under pressure, in a contact narrower
-    than the wave, and for a wave that is hardly finer than the one before.
+    `finer` is a working array. The pressure is unchanged where no crest is loaded, on contacts narrower than the
+    wave, and for a wave hardly finer than the previous one.
     """
     count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
     if wave > 0 and count < MIN_SCALE_RATIO * harmonics.waves_per_period[wave - 1]:

@@ -12,7 +12,7 @@ from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
-RESIDUAL_FRACTION = 1e-3  # of the tolerance, which is left to the error of the grid; it costs a step or two
+RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # seconds per load on few points, and their growth (docs/numerics.md, "Expected seconds")
 SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.3
 
@@ -36,7 +36,7 @@ def _solve(
 def _grid_within(
     profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
 ) -> tuple[int, float]:
-    """Return the fewest points whose bound is within a tolerance, in g_0, and the residual that the bound allows for.
+    """Return the least number of points whose bound is within a tolerance, in g_0, and the residual in this bound.
 
     ValueError is raised if points are given, too, or if too many are needed.
     """
@@ -53,12 +53,12 @@ def _grid_within(
 
 
 def points_within(profile: Waves, tolerance: float) -> int:
-    """Return the fewest points in a period whose bound is within a tolerance, in g_0."""
+    """Return the least number of points per period whose bound is within a tolerance, in g_0."""
     return error_model.fewest_points(profile, tolerance * (1 - RESIDUAL_FACTOR * RESIDUAL_FRACTION))
 
 
 def within_few_points(profile: Waves, tolerance: float) -> bool:
-    """Return whether a grid no finer than the default one is within a tolerance, in g_0."""
+    """Return whether a grid no finer than the default meets a tolerance, in g_0."""
     few = min(POINTS_PER_WAVE * profile.waves_per_period[-1], error_model.MAX_POINTS)
     return points_within(profile, tolerance) <= few
 

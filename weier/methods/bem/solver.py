@@ -38,9 +38,9 @@ class BemCurve(NamedTuple):
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition at the nodes, on a freshly applied operator, in g_0
     work : pairs of FFTs (solver "fft"; those of other grids by their size) or dense solutions ("direct")
-    compliance_error : the largest error of a grid at first touch, in g_0, with that by the residual; no larger error
-        was measured at any load
-    resistance_error : by the chords of the concave curve h(p), in g_0/p_0*: a bound if `compliance_error` is one
+    compliance_error : bound on the error at first contact plus that by the residual, in g_0; never exceeded in tests
+        at other loads
+    resistance_error : from chords of the concave curve h(p), in g_0/p_0*; a bound if `compliance_error` is one
     contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
         left edges are in the period
     points : nodes in one period; a scalar
@@ -83,8 +83,8 @@ def curve(
     max_residual : float
         Largest residual that is accepted, in g_0.
     with_resistance : bool
-        Whether the result has the resistance; without, it is NaN. That saves the fast solver a third of its time
-        where the staircase is kept. Removing the staircase needs the same second solution anyway.
+        Whether to compute the resistance; otherwise it is NaN, which saves the fast solver a third of its time if the
+        staircase is kept. Removing the staircase needs the same second solution.
     staircase : "removed" or "kept"
         Whether the staircase of edges that move from node to node is corrected (docs/bem.md, "The
         staircase"). Kept, all is as in Section 5.1, with edges on nodes.
@@ -106,11 +106,11 @@ def curve(
 
     Notes
     -----
-    Each load is solved by itself, whatever the others are (by the dense solver to rounding); `resistance_error` alone
-    is smaller where there are more loads. The compliance converges about as N^-2.
+    The loads are independent of each other (with the dense solver, to rounding), except that more loads reduce
+    `resistance_error`. The compliance converges approximately as N^-2.
 
-    With the staircase, the resistance converges as N^-1: it is then the exact derivative of the discrete h(p),
-    which is linear as long as no node changes side, and the edges of contact move by whole nodes.
+    With the staircase kept, the resistance converges as N^-1: it is the exact derivative of the discrete h(p), a
+    polygon, and the contact edges move by whole nodes.
 
     """
     loads = checked_loads(mean_pressure)
@@ -120,7 +120,7 @@ def curve(
     check_points(points, dense=solver == "direct")
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = [], loads[loads < full]
-    if partial.size:  # For loads that press all gaps shut no matrix is filled.
+    if partial.size:  # At loads of full contact no matrix is needed.
         grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, max_residual)
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     for load in map(float, partial[::-1]):
@@ -135,7 +135,7 @@ def curve(
 def _as_curve(
     profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool
 ) -> BemCurve:
-    """Return the curve from the solutions at the loads of partial contact; the heavier loads press all gaps shut."""
+    """Return the curve from the solutions at the loads of partial contact; at heavier loads contact is full."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
     most = max((point.edge.size for point in found), default=0)
     count, edge = np.zeros(loads.size, np.int64), np.full((loads.size, most), np.nan)
@@ -144,7 +144,7 @@ def _as_curve(
         count[at] = point.edge.size // 2
         pairs = point.edge.reshape(-1, 2) - points * np.floor(point.edge[::2, None] / points)
         edge[at, : point.edge.size] = pairs[np.argsort(pairs[:, 0])].ravel() * (float(profile.period) / points)
-        if point.edge.size:  # All nodes may touch where the continuum has a gap between two of them.
+        if point.edge.size:  # All nodes may be in contact although the continuum has a gap between two of them.
             fraction[at] = np.sum(point.edge[1::2] - point.edge[::2]) / points
     compliance = profile.total_amplitude - plane
     if not with_resistance:
@@ -154,7 +154,7 @@ def _as_curve(
 
 
 def full_contact_load(profile: Waves, points: int) -> float:
-    """Return the mean pressure from which on all nodes touch: then the solution is known, h = sum g_n and R = 0."""
+    """Return the mean pressure of full contact at the nodes: above it h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
 
 
@@ -234,7 +234,7 @@ def check_residual(residual: float, load: float, points: int, max_residual: floa
 
 
 def check_resistance(resistance: float, load: float, points: int) -> None:
-    """Refuse a resistance of inf, by which the solver marks one that did not converge."""
+    """Refuse a resistance of inf, which marks one that did not converge."""
     if np.isinf(resistance):
         raise ConvergenceError(
             f"boundary elements on {points} points found the pressure under {load:.6g} p_0* but not its derivative "

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
 EDGE_OFFSET = 0.384947631413  # alpha, in nodes: edge of the continuum beyond the last node at the middle of a step
-COMPLIANCE_EXCESS = 1 / 24  # of the compliance where a step begins, over delta_R (Delta_- + Delta_+)
+COMPLIANCE_EXCESS = 1 / 24  # error of h at the beginning of a step over delta_R (Delta_- + Delta_+)
 TRANSFERRED_FRACTION = 0.439056239  # f_t = -(A^-1)_01/(A^-1)_00: pressure that an open node moves to each neighbour
 CLOSED_FRACTION = (5 - TRANSFERRED_FRACTION) / 6  # f_c: fraction of a step from which a single-node gap is closed
 SINGLE_NODE_SQUARE = 1 / (2 * math.log(2))  # Hertz: squared half-width, in nodes, of a single-node contact at f = 1

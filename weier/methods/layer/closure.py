@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 

@@ -6,7 +6,7 @@ Displacements are summed as a cosine series, without the matrices of the mesh.
 from __future__ import annotations
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 from weier.methods.layer.closure import Closure, log_compression

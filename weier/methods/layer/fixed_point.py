@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 from weier.methods import archard
@@ -51,7 +51,7 @@ Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, whatever the m, on a table between these positions.
 
-    Where Newton's method misses the fixed point, damped steps follow from the first guess again.
+    If Newton's method fails, damped steps start again from the initial guess.
     """
     # at heavy loads errors of ln W and residuals of waves add up over this number of scales
     gain = np.array([model.infinite_amplitude])
@@ -100,7 +100,7 @@ def _scale(model: Model, rows: Rows) -> Scale:
 
 
 def _guess(model: Model, position: Array, solve: Solver) -> Rows:
-    """Return a table near the fixed point: Archard's estimate at heavy loads, then lighter loads in turn.
+    """Return a table near the fixed point: Archard's estimate at heavy loads, then row by row to lighter loads.
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
     """
@@ -116,7 +116,7 @@ def _guess(model: Model, position: Array, solve: Solver) -> Rows:
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """Return the rows at the fixed point and the Jacobian bound J, shape (rows, rows).
 
-    The last step is the limit at most, and the error that remains is of the order of its square.
+    The last step is at most the limit, and the remaining error is of second order in it.
     """
     spline = _spline(rows)
     for _ in range(MAX_NEWTON_STEPS):

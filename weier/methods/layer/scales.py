@@ -23,7 +23,7 @@ ROUNDING = 1e-13  # Rounding of the freshly applied operator.
 
 
 class Model(NamedTuple):
-    """A series, and how its waves are solved: on which mesh, with tables of which accuracy, to which tolerance."""
+    """A series with the mesh, the accuracy of the tables and the tolerance of its solution."""
 
     D: float
     gamma: float
@@ -49,7 +49,7 @@ class Model(NamedTuple):
 
 
 class ComplianceTable(NamedTuple):
-    """The compliance W(xi) of a wave with all finer ones, its limit, and ln xi where that is reached."""
+    """The compliance W(xi) of a wave with all finer ones, its limit, and the ln xi at which it is reached."""
 
     rows: Rows
     amplitude: float
@@ -60,8 +60,8 @@ class Scale(NamedTuple):
     """One scale: a wave on the layer of all finer ones.
 
     closure : of that layer, in the units of this wave
-    amplitude, log_full : the limit of W, and ln xi where that is reached
-    mesh, tolerance : on which the wave is solved, and to which relative residual
+    amplitude, log_full : the limit of W, and the ln xi at which it is reached
+    mesh, tolerance : mesh and relative residual of the solution for the wave
     """
 
     closure: Closure
@@ -84,7 +84,7 @@ class Scale(NamedTuple):
         The contact conditions are checked on a freshly applied operator.
         """
         h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
-        partial = log_load < self.log_full  # Beyond, contact is full, and h is exact.
+        partial = log_load < self.log_full  # above: full contact, h exact
         if partial.any():
             loads = log_load[partial]
             waves = self._solved(loads, None)
@@ -120,7 +120,7 @@ class Scale(NamedTuple):
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
     """Return the next coarser wave on these."""
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
-    # In the troughs the pressure is xi - 1 at least, which must press the finer waves flat.
+    # The pressure in the troughs is at least xi - 1, which must flatten the finer waves.
     log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))
     return Scale(coarser_units(finer.rows.closure, model), amplitude, log_full, model.mesh, model.tolerance)
 

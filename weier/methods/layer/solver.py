@@ -74,8 +74,8 @@ def curve(
     points : int
         Nodes on half a wave, 4 to 500.
     accuracy : float
-        Largest relative error of the compliance by the tables of all scales together, whatever the loads are; 1e-9 to
-        0.01. The error of the mesh is added to it: see the notes.
+        Largest relative error of the compliance due to the tables of all scales, at any load; 1e-9 to 0.01. The error
+        of the mesh is additional: see the notes.
     tolerance : float
         Largest residual of a wave, relative to the compression at the edge of its contact; 1e-13 to `accuracy`.
 
@@ -99,10 +99,10 @@ def curve(
 
     The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
     compliance falls as N^-2 or faster, that of the resistance as N^-1 to N^-2.7 and at times unevenly: the pressure
-    has kinks where the layer is pressed flat. With the defaults the compliance is within 5e-6 of the total amplitude
-    and the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1 to 1.9,
-    gamma from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error reaches
-    a few per cent.
+    has kinks where the layer is flattened. With the defaults the compliance is within 5e-6 of the total amplitude and
+    the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1 to 1.9, gamma
+    from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error reaches a few
+    per cent.
 
     """
     ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
@@ -149,8 +149,8 @@ def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]
 def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[Array, Array, Array]:
     """Return ln xi on the waves that are not flat, with height and scale of h = height + scale * h(xi).
 
-    As many waves of the infinite series are taken for flat as it takes for its table to reach this load. At the end
-    of the table the pressure along a wave varies by so little that w(p) is linear.
+    The number of flattened waves of the infinite series is such that the load on the next one lies within the table.
+    At the end of the table the pressure varies so little along a wave that w(p) is linear.
     """
     excess = log_load - log_load_at(waves.rows.position[-1])
     most = 0.0 if math.isfinite(waves.log_full) else math.inf
@@ -188,9 +188,9 @@ def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
 
 
 def _top(model: Model) -> float:
-    """Return the ln xi at which tables end: from here on the first wave is as good as flat.
+    """Return the ln xi at which tables end: above it the first wave is practically flat.
 
-    No pressure in a wave exceeds 1 + xi, and so the table that a wave at the end rests on ends no later.
+    No pressure in a wave exceeds 1 + xi, so that the table of its layer extends far enough.
     """
     step = model.log_pressure
     self_contained = -step - math.log(-math.expm1(-step))

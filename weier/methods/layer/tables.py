@@ -1,4 +1,4 @@
-"""Tables of W(xi) at rows that do not depend on the loads to be solved (docs/layer.md, "Tables").
+"""Tables of W(xi), with rows independent of the loads to be solved (docs/layer.md, "Tables").
 
 Part of every contact has a pressure below the first row, where W is a power of the load. That part is below e^-17 of
 the mean pressure at the lightest load of the table (e^-9 at 1e-305), and carries less than this part of the load.
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are used: a tenth of a second each, that few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
@@ -22,7 +22,7 @@ BOTTOM_POSITIONS = -3.375, -5.875  # first row: xi = e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
 MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # last row: double precision ends at e^709.8
 CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
-MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is joined to the one before
+MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
 SLOPE_FRACTION = 0.25  # weight of a slope error times half the spacing; a cubic is wrong by 4/27 of that
 MAX_HALVINGS = 30  # of a cell; the smallest accuracy takes 17
 MAX_ROWS = 100_000  # the smallest accuracy takes some thousands
@@ -74,7 +74,7 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     for _ in range(MAX_HALVINGS):
         between, errors = evaluate_midpoints(waves, rows, left, right)
         rows = merge(rows, between)
-        # A row in the middle of a cell halves its error at least, even near a kink.
+        # A row in the middle of a cell at least halves its error, even near a kink.
         wrong = ~(errors <= 2 * accuracy)
         if not np.any(wrong):
             return rows
@@ -105,7 +105,7 @@ def merge(rows: Rows, more: Rows) -> Rows:
 
 
 def accuracy_error(error: float, rows: Rows, accuracy: float) -> ConvergenceError:
-    """Return the error that a table raises if it misses its accuracy."""
+    """Return the exception for a table that does not reach its accuracy."""
     return ConvergenceError(
         f"a table of the layer model is still off by {error:.1e} of itself after {rows.position.size} rows, above "
         f"{accuracy:.1e}, its part of the accuracy: choose a larger accuracy",

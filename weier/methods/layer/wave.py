@@ -52,7 +52,7 @@ class Depth(NamedTuple):
 class Balance(NamedTuple):
     """Residuals of states and their derivatives; arrays over the loads.
 
-    residual, jacobian, drift : residual, its derivatives by the state and by ln xi
+    residual, jacobian, drift : residual, its derivatives with respect to the state and to ln xi
     trust : largest step, shape (loads, K + 1)
     log_pressure, compression : ln p, and w over the depth, at the nodes, shape (loads, K)
     error : largest residual of heights plus the relative one of the load
@@ -70,7 +70,7 @@ class Balance(NamedTuple):
 class Solutions(NamedTuple):
     """Solutions at the loads: h, dh/d ln xi and relative residual, of shape (loads,), and the states.
 
-    The states and their derivatives by ln xi have the shape (loads, M + 1).
+    The states and their derivatives with respect to ln xi have the shape (loads, M + 1).
     """
 
     compliance: Array
@@ -96,17 +96,17 @@ def depth_of(edge: Array) -> Depth:
 
 
 def log_pressure_factor(edge: Array, rise: Array) -> tuple[Array, Array]:
-    """Return ln(p/xi) - y at the nodes of each load, of shape (loads, M), and its derivative by the edge."""
+    """Return ln(p/xi) - y at the nodes, shape (loads, M), and its derivative with respect to the edge."""
     sine = np.minimum(edge, 0.0)[:, None]
     cosine_squared = rise * np.exp(sine) - np.expm1(sine)  # cos^2(pi x)
     return 0.5 * (np.log(cosine_squared / rise) - sine), np.where(sine < 0, -0.5 / cosine_squared, 0.0)
 
 
 def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Balance:
-    """Return equations of states, from those of the header less their values at the edge.
+    """Return residuals of the contact conditions minus their values at the edge.
 
-    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge, in the depth of the edge, so that
-    all rows are of one size. Row M: the mean of q is xi/(2 pi).
+    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge, in the depth of the edge, so that all rows have
+    the same scale. Row M: the mean of q is xi/(2 pi).
     """
     n, edge = mesh.rise.size, state[:, -1]
     depth, growing = depth_of(edge), np.exp(state[:, :-1])
@@ -118,7 +118,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
     log_w, power = log_compression(closure, log_pressure)
     w = np.exp(log_w) / depth.total[:, None]
     rate, height = w * power, (2 * np.exp(depth.log_sine) / depth.total)[:, None] * mesh.rise
-    # BLAS would sum in another order for another number of loads, and the last bits would depend on it.
+    # With BLAS the order of summation, and thus the last bits, would depend on the number of loads.
     displacement = load * np.einsum("ij,kj->ki", mesh.influence, excess)
     residual, drift, trust = np.zeros((3, *state.shape))
     residual[:, :n], residual[:, n] = (
@@ -175,7 +175,7 @@ def _newton(
 
 
 def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
-    """Return h, dh/d ln xi and the derivative of each state by ln xi."""
+    """Return h, dh/d ln xi and the derivative of each state with respect to ln xi."""
     equations = _balance(state, log_load, closure, mesh)
     tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
     depth, load = depth_of(state[:, -1]), np.exp(log_load)
@@ -186,7 +186,7 @@ def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tupl
 
 
 def _deepening(edge: Array, load: Array) -> Array:
-    """Return the derivative of h by the edge at fixed density."""
+    """Return the derivative of h with respect to the edge at fixed density."""
     return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
 
 
@@ -234,7 +234,7 @@ def attainable(log_load: Array, tolerance: float) -> Array:
     return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
 
 
-@np.errstate(all="ignore")  # what overflows on the way to no solution has no residual
+@np.errstate(all="ignore")  # overflow in a failed solution
 def solve_waves(
     log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None = None
 ) -> Solutions:

@@ -1,7 +1,7 @@
 """Certificate of a state: residual at other points, bound on the compliance, route of the solution.
 
 docs/patches.md, "The bound on the compliance", derives the formulas. `contact_residual` samples the residual,
-`certify` refuses large violations, and `error_bound` bounds the error.
+`certify` rejects large violations, and `error_bound` bounds the error.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima
 from weier.methods.patches.segments import ContactState, Segments, contacts_of, distances_between
 from weier.methods.patches.surface import CosineSeries
 
-MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, also of looser targets
-# A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller):
-# twice it, with m = 3n/2. On K nodes, residuals have the degree K + 2, but for what coefficients have decayed to.
+MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
+# A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller), a
+# factor of 2 for m = 3n/2. On K nodes, residuals have the degree K + 2, up to decayed coefficients.
 SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
 DIRECT_SUMS = 40  # points at which residuals of many segments are checked without fast sums
-# A state that is exact for heights z' which differ from z by e has displacements u' with u' - u <= 2 e: where that is
-# largest, u' - u <= (z' - z) + (d - d'). So gaps obey |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. Where a part
-# of e comes from tension or load, this is an estimate.
+# If heights z' differ from z by at most e, u' - u <= (z' - z) + (d - d') <= 2 e at its maximum, so that the gaps obey
+# |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. If part of e comes from tension or load, this is an estimate.
 GAP_FACTOR = 4.0
 # rounding of a gap over the sum of the amplitudes: twice the largest measured difference between shifted profiles
 GAP_ROUNDING = 1e-13
@@ -32,16 +31,16 @@ GAP_ROUNDING = 1e-13
 def error_bound(
     indentation: float, load: float, missing: float, gap: float, pressure: Array, width: Array, period: float
 ) -> float:
-    """Return a bound on the error of a compliance, in g_0, from the conditions of contact that its state violates.
+    """Return a bound on the error of the compliance, in g_0, from the violations of the contact conditions.
 
     Parameters
     ----------
-    indentation : of the state from first contact, or more: delta, in g_0
-    load : mean pressure that is required, P, in p_0*
-    missing : by how much that of the state differs, and further pressures that may stand anywhere, in p_0*
-    gap : largest gap on a contact or overlap anywhere, in g_0, and displacements by what is removed: eps
-    pressure, width : pressures in gaps or tensions, at most sigma_i, in p_0*, each on an interval of its own of the
-        width W_i, in lambda_0, shape (violations,)
+    indentation : delta, that of the state from first contact or an upper bound of it, in g_0
+    load : required mean pressure P, in p_0*
+    missing : deviation of the state's mean pressure from it, plus further pressures at unknown positions, in p_0*
+    gap : eps, the largest gap on a contact or overlap anywhere, plus displacements by removed pressures, in g_0
+    pressure, width : bounds sigma_i on pressures in gaps or tensions, in p_0*, each on a separate interval of width
+        W_i, in lambda_0, shape (violations,)
 
     Notes
     -----
@@ -51,8 +50,8 @@ def error_bound(
     D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the error is
     at most eps + sigma (delta + eps)/(P - sigma).
 
-    The largest pressures can be removed instead. Their force sum sigma_i W_i changes the mean pressure by its part
-    of the period at most, and moves the surface (`largest_displacement`). As many are removed as give the least.
+    The largest pressures may be removed instead: their force F = sum sigma_i W_i changes the mean pressure by at most
+    F/L and displaces the surface (`largest_displacement`). The number removed minimises the bound.
     """
     order = np.argsort(-pressure)
     left, force = np.append(pressure[order], 0.0), np.append(0.0, np.cumsum((pressure * width)[order]))
@@ -63,12 +62,11 @@ def error_bound(
 
 
 def largest_displacement(pressure: float | Array, force: Array, period: float) -> Array:
-    """Return a bound on the displacement, of mean 0, by pressures up to sigma of a force F.
+    """Return a bound on the displacement, of mean 0, by pressures of at most sigma with the total force F.
 
-    Pressures of one sign move the surface the most if sigma stands on the width W = F/sigma round one place, since
-    -2 ln|2 sin(pi x/L)| decreases with the distance: by -2 int ln|2 sin(pi x/L)| dx over the width, and so by
-    2 F [1 + ln(L/2W)] at most, since sin y >= 2 y/pi; and the other way by 2 F ln 2 at most. Both signs together move
-    it by 2 F [1 + max(ln(L/2W), ln 2)] at most, however they share F.
+    Pressures of one sign displace the surface most if sigma acts on one interval of width W = F/sigma, since -2 ln|2
+    sin(pi x/L)| decreases with the distance: at most 2 F [1 + ln(L/2W)], since sin y >= 2 y/pi; in the opposite
+    direction at most 2 F ln 2. Both signs together displace it by at most 2 F [1 + max(ln(L/2W), ln 2)].
     """
     half_period_of_width = 0.5 * period * pressure / np.maximum(force, 1e-280)  # which may be 0
     return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
@@ -76,7 +74,7 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
 
 def _indentation(state: ContactState, series: CosineSeries) -> float:
     """Return the indentation from first contact, in g_0; for gaps (dual) the larger compliance sum g_n - d."""
-    heights = np.abs(series.amplitude) * 2 * np.pi / series.wavenumber  # of tensions: p_n* is g_n times its waves
+    heights = np.abs(series.amplitude) * 2 * np.pi / series.wavenumber  # of tensions: p_n* is k_n g_n
     return float(heights.sum()) + state.approach if state.dual else state.approach
 
 
@@ -89,12 +87,11 @@ def carried_load(state: ContactState, period: float) -> float:
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
-    """Return the largest residual on each segment, and the width on which it has the force of the whole residual.
+    """Return the largest residual on each segment, and the width over which it has the total force of the residual.
 
     The residual is the gap on a contact or, dual, the pressure in a gap.
-    The potentials come from closed forms, or from fast sums for many segments, at points between the nodes, so that
-    neither the matrix nor the collocation points are used again. Fast sums are checked by closed forms at some
-    points.
+    The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
+    matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.
     """
     segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
     first, crest, y = sample_points(segments, by_sums)
@@ -126,10 +123,10 @@ def _largest_and_width(segments: Segments, first: Indices, residual: Array) -> t
 
 
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
-    """Return points for the residual: the first of each segment and, last, their number; their crests and distances.
+    """Return the first point of each segment and, last, the number of points; their crests and distances.
 
-    They are the zeros of a Chebyshev polynomial on each segment. `apart` from all nodes as far as possible are 2 K +
-    2 of them among K nodes, which serve for fast sums; otherwise enough for `SAMPLED_FACTOR` to hold.
+    They are the zeros of a Chebyshev polynomial on each segment. With `apart`, 2 K + 2 points among K nodes are as
+    far from all nodes as possible, for fast sums; otherwise there are enough for `SAMPLED_FACTOR` to hold.
     """
     nodes = segments.node_count
     count = 2 * (nodes + 1) if apart else np.asarray(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)), np.int64)
@@ -153,17 +150,17 @@ def certify(
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
     contacts or a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and
-    sigma from the pressures on segments. Of gaps (dual), the residual is a pressure: sigma comes from the complement,
-    and eps from the overlap in segments and from what these do not close.
+    sigma from the pressures on segments. The residual of gaps (dual) is a pressure, so that sigma comes from the
+    complement, and eps from the overlap in segments and from their closure error.
 
     residual, residual_width : the largest on each segment and its width, of `contact_residual`
-    minima : of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`: all that are negative
-        and, of gaps, all below the margin
-    negative : where there is tension on contacts or, dual, overlap in gaps, as `NEGATIVE`
-    tolerance : relative, of which `MAX_RESIDUAL` times may be left
-    margin : below which the minima are given; they are looked for again if the gaps turn out to be known less well
+    minima : all negative minima of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`; for
+        the gap, all minima below the margin
+    negative : intervals of tension on contacts or, dual, of overlap in gaps, as `NEGATIVE`
+    tolerance : relative; the residual may be `MAX_RESIDUAL` times as large
+    margin : limit below which minima are given; they are searched again if the error of the gaps turns out larger
 
-    ConvergenceError is raised if the conditions are violated by more, or if contacts do not carry the load.
+    ConvergenceError is raised if a violation is larger, or if the contacts do not carry the load.
     """
     r, closure, period = state.segments.half_width, 0.0, series.period
     height = state.kind.height_of_residual(r) * residual
@@ -172,7 +169,7 @@ def certify(
     state = state._replace(residual=max(float(height.max()), closure))
     check_violation(state, period, tolerance)
     residual, below = SAMPLED_FACTOR * residual, minima[minima["value"] < 0]
-    if state.dual:  # Pressures stand in the gaps, and where the parabolas at minima of the pressure are negative.
+    if state.dual:  # residual pressures in the gaps, and tension at the minima of the pressure between them
         gap = max(closure, -float(negative["lowest"].min(initial=0.0)))
         reach = np.sqrt(-2 * below["value"] / np.maximum(below["curvature"], -below["value"] / period**2))
         violated, on = np.append(residual, -below["value"]), np.append(residual_width, 2 * reach)
@@ -189,7 +186,7 @@ def certify(
         on,
         period,
     )
-    # A pressure sigma that is left on a width W moves the surface by about 2 sigma W: see `error_bound`.
+    # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
     height_error = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
     tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
     state = state._replace(error=error, height_error=height_error, tensions=tensions)
@@ -210,7 +207,7 @@ def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
 
 
 def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
-    """Return the same from minima of the pressure between gaps (dual), each with the parabola that it has there."""
+    """Return the same from minima of the pressure between gaps (dual), each approximated by a parabola."""
     found = minima[minima["value"] < 0]
     extent = contacts_of(state.segments.extent, True, period)
     origin, centre, r = (values[found["interval"]] for values in extent)
@@ -220,11 +217,11 @@ def _tensions_from_minima(state: ContactState, minima: Records, period: float) -
 
 
 def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, float]:
-    """Return the displacement and the mean pressure of the tension outside thin gaps, and the doubt about all lifts.
+    """Return displacement and mean pressure of the tension outside thin gaps, and the uncertainty of the mean gap.
 
-    With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which is left in all other gaps: the
-    force int w dx/(2 pi L) [cot(pi (x-c)/L)] there. It is taken off, as in `error_bound`, as if all of it were as
-    large as at the nearest edge. If nothing else moves, the mean gap rises by the mean of w.
+    With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which remains in all other gaps, with
+    the force int w dx/(2 pi L) [cot(pi (x-c)/L)]. It is removed as in `error_bound`, with the value at the nearest
+    edge as its maximum. If nothing else moves, the mean gap increases by the mean of w.
     """
     cracks = state.cracks
     if cracks.contact.size == 0:
@@ -252,7 +249,7 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
 def check_violation(state: ContactState, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large or contacts do not carry the load."""
     scale = state.kind.scale_of_residual(state.load, state.approach, period)
-    relative = state.residual / scale if scale > 0 else np.inf  # Without an indentation, rounding has left no digit.
+    relative = state.residual / scale if scale > 0 else np.inf  # no indentation: rounding has left no digit
     relative = max(relative, abs(carried_load(state, period) / state.load - 1))
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(

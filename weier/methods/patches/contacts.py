@@ -6,10 +6,10 @@ At the zeros of T_K, f_i = (pi/K) r psi_i. With A the sum over all nodes of -2 l
 
 with the mean gap d. A is positive definite on forces of sum 0; `OFFSET` makes it so on all forces.
 
-The integral of T_k/sqrt(1-s^2) with ln|t-s| is -(pi/k) T_k, and -pi ln 2 for k = 0, so that a unit force at t_j makes
--ln 2 - 2 sum T_k(t_i) T_k(t_j)/k. Less ln|t_i - t_j|, which the sum over all nodes has already, that is
-X(i - j) + X(i + j + 1) with X(q) = -C(q) - ln|2 sin(pi q/2K)| and C(q) = sum_k cos(pi k q/K)/k, k < K. The forces
-(k/2K) T_k make the displacement T_k.
+The integral of T_k/sqrt(1-s^2) with ln|t-s| is -(pi/k) T_k, and -pi ln 2 for k = 0, so that a unit force at t_j gives
+-ln 2 - 2 sum T_k(t_i) T_k(t_j)/k. Its difference from ln|t_i - t_j|, which the sum over all nodes contains, is X(i -
+j) + X(i + j + 1) with X(q) = -C(q) - ln|2 sin(pi q/2K)| and C(q) = sum_k cos(pi k q/K)/k, k < K. The forces (k/2K)
+T_k give the displacement T_k.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from weier.kernels.jit import kernel
 from weier.methods.patches.kind import POTENTIAL, Kind
 from weier.methods.punches import OFFSET
 
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force, and with
-# 1 many loads are not solved (docs/numerics.md, "Contact patches in numbers").
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
+# many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
 SHIFT = 1  # theta_i = pi (i + 1/2)/K
 
 
 @kernel
 def contact_node(r: float, sine: float, period: float) -> tuple[float, float, float]:
-    """Return the factor of a node in the own influence, its diagonal, and its factor in the inverse."""
+    """Return the factor of a node in the self-influence, its diagonal, and its factor in the inverse."""
     return 1.0, np.log(2 * np.pi / period * r * sine), 1.0
 
 
 @kernel
 def contact_scales(r: float, angles: int, period: float) -> tuple[float, float]:
-    """Return the factors of the own influence of a segment and of its inverse."""
+    """Return the factors of the self-influence of a segment and of its inverse."""
     return 1.0, 0.5 / angles**2
 
 
@@ -47,7 +47,7 @@ def contact_degree(n: int, r: float) -> float:
 
 @kernel
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-    """Return the forces that carry the load, displaced by the same height everywhere, and the plane."""
+    """Return the forces that carry the load with a uniform displacement, and the plane."""
     shift = (load * period - force.sum()) / even.sum()
     return force + shift * even, OFFSET * load * period - shift
 

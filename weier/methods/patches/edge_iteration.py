@@ -1,9 +1,9 @@
 """Newton's method on the edges of contacts, which may vanish and merge (docs/patches.md, "Moves of edges").
 
-`take_step` solves on given edges and finds their moves (`edge_moves`); `next_guess` moves them with the density on
-them. Near an edge p = (k_0 + k_1 s)/sqrt(s); an edge that moves by 2 k_0/k_1 loses its singularity. Narrow contacts
-and narrow gaps have closed forms instead. For gaps (dual), the slope of the gap has the same form, with the opposite
-sign at right edges. "The stages of a load" defines when a segment has settled.
+`take_step` solves on given edges and computes their moves (`edge_moves`); `next_guess` moves the edges and transfers
+the density. Near an edge p = (k_0 + k_1 s)/sqrt(s); a move by 2 k_0/k_1 removes the singularity. Narrow contacts and
+narrow gaps have closed forms instead. For gaps (dual), the slope of the gap has the same form, with the opposite sign
+at right edges. "The stages of a load" defines when a segment has settled.
 """
 
 from __future__ import annotations
@@ -66,10 +66,9 @@ class EdgeMoves(NamedTuple):
     """One step of Newton's method.
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    closed : whether the gap on the right of each contact closes, as the square of its width is negative, shape
+    closed : whether the gap on the right of each contact closes (negative squared width), shape (contacts,)
+    relative : larger move of the two edges over the smallest half-width of the contact and its gaps, shape
         (contacts,)
-    relative : larger move of both edges over the half-width of the contact or of its gaps, the narrowest,
-        shape (contacts,)
     """
 
     outward: Sides
@@ -81,16 +80,16 @@ class EdgeMoves(NamedTuple):
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
 ) -> tuple[Sides, Flags, Array, Array]:
-    """Return the fields of `EdgeMoves`, and the height 2 pi r |psi| of what is singular on each segment.
+    """Return the fields of `EdgeMoves`, and the height 2 pi r |psi| of the singular part on each segment.
 
     The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k, from the coefficients of psi in
-    T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All are taken with the sign
-    that they have at the left end, where a gap opens.
+    T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All have the sign of the left
+    end, where a gap opens.
 
-    A contact narrower than the adjacent gaps is Hertz's, whose psi/phi is (a^2 - r^2)/(2 r^2) -+
+    A contact narrower than the adjacent gaps is Hertzian, with psi/phi = (a^2 - r^2)/(2 r^2) -+
     (c - x_c)/r at its ends. The mean of both is half the growth of the squared half-width, and half their difference
-    is the shift of the centre. At an edge of a narrow gap, the value of the gap is used instead of Hertz's:
-    then the value at the opposite edge is used for both.
+    is the shift of the centre. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the
+    opposite edge determines both Hertzian values.
 
     Both ends of a gap that is narrower than both contacts give its growth (`_growth_of_gap`): it grows by their mean,
     and half their difference shifts it.
@@ -144,17 +143,17 @@ def _clip(value: float, most: float) -> float:
 
 @kernel
 def _growth_of_square(linear: float) -> float:
-    """Return the growth of a width, over itself, whose square grows by twice the linear growth."""
+    """Return the relative growth of a width whose square grows by twice the linear growth."""
     return np.sqrt(min(max(1 + 2 * linear, MIN_SQUARE), MAX_SQUARE)) - 1
 
 
 @kernel
 def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_curvature: float) -> float:
-    """Return the first-order growth of the interval between two segments, of half-width b, by one edge.
+    """Return the first-order growth of an interval of half-width b between two segments, from one edge.
 
-    kappa b^2 is in proportion to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
-    gaps. The square of the width grows by the factor 1 - 4 k_0 over that. Where it is not positive, what lies between
-    shrinks at an edge with overlap beyond it, and grows at one in tension.
+    kappa b^2 is proportional to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
+    gaps. The square of the width grows by 1 - 4 k_0 over this. If this is not positive, the interval shrinks at an
+    edge with overlap beyond it and grows at one in tension.
     """
     k_0, k_1 = psi * np.sqrt(r / 2), (inward_slope + psi / 4) * np.sqrt(0.5 / r)
     curvature = b * k_1 + k_0_of_curvature * k_0
@@ -179,7 +178,7 @@ class ContactProblem(NamedTuple):
         return kind_of(self.dual)
 
     def forcing(self, crest: Indices, y: Array) -> Array:
-        """Return the height less the largest or, dual, the tension of full contact, at distances from crests."""
+        """Return the height minus its maximum or, dual, the tension of full contact, at distances from crests."""
         maximum = self.kind.forcing_of_maximum(self.series, self.load)
         return np.asarray(evaluate_at(self.series, crest, y, 0) + maximum)
 
@@ -196,7 +195,7 @@ class ContactProblem(NamedTuple):
 def evaluate_at_nodes(
     series: CosineSeries, crest: Indices, centre: Array, first_node: Indices, offset: Array, more: float
 ) -> Array:
-    """Return a series less its maximum, plus a constant, at the nodes of segments."""
+    """Return a series minus its maximum plus a constant, at the nodes of segments."""
     value = np.empty(offset.size)
     for j in range(centre.size):
         for i in range(first_node[j], first_node[j + 1]):
@@ -205,15 +204,15 @@ def evaluate_at_nodes(
 
 
 class StageLimits(NamedTuple):
-    """Accuracy of a stage, and its limits of the inequalities.
+    """Accuracy of a stage, and its limits for the inequalities.
 
-    fine : whether all edges are to settle; else the set of contacts is still to be corrected
-    tolerance : each contact has as many nodes as its density needs for this relative tolerance
+    fine : whether all edges must settle; otherwise the set of contacts is corrected first
+    tolerance : relative tolerance that sets the number of nodes
     bounds : of the residual on contacts with given edges
     outside : a segment is missing where the overlap, in g_0, or (dual) the tension, in p_0*, is larger
     inside : a segment is cut where tension over the largest pressure of the contact, or (dual) overlap over the
         largest gap, is larger
-    opening : gaps or (dual) contacts of less height, in g_0, are not cut in, since no edges could be found for them
+    opening : least height of a gap or (dual) contact to add, in g_0; the edges of lower ones cannot be determined
     """
 
     fine: bool
@@ -225,7 +224,7 @@ class StageLimits(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Contacts, with centres in [0, L), and forces from which a step starts.
+    """Contacts with centres in [0, L), and initial forces of a step.
 
     force : at the nodes
     tight : whether the last step would nearly have closed the gap on the right of each contact
@@ -237,11 +236,11 @@ class Iterate(NamedTuple):
 
 
 class NewtonStep(NamedTuple):
-    """Solution on the contacts of a guess, and the changes of the contacts.
+    """Solution on the contacts of a guess, and changes of the set of contacts.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
     moves : of the edges
-    vanishing : contacts that carry no force or have no width left
+    vanishing : contacts without force or width
     merging : contacts whose gap on the right vanishes
     tight : contacts whose gap on the right would nearly close
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
@@ -261,7 +260,7 @@ class NewtonStep(NamedTuple):
 
 
 def make_guess(problem: ContactProblem, segments: Segments, stage: StageLimits) -> Iterate:
-    """Return a guess on segments, with no forces: an estimate of these saves conjugate gradients hardly a step."""
+    """Return a guess on segments, with zero forces: estimates hardly save a step of the conjugate gradients."""
     count = _estimate_nodes(problem, segments.extent, stage)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
@@ -284,7 +283,7 @@ def round_up_nodes(count: Array) -> Indices:
 
 
 def take_step(problem: ContactProblem, guess: Iterate, stage: StageLimits) -> NewtonStep:
-    """Solve for the pressure on the contacts of a guess, and find how their edges must move."""
+    """Solve for the pressure on the contacts of a guess, and compute the moves of their edges."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, stage.bounds)
@@ -323,7 +322,7 @@ def _changes_of_edges(
 def _changes(
     first_node: Indices, r: Array, gap: Array, force: Array, outward: Sides, closed: Flags, was_tight: Flags
 ) -> tuple[Flags, Flags, Flags]:
-    """Return which contacts vanish, which merge over the gap on their right, and at which that is tight."""
+    """Return whether each contact vanishes, merges over the gap on its right, and whether that gap is tight."""
     n, strongest, most = r.size, 0, -np.inf
     vanishing, merging, tight = np.empty(n, np.bool_), np.empty(n, np.bool_), np.empty(n, np.bool_)
     for j in range(n):
@@ -333,7 +332,7 @@ def _changes(
         vanishing[j] = carried <= 0 or 0.5 * (outward[j, 0] + outward[j, 1]) < MIN_GROWTH * r[j]
         if carried > most:
             strongest, most = j, carried
-    vanishing[strongest] = False  # One contact is left in any case.
+    vanishing[strongest] = False  # At least one contact remains.
     for j in range(n):
         k = (j + 1) % n
         tight[j] = gap[j] - outward[j, 1] - outward[k, 0] < MIN_GAP_LEFT * gap[j]
@@ -364,10 +363,10 @@ def next_guess(
 
 
 def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
-    """Return a step whose edges have moved and whose density is carried along: the next step, but for second order.
+    """Return a step with moved edges and transferred density: the next step to first order.
 
-    Its moves are bounds on what the next ones would be: the part of the present ones that is rounding of the
-    singularity, in g_0, and their square. The latter counts twice, since the strength B changes with the edges, too.
+    Its moves bound those of the next step: the contribution of rounding of the singularity, in g_0, and twice the
+    square of the present ones, since the strength B changes with the edges as well.
     """
     punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
     old, shift, growth = punches.segments, 0.5 * (outward[:, 1] - outward[:, 0]), 0.5 * outward.sum(axis=1)
@@ -397,8 +396,8 @@ def _moved_segments(
 ) -> tuple[Array, Array, Indices]:
     """Return centres, half-widths and first nodes of segments after the moves of their edges.
 
-    No tight gap loses more than `MAX_GAP_LOSS` of itself. Nodes are as many as wanted or, where that is 0, as the
-    extent needs, rounded up.
+    A tight gap loses at most the fraction `MAX_GAP_LOSS`. The number of nodes is as given or, if 0, follows from the
+    extent, rounded up.
     """
     n, limited = half_width.size, outward.copy()
     for j in range(n):
@@ -429,7 +428,7 @@ def round_up(count: float) -> int:
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
-    """Return the forces to start from; none where the solution is direct."""
+    """Return the initial forces; none for a direct solution."""
     if punches.matrix is None:
         return np.empty(0)
     return transfer_forces(old, b, origin, punches)
@@ -459,7 +458,7 @@ def rearrange(
     stage: StageLimits,
     node_count: Indices | None = None,
 ) -> Iterate:
-    """Return a guess of the remaining segments, with the step's expansions, and added intervals (added, 2)."""
+    """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2)."""
     series = problem.series
     crest, origin, centre = (
         np.concatenate([old[remaining], new])

@@ -1,9 +1,9 @@
 """Search for the loads at which contacts are born or merge (docs/patches.md, "Births and mergers").
 
-Contacts never split or vanish as the load grows, so that contacts under a heavier load hold two of the lighter one (a
-merger) or none (a birth): `_Search._changes`. `_Search.between` bisects in ln(p) until the changes are certain
-(`_Search._has_no_more_minima`) and few; `_Search._locate` then finds the root of the minimum of the gap before a
-birth, or of the pressure after a merger.
+Contacts never split or vanish as the load increases, so that a contact at a heavier load contains two contacts of the
+lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` bisects in ln(p) until the changes are
+certain (`_Search._has_no_more_minima`) and few; `_Search._locate` then finds the root of the minimum of the gap
+before a birth, or of the pressure after a merger.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
@@ -28,21 +28,20 @@ from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, ne
 from weier.surface.waves import Waves
 
 MAX_DECADES = 1.0  # initial spacing of the loads, in decades
-# Where an edge has advanced by more than this, in the finest waves, it may have passed a minimum of the gap and a
-# maximum together, which slopes at `SLOPE_POINTS` points may not show.
+# largest advance of an edge, in finest waves: beyond it, the edge may have passed a minimum and a maximum of the gap
+# between two of the `SLOPE_POINTS` samples of the slope
 MAX_ADVANCE = 0.15
-# In intervals of ln(p) shorter than this the load of an event is sought by root-finding. In longer ones contacts may
-# not be followed from one end to the other.
+# largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
-MAX_ROOTS = 4  # events in an interval up to which roots are sought; a root takes several solutions, bisection one
+MAX_ROOTS = 4  # largest number of events for root-finding; a root takes several solutions, bisection one
 MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
 LOAD_ACCURACY = 1e-12  # relative, of the roots
-# Tension over the largest pressure of a contact, and overlap over the load, at the load of an event. The minimum that
-# was sought leaves far less, and an edge that has gone on over a crest far more.
+# largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
+# leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
 SLOPE_POINTS = 12  # samples of the slope of the gap where an edge has advanced or a contact is new
-MINIMUM_SAMPLES = 32  # samples of the gap or pressure, of which the lowest brackets the minimum
-# Accuracy of the position of such a minimum, over the distance of the samples: its value is then off by the square.
+MINIMUM_SAMPLES = 32  # samples of the gap or pressure that bracket the minimum
+# accuracy of the position of such a minimum over the spacing of the samples; its value has an error of second order
 POSITION_ACCURACY = 1e-8
 
 
@@ -64,7 +63,7 @@ class Events(NamedTuple):
 class _Event(NamedTuple):
     """A contact that is born, or a gap that closes, in [origin + left, origin + right], in lambda_0.
 
-    It also holds an interval over which an edge advances, as a gap that closes in part.
+    An interval over which an edge advances counts as a gap that closes in part.
     """
 
     birth: bool
@@ -125,7 +124,7 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
 
 
 def _last_events(surface: Surface, state: ContactState) -> list[tuple[float, _Event]]:
-    """Return the mergers at the load of full contact: all gaps that are left just below it close."""
+    """Return the mergers at the load of full contact, where all remaining gaps close."""
     gaps = _intervals(state, True, surface.heights.period)
     return [(surface.full_contact_load, _Event(False, *gap)) for gap in zip(*gaps, strict=True)]
 
@@ -143,7 +142,7 @@ def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface:
 
 
 class _Search(NamedTuple):
-    """Bisection on ln(p) until each interval holds the events of one load, and then root-finding.
+    """Bisection on ln(p) until each interval contains the events of one load, then root-finding.
 
     starts : guesses of the contacts under any load of the surface
     """
@@ -160,9 +159,9 @@ class _Search(NamedTuple):
     def between(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]]:
         """Return the events between two states, each with its load.
 
-        Intervals that are shorter than `MIN_INTERVAL` hold events of one load, that of the heavier state. Others are
-        done when no contact has changed for certain, or when all roots are one load and the contacts there meet the
-        inequalities. Otherwise they are halved, between the roots that are farthest apart if there are any.
+        Events in an interval shorter than `MIN_INTERVAL` are assigned the load of the heavier state. Other intervals
+        are finished when certainly no contact has changed, or when all roots coincide and the contacts there satisfy
+        the inequalities. Otherwise they are split, between the two roots farthest apart if there are any.
         """
         width = float(np.log(high.load / low.load))
         changes, is_certain = self._changes(low, high)
@@ -184,9 +183,9 @@ class _Search(NamedTuple):
         return self.between(low, between) + self.between(between, high)
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
-        """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
+        """Return contacts of `high` without one of `low`, gaps of `low` that it closes, and whether these are certain.
 
-        A contact of `high` holds those of `low` whose middles lie within it.
+        A contact of `high` contains those of `low` whose midpoints lie within it.
         """
         period = self.starts.surface.heights.period
         origins, lefts, rights = _intervals(low, False, period)
@@ -212,7 +211,7 @@ class _Search(NamedTuple):
         """Return whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
 
         The changes, a table with the fields of `_Event`, are births, gaps that close, and intervals over which edges
-        advance. Where an edge has passed a minimum of the gap, a contact was born there first.
+        advance. If an edge has passed a minimum of the gap, a contact was born there before.
         """
         births, origin, left, right = changes[changes[:, 3] > changes[:, 2]].T
         if births.size == 0:
@@ -228,7 +227,7 @@ class _Search(NamedTuple):
             return []
 
     def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
-        """Return place and state at which the minimum of the gap (birth) or of the pressure (merger) vanishes.
+        """Return position and state at which the minimum of the gap (birth) or of the pressure (merger) vanishes.
 
         Contacts are followed from the load where that minimum is positive, the lighter one for a birth and the
         heavier one for a merger, to the other, where it is negative. Each state starts from the nearest one in load.
@@ -248,10 +247,10 @@ class _Search(NamedTuple):
         return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
 
     def _is_in_contact(self, state: ContactState) -> bool:
-        """Return whether the contacts that were followed to an event meet the inequalities of contact at its load.
+        """Return whether the contacts followed to an event satisfy the inequalities at its load.
 
-        They do not where another event comes first: an edge may have gone on over a crest that touches by then, so
-        that there is tension behind it.
+        They do not if another event comes first: an edge may have passed a crest that touches earlier, which leaves
+        tension behind it.
         """
         minima = minima_outside(state, self.starts.surface.series(state.dual), 0.0)
         overlap = -float(minima["value"].min(initial=0.0))
@@ -298,10 +297,10 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
 
 def _gaps_or_pressures(state: ContactState, series: CosineSeries, gaps: bool, origin: float, y: Array) -> Array:
-    """Return gaps at points origin + y off the contacts, or pressures at points on them; any may be negative.
+    """Return gaps at points origin + y outside the contacts, or pressures at points on them; any may be negative.
 
-    The density on segments is the pressure of contacts or, integrated, the gap in gaps (dual). The others, off the
-    segments, are the complementary residual.
+    On segments they follow from the density, the pressure of contacts or (integrated) the gap in gaps; elsewhere they
+    are the complementary residual.
     """
     at = np.full(y.size, origin)
     if gaps != state.dual:

@@ -2,8 +2,8 @@
 
 docs/patches.md: "Pressure and gap anywhere" and, for closed forms, "Chebyshev polynomials". `residuals_one_by_one`
 sums over the segments, by quadrature far from a segment (`_far_field`), in closed form near it (`_near_field`);
-`residuals_by_sums` uses fast sums with `_correct_near_segments`. A point is an origin and the distance y from it, so
-that points near a crest keep all their digits.
+`residuals_by_sums` uses fast sums with `_correct_near_segments`. A point is given by an origin and the distance y
+from it, so that points near a crest lose no digits.
 """
 
 from __future__ import annotations
@@ -19,21 +19,23 @@ from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
-# Fast sums take less time than each segment at each point from 50 to 90 points on, for 39, 254 and 1342 contacts, and
-# from 250 on among 71 gaps: the time of their tree and that of one point both grow with the nodes.
+# least number of points for fast sums: they are faster from 50 to 90 points on for 39, 254 and 1342 contacts, and
+# from 250 on for 71 gaps
 MIN_SUM_POINTS = 100
 MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 0.8 ms by fast sums
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: 1e-16 from ln(rho) = 18.5/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
 FAR_FIELD_EXPONENT = 18.5
 BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
-# Angles between x and a segment's centre above this follow from the angles of both, whose rounding is 2e-15 of it.
+# angle between x and the centre of a segment above which it is computed from the angles of both, with a rounding
+# error of 2e-15 of it
 MIN_ANGLE = 0.1
-# The kernels less their pole at 0 are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u) is
-# -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next poles,
-# at 1 and -1; less these, z(2k) - 1 takes the place of z(2k), and they converge up to 2. So terms fall by 4 at least.
+# Without their pole at 0, the kernels are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u)
+# is -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next
+# poles, at 1 and -1; without these, z(2k) - 1 replaces z(2k), and they converge up to 2. Terms decrease by a factor
+# of at least 4.
 MAX_POLE_DISTANCE = 0.5  # |u| from which the poles at 1 and -1 are subtracted as well
-# The most terms, of which the last is 4^-32 = 5e-20; where |u| is small, as many as fall to exp(-37) = 1e-16.
+# largest number of terms, the last being 4^-32 = 5e-20; for small |u| terms are summed down to exp(-37) = 1e-16
 SERIES_TERMS, LN_ROUNDING = 32, 37.0
 _ORDER = np.arange(1, SERIES_TERMS + 1)
 _ZETA_LESS_1 = np.array(
@@ -76,9 +78,8 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
 def _integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, which: int) -> Array:
     """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
 
-    Far from a segment, quadrature serves. There sin(pi (x-s)/L) follows by the addition theorem: from the angle
-    between x and the segment's centre where that is small, so that no digit of a short distance is lost, and else
-    from the angles of both.
+    Far from a segment, quadrature is used, with sin(pi (x-s)/L) by the addition theorem: from the angle between x and
+    the segment's centre if it is small, so that short distances lose no digits, otherwise from the angles of both.
     """
     integral, factor = np.zeros(y.size), np.pi / period
     sine_of_x, cosine_of_x = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
@@ -116,7 +117,7 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
 def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, which: int) -> Array:
     """Integrate over a segment by quadrature, at points with these sines and cosines of the angle from its centre.
 
-    The loops over the points have no branch, so that the compiler turns them into operations on several at once.
+    The loops over the points have no branches, so that the compiler vectorises them.
     """
     n, value = s.size, np.zeros(s.size)
     if which == POTENTIAL:
@@ -144,10 +145,10 @@ def _near_field(
 ) -> float:
     """Return an integral over a segment at its own coordinate t, near to it or on it.
 
-    The poles of the segment, and those of its images on both sides where these are near too, are integrated in
-    closed form, (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. What remains of the kernel is smooth and left to
-    quadrature. It is the series in u. For the logarithm there is a constant, too: ln|2 sin(pi u)| is ln|x-s|, and
-    with both images the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.
+    The poles of the segment, and those of its images on both sides if these are near, are integrated in closed form,
+    (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. The smooth rest of the kernel, the series in u, is integrated by
+    quadrature. For the logarithm there is an additional constant: ln|2 sin(pi u)| is ln|x-s|, and with both images
+    the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.
     """
     total, largest_u = 0.0, r / period * (abs(t) + 1)
     images = 0 if largest_u < MAX_POLE_DISTANCE and period / r - abs(t) > reach else 1
@@ -176,7 +177,7 @@ def _near_field(
 def smooth_part(a: Array, is_gap: bool) -> Array:
     """Return coefficients in U_k of phi or of gap/(r (1-t^2)^(3/2)).
 
-    They have the sign of the density and of its integral, the gap, and keep their digits up to the segment's ends.
+    They have the sign of the density and of its integral, the gap, and are accurate up to the ends of the segment.
     """
     return gap_expansion(a) if is_gap else a
 
@@ -191,7 +192,7 @@ def at_point(value: float, t: float, r: float, is_gap: bool) -> float:
 def values_on_segments(
     state: ContactState, period: float, origin: Array, y: Array, integrated: bool
 ) -> tuple[Flags, Array]:
-    """Return whether a segment holds each point origin + y, and the density there or its integral, or 0.
+    """Return whether each point origin + y lies on a segment, and the density there or its integral, or 0.
 
     rho is the pressure on a contact or, dual, the slope of a gap, whose integral is the gap.
     """
@@ -209,7 +210,7 @@ def _values_on_segments(
     for i in range(y.size):
         x = origin[i] + y[i]
         after = np.searchsorted(middle, x - period * np.floor((x - middle[0]) / period))
-        for k in range(after - 2, after + 2):  # The middles are rounded, so that two more segments are tried.
+        for k in range(after - 2, after + 2):  # midpoints are rounded, so that two more segments are tried
             j = k % middle.size
             r = segments.half_width[j]
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
@@ -250,7 +251,7 @@ def _residuals(
     constant: float,
     factor: float,
 ) -> Array:
-    """Return a constant less the series, plus a factor times an integral over the density."""
+    """Return a constant minus the series plus a factor times an integral over the density."""
     value = _integrals(segments, coefficient, series.period, series.crest_position[crest], y, which)
     for i in range(y.size):
         value[i] = constant - evaluate_series(series, crest[i], y[i])[0] + factor * value[i]
@@ -263,10 +264,9 @@ def residuals_by_sums(
     """Return `complementary_residuals`, in the time O(points + nodes): by fast sums.
 
     Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy
-    integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms stay.
-
-    The points are at origin + offset, too. Counted from a segment's centre, as its nodes are, they keep all digits of
-    their distance from these.
+    integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms are used.
+    Points are given by origin + offset as well; relative to the centre of a segment, distances from its nodes lose no
+    digits.
     """
     segments, period = state.segments, series.period
     order = np.argsort(origin + offset, kind="stable")

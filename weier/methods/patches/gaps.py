@@ -5,11 +5,11 @@ C the sum over all nodes of -1/(2 L^2 sin^2(pi (x_i - x_j)/L)), positive definit
 
     C f = the tension of full contact in all gaps,   d = sum f/L.
 
-The finite part of the integral of sqrt(1-s^2) U_k/(t-s)^2 is -pi (k+1) U_k, so that a unit force at t_j makes
--2 sum (k+1) U_k(t_i) U_k(t_j). Less 1/(t_i - t_j)^2, which the sum over all nodes has already, that is
-[X(i - j) - X(i + j + 2)]/(sin theta_i sin theta_j) with X(q) = -D(q) - 1/[4 sin^2(pi q/2N)], N = K + 1, and
-D(q) = sum_n n cos(pi n q/N), n <= K. The forces 2 pi r^2 w_i U_k/(k+1) make the pressure U_k. The gap is
-sum c_k sin((k+1) theta), whose slope has the coefficients b_n = -(n/r) c_(n-1).
+The finite part of the integral of sqrt(1-s^2) U_k/(t-s)^2 is -pi (k+1) U_k, so that a unit force at t_j gives -2 sum
+(k+1) U_k(t_i) U_k(t_j). Its difference from 1/(t_i - t_j)^2, which the sum over all nodes contains, is [X(i - j) -
+X(i + j + 2)]/(sin theta_i sin theta_j) with X(q) = -D(q) - 1/[4 sin^2(pi q/2N)], N = K + 1, and D(q) = sum_n n cos(pi
+n q/N), n <= K. The forces 2 pi r^2 w_i U_k/(k+1) give the pressure U_k. The gap is sum c_k sin((k+1) theta), whose
+slope has the coefficients b_n = -(n/r) c_(n-1).
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from weier.methods.patches.kind import CAUCHY, Kind
 from weier.methods.patches.surface import CosineSeries
 
 NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
-# The bound adds up what is left in all gaps, so that each of more gaps than this has its share of the tolerance.
+# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
 MAX_SHARING = 5
 SHIFT = 2  # theta_i = pi (i + 1)/(K + 1)
 
 
 @kernel
 def gap_node(r: float, sine: float, period: float) -> tuple[float, float, float]:
-    """Return the factor of a node in the own influence, its diagonal, and its factor in the inverse."""
+    """Return the factor of a node in the self-influence, its diagonal, and its factor in the inverse."""
     return 1 / sine, 1 / 3 - (0.5 * period / (np.pi * r * sine**2)) ** 2, sine
 
 
 @kernel
 def gap_scales(r: float, angles: int, period: float) -> tuple[float, float]:
-    """Return the factors of the own influence of a segment and of its inverse."""
+    """Return the factors of the self-influence of a segment and of its inverse."""
     return (period / (np.pi * r)) ** 2, 2 * (np.pi * r / angles) ** 2
 
 
@@ -46,17 +46,17 @@ def gap_degree(n: int, r: float) -> float:
 
 
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-    """Return the forces as they are, since gaps close by themselves, and the mean gap."""
+    """Return the forces unchanged, since gaps carry no load constraint, and the mean gap."""
     return force, float(force.sum()) / period
 
 
 def _height_of_residual(half_width: Array) -> Array:
-    """Return the displacement that a pressure makes over the width of its gap."""
+    """Return the displacement by a pressure on the width of its gap."""
     return 2 * half_width
 
 
 def _finest_height(series: CosineSeries) -> float:
-    """Return the amplitude of the finest wave of pressure over its number of waves in lambda_0."""
+    """Return the amplitude of the finest pressure wave over its wavenumber."""
     return abs(float(series.amplitude[-1])) * 2 * np.pi / float(series.wavenumber[-1])
 
 
@@ -64,7 +64,7 @@ GAPS = Kind(
     dual=True,
     right_sign=-1.0,  # the slope is negative where a gap closes
     k_0_of_curvature=0.25,  # of a contact between gaps
-    strength_factor=0.5 / np.pi,  # the slope of a gap is 2 pi times as strong as the pressure beyond its edge
+    strength_factor=0.5 / np.pi,  # strength of the pressure beyond an edge over that of the slope of the gap
     tangent_forcing=1.0,
     sign_of_plane=1.0,
     rounding_power=0,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules load when they are first used: a tenth of a second each, which few jobs need
+import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -42,11 +42,11 @@ MAX_PREDICTED_MOVE = 0.3  # largest move, in half-widths, for the first-order pr
 class Punches(NamedTuple):
     """Contacts or gaps with given edges, and the influence of forces at their nodes on each other.
 
-    segments : in order round the period; of their nodes only the number is used
+    segments : in order round the period; only the number of their nodes is used
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
     offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
-    rule, matrix : the tables of each segment, and the kernel between all nodes, for conjugate gradients; None if the
-        solution is direct
+    rule, matrix : tables of each segment and kernel between all nodes, for conjugate gradients; None for a direct
+        solution
     period : L, in lambda_0
     kind : `CONTACTS` or `GAPS`
     """
@@ -73,10 +73,10 @@ class Forces(NamedTuple):
     """A solution.
 
     force : f at the nodes, in p_0* lambda_0 or, of gaps, g_0 lambda_0
-    plane : the mean gap, in g_0, from where the forcing counts heights
+    plane : the mean gap relative to the datum of the forcing, in g_0
     residual : of the equations, as a height, in g_0
     steps : of conjugate gradients
-    even : forces for the forcing 1 everywhere, where they are known
+    even : forces for the uniform forcing 1, if known
     """
 
     force: Array
@@ -87,10 +87,10 @@ class Forces(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """How small the residual must become: `reduction` times that at the start, but in [least, most], in g_0.
+    """Limit of the residual: `reduction` times its initial value, within [least, most], in g_0.
 
-    A step of the edges needs no more digits than it moves them by (`reduction`); `most` bounds what counts as solved,
-    and below `least` a smaller residual is of no use.
+    A step of the edges needs a residual that is small relative to their moves (`reduction`); above `most` the
+    equations are not solved, and below `least` a smaller residual is useless.
     """
 
     reduction: float
@@ -133,7 +133,7 @@ def place_nodes(
 def _fields_of_rule(
     first_node: Indices, r: Array, period: float, dual: bool
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
-    """Return the fields of `Rule`: for a NamedTuple numba runs Python, and crashes where Ctrl-C comes there."""
+    """Return the fields of `Rule`: on a NamedTuple, numba would crash at Ctrl-C."""
     _, left, at_node, inverse_left = factors_at_nodes(first_node, r, period, dual)
     scale, inverse_scale = scales(first_node, r, period, dual)
     own, inverse = own_tables(first_node, dual, False), own_tables(first_node, dual, True)
@@ -209,9 +209,8 @@ def solve_forces_on_contacts(punches: Punches, forcing: Array, load: float, star
 def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     """Return the increment of a solution with the mean pressure, on the segments as they are.
 
-    It has the mean 1 and makes a flat surface sink by R everywhere on the contacts: to first order no edge moves. On
-    gaps, a pressure of full contact that rises by 1 closes the mean gap by R: the forcing is 1, a tension that opens
-    it by R.
+    It has the mean 1 and displaces a flat surface by R on all contacts; to first order the motion of the edges has no
+    effect. For gaps the forcing is 1, a tension that increases the mean gap by R.
     """
     kind, none = punches.kind, np.zeros(punches.offset.size)
     if forces.even is not None:
@@ -221,7 +220,7 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 
 
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
-    """Solve by Cholesky's factors of the whole matrix, which of contacts is made positive definite by a constant."""
+    """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
     placed = segments.first_node, *segments.extent, punches.offset
     matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), kind.on_diagonal)
@@ -235,8 +234,8 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
 def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Array, bounds: Bounds) -> Forces:
     """Solve by conjugate gradients with fast sums.
 
-    The sum is kept by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r, and d changes by
-    `shift`. Forces and heights are counted in those of the load, as products of light ones would underflow.
+    The sum of the forces is preserved by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r; d
+    changes by `shift`. Forces and heights are scaled by the load, since products at light loads would underflow.
     """
     dual, total = punches.dual, load * punches.period
     unit = total if not dual else 1.0
@@ -311,7 +310,7 @@ def expansion_of(first_node: Indices, half_width: Array, force: Array, period: f
 
 @kernel
 def regular_part(first_node: Indices, b: Array) -> Array:
-    """Return coefficients in U_k of phi, where psi = (1-t^2) phi but for a straight line, contact by contact.
+    """Return coefficients in U_k of phi, where psi = (1-t^2) phi plus a linear function, contact by contact.
 
     With (1-t^2) U_k = (T_k - T_(k+2))/2, a_k = a_(k+2) - 2 b_(k+2); the last two of each contact are 0.
     """
@@ -324,11 +323,11 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 
 @kernel
 def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> Array:
-    """Return the coefficients of psi changed so that psi vanishes at all edges, where it is as small as rounding.
+    """Return coefficients of psi corrected so that psi, at rounding level at the edges, vanishes there.
 
-    Rounding of heights is of one size in all degrees, and the coefficient of T_k follows with the factor k. So those
-    of contacts change in proportion to k^2, their variance, and the force stays. Rounding of pressures changes the
-    coefficients of gaps alike.
+    Rounding of heights has the same size in all degrees and enters the coefficient of T_k with the factor k. The
+    corrections for contacts are therefore proportional to the variance, k^2, and preserve the force; those for gaps
+    are uniform.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):
@@ -345,8 +344,8 @@ def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> Array:
 def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array) -> Array:
     """Return the coefficients of psi when segments have moved: to second order the solution, after Newton's step.
 
-    A place that moved by w = (dc + t dr)/r in its coordinate t has psi + w [(1-t^2) phi' - t phi], and the latter is
-    sum -k a_(k-1) T_k for phi = sum a_k U_k, as sqrt(1-t^2) U_k = sin((k+1) theta). Larger moves count as
+    At a point whose coordinate t changes by w = (dc + t dr)/r, psi becomes psi + w [(1-t^2) phi' - t phi], and the
+    bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta). w is limited to
     `MAX_PREDICTED_MOVE`.
     """
     moved = b.copy()
@@ -364,6 +363,6 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
 
 
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
-    """Return the forces on other segments, each that of the old one `origin`, or 0 where that is -1."""
+    """Return the forces on new segments from those on their old segments `origin`; 0 if that is -1."""
     extent = new.segments.first_node, new.segments.half_width
     return forces_of(*extent, b, segments.first_node, origin, new.period, new.dual)

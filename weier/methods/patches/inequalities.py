@@ -1,16 +1,16 @@
-"""The inequalities of contact: no tension on the contacts, no overlap outside them; and what a solution violates.
+"""The inequalities of contact, no tension on contacts and no overlap outside them, and their violations.
 
-The formulas are those of docs/patches.md: "Inequalities" for where violations are looked for and for the width of new
-segments, and "Edges" for how far a crack opens.
+docs/patches.md derives the formulas: "Inequalities" for the search and the width of new segments, and "Edges" for the
+opening of a crack.
 
-The equations on the segments do not imply the inequalities. Both solvers look for violations here:
+The equations on the segments do not imply the inequalities, so that violations are searched:
 
 - Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
-  segment is missing. `_probe_points` are where it is evaluated, `_brackets` are the probes next to which a minimum
-  may be negative, and `_negative_minima` finds it. `find_missing` does so with fast sums while the set is corrected,
-  and `minima_outside` with closed forms, for a solution.
+  segment is missing. It is evaluated at `_probe_points`; `_brackets` selects the probes next to which a minimum may
+be negative, and `_negative_minima` finds it. `find_missing` uses fast sums while the set is corrected,
+`minima_outside` closed forms for a solution.
 - On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
-What is left of them in a solution enters its bound (`certificate`).
+Remaining violations enter the bound on the error (`certificate`).
 """
 
 from __future__ import annotations
@@ -33,25 +33,26 @@ from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
-# Each interval between segments has so many probes for each of the finest waves and so many more. From a crest, an
-# eighth of a wave away, a cosine differs from its parabola by 5 %.
+# probes per finest wave in an interval between segments, and additional ones; an eighth of a wave from a crest, a
+# cosine differs from its parabola by 5 %
 PROBES_PER_WAVE, MIN_PROBES = 8, 8
 MIN_PROBE_DISTANCE = 1e-9  # relative to the mean; closer probes differ only by rounding
-# Intervals of tension that reach beyond this part of the half-width end at an edge, whose move may remove them.
+# fraction of the half-width beyond which an interval of tension counts as ending at the edge, whose move may remove
+# it
 MAX_INNER = 0.99
 SEARCH_STEPS = 40  # bisections, to 1e-12 of a bracket
 SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a segment
-# Newton's method on differences starts with this stencil, over the length of the bracket, which shrinks by the ratio
-# in each refinement. A stencil h misplaces a minimum by h^2, relative to the wave: by 1e-9 with the last one, 3e-5.
+# initial stencil of Newton's method on differences over the length of the bracket, and its ratio in each refinement;
+# a stencil h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 # largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
 MAX_NEW_WIDTH = 0.4
-# A gap is thin whose half-width b is less than this part of its distance l to the nearest edge. What that edge and
-# the crack do to each other changes the resistance by some 4 (b/l)^2 of the crack's rise, 1.6e-7 of it. Contacts
-# beside wider gaps need 15/(4 b/r)^(1/2) nodes for twelve digits, 500 at most.
+# largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
+# by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
+# digits, at most 500
 MAX_THINNESS = 2e-4
-# How far a minimum may lie below the lowest of three probes, over the depth that the parabola through them may have:
-# a safety factor, for what is no parabola.
+# largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
+# for other functions
 MAX_FALL = 3
 
 
@@ -67,7 +68,7 @@ Brackets = tuple[Array, Array, Array, Indices]
 # lowest : pressure, in p_0*, or gap, in g_0
 # relative : the lowest value of sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment;
 #     so rounding at an end, where neither a pressure nor a gap can be large, counts for little
-# height : how far the gap opens in the interval of tension or, dual, how large the overlap is, in g_0
+# height : opening of the gap in the interval of tension or, dual, the overlap, in g_0
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest relative height", np.float64, ()))
 
 
@@ -83,7 +84,7 @@ def _probe_points(
     """Return ascending points in the intervals between segments, and the interval of each point.
 
     In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
-    The crests of the series and the middles between them are added: two crests side by side would else look like one.
+    The crests of the series and the midpoints between them are added, to resolve adjacent crests.
     """
     left, n = origin + (centre + half_width), 2 * crest.size
     length = distances_between(origin, centre, half_width, period)
@@ -149,9 +150,9 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, d
 def _sample_expansion(a: Array) -> tuple[Array, Array]:
     """Return points t, denser than the nodes, and the values of an expansion there.
 
-    A positive sample below both neighbours moves to the minimum between them, which may be negative: to the zero of
-    the derivative. The parabola through three samples falls below the middle one by an eighth of the larger rise, if
-    they are equally far apart.
+    A positive sample below both neighbours is moved to the zero of the derivative, the minimum, which may be
+    negative. The parabola through three equidistant samples falls below the middle one by at most an eighth of the
+    larger rise.
     """
     count = SAMPLES_PER_NODE * a.size + 1
     t, sample = np.empty(count + 1), np.empty(count + 1)
@@ -161,8 +162,7 @@ def _sample_expansion(a: Array) -> tuple[Array, Array]:
     value = sample.copy()
     for i in range(1, count):
         rise = max(sample[i - 1], sample[i + 1]) - sample[i]
-        # The minimum is taken to be positive where the sample is not the lowest of three, or exceeds the rise to its
-        # neighbours.
+        # The minimum is positive if the sample is not the lowest of three, or exceeds the rise to its neighbours.
         if sample[i] > min(sample[i - 1], sample[i + 1]) or not 0 <= sample[i] <= rise:
             continue
         t[i] = _find_zero(derivative_expansion(a), t[i - 1], t[i + 1])
@@ -227,8 +227,8 @@ def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brack
     """Return the probes, ascending in each interval, next to which a minimum may lie below the margin.
 
     Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
-    lies within half the wider distance, and so no deeper below the probe than half the curvature times its square. A
-    minimum is excluded if it would stay above the margin at `MAX_FALL` times that depth.
+    lies within half the wider spacing, hence at most half the curvature times its square below the probe. A minimum
+    is excluded if it would stay above the margin at `MAX_FALL` times that depth.
     """
     at, count = np.empty(x.size, np.int64), 0
     for i in range(1, x.size - 1):
@@ -245,8 +245,8 @@ def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brack
 def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
     """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
 
-    A bracket is dropped as soon as its minimum is positive for certain. What counts in the end is the lowest value
-    that was evaluated, since differences over two crests side by side show neither of them.
+    A bracket is dropped as soon as its minimum is certainly positive. The result is the lowest value evaluated, since
+    differences across two adjacent crests may miss both.
     """
     low, middle, high, interval = brackets
     if middle.size == 0:
@@ -262,10 +262,10 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
         slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
         lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
         shift = -slope / np.where(curvature > 0, curvature, np.inf)
-        # The next stencil must stay within the bracket; that of the last refinement counts by its middle only.
+        # The next stencil must stay within the bracket; of the last one only the middle is used.
         inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)
         shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
-        # The minimum may be off by the width of the stencil, and deeper by what it falls over that.
+        # The position may be wrong by the width of the stencil, and the minimum lower by the fall over it.
         fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
         some = np.minimum(here - fall, lowest[1]) < 0
         some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
@@ -281,8 +281,8 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    Also all minima below the margin, those included. A new segment is `new_width` times as wide as the parabola is
-    negative.
+    Also return all minima below the margin, including these. The width of a new segment is `new_width` times that of
+    the interval in which the parabola is negative.
     """
     punches, kind = step.punches, problem.kind
 
@@ -298,13 +298,13 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if kind.dual:  # Thin gaps are cracks in closed form.
+    if kind.dual:  # thin gaps have a closed form
         opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-        # Beside long contacts, whose edges are far, thin compared with the finest wave.
+        # next to long contacts, with distant edges, thin relative to the finest wave
         scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
         minima = minima[opening > MAX_THINNESS * scale]
     depth, room = -minima["value"], _room(step, minima)
-    # Between two crests side by side the curvature of the difference may vanish: the floor keeps the reach finite.
+    # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
     half_width = np.minimum(kind.new_width * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found

@@ -3,7 +3,7 @@
 docs/patches.md, "The stages of a load", has the six stages and the reason of each limit; "Given edges", "Moves of
 edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stages 1 and 3,
 `_corrections` stages 2 and 4, `contact_residual` stage 5, `_resistance`, `_cracks` and `certify` stage 6. Limits are
-heights, in g_0; for gaps (dual) a pressure counts as the displacement over the width of its gap.
+heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
 """
 
 from __future__ import annotations
@@ -55,37 +55,37 @@ from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, cracks_between_gaps, cracks_on_contacts
 
 MAX_STEPS = 60  # of a load; 3 to 7 are usual, at most 20 of 213 random loads
-LEAST_TOLERANCE = 1e-12  # relative, of the residual; rounding begins at a tenth of it
+LEAST_TOLERANCE = 1e-12  # relative, of the residual; ten times the rounding level
 FOLLOWED_TOLERANCE = 1e-10  # of states between events
-# The largest relative tolerance of the residual: a looser one may cut in a gap whose edges it is too loose to find,
-# which then vanishes again.
+# largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
+# then vanishes again
 LARGEST_TOLERANCE = 1e-6
-# The target of the iteration, over the tolerance: the equations, the edges and the last coefficients each leave a
-# part of the target, and stage 5 finds their sum.
+# target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 5
+# measures their sum
 TARGET = 0.01
-# The residual that may be left in stage 5, over the target, where the target is no less than rounding allows.
+# largest residual in stage 5 over the target, unless rounding limits the target
 MAX_OVER_TARGET = 10.0
-# The rough limit of the residual and of an overlap, over the scale; and over the amplitude of the finest wave, so
-# that no contact is missed on a crest that stands higher than this.
+# rough limit of residual and overlap over the scale; and over the amplitude of the finest wave, so that no contact on
+# a crest of larger overlap is missed
 ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
 ROUNDING = 1e-13  # of a residual over the displacement under the whole load
 REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
-# A contact is cut where the tension over its largest pressure exceeds this, in rough and in fine corrections. Less
-# changes the resistance by about as much, and the compliance by the square.
+# tension over the largest pressure at which a contact is cut, in rough and in fine corrections; it affects the
+# resistance to first order and the compliance to second order
 ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
-MAX_LEFT_BY_NODES = 0.5  # ratio of residuals with more and fewer nodes above which the residual is rounding
+MAX_LEFT_BY_NODES = 0.5  # ratio of the residuals with more and with fewer nodes above which they are rounding
 MAX_TAIL = 0.3  # last coefficients over the target from which a segment needs more nodes
-# Moves below this, over the root of the relative tolerance, are the last: what they leave is of second order.
+# limit of the last moves over the root of the relative tolerance: their effect is of second order
 LAST_MOVE = 0.1
-# The last moves of edges over the tolerance, in half-widths: a contact whose force is below the target may take
-# a large part of an increment of the load.
+# limit of the moves, in half-widths, over the tolerance: a contact whose force is below the target may take a large
+# part of a load increment
 MAX_MOVE = 1e4
 MAX_ROUNDING_MOVE = 1e-6  # in half-widths; smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # ratio of successive moves from which they no longer shrink
-# A gap or a contact is cut in only where it opens or overlaps by so many times what the forces are solved to: in
-# less, the residual would hide the singularities that determine its edges.
+# least height of a new gap or contact over the residual of the forces: below it the residual hides the singularities
+# that determine the edges
 MIN_OPENING = 100.0
 MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
 
@@ -95,8 +95,8 @@ def _stages(
 ) -> tuple[StageLimits, StageLimits]:
     """Return the limits of the rough stages 1 and 2 and of the fine stages 3 and 4.
 
-    The rough limit is a part of the finest wave or of the scale, whichever is less, and no less than the target. It
-    bounds both the residual and the overlap that is left; in the fine stages the target does.
+    The rough limit is a fraction of the finest wave or of the scale, whichever is less, but at least the target. It
+    bounds both the residual and the remaining overlap; in the fine stages the target does.
     """
     rough = ROUGH_TOLERANCE * problem.kind.finest_height(problem.series)
     rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
@@ -104,8 +104,8 @@ def _stages(
     fine_outside = problem.kind.limit_outside(problem.load, target, MAX_TENSION)
     return (
         StageLimits(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
-        # The forces are solved to a tenth of the target, where a thousandth of the residual at the start is less:
-        # more, beside a thin gap that was just cut in, would look like tension at its end.
+        # The forces are solved to a tenth of the target even if a thousandth of the initial residual is larger: next
+        # to a new thin gap, a larger residual would look like tension at its end.
         StageLimits(
             True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least
         ),
@@ -117,8 +117,8 @@ def solve_many_contacts(
 ) -> tuple[ContactState, int]:
     """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
 
-    tolerance : of the residual, over the height that the load needs
-    accepted : the tolerance by which the state is judged, where that is larger
+    tolerance : of the residual, relative to the scale of the load
+    accepted : the tolerance by which the state is judged, if larger
 
     ConvergenceError is raised if a contact needs more than `MAX_NODES`, if corrections do not end, or if the state
     fails a check.
@@ -135,9 +135,9 @@ def _solve_to(
     accepted: float,
     follows: bool = False,
 ) -> tuple[ContactState, int]:
-    """Return iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
+    """Iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
 
-    With `follows`, the segments stay those of the guess, only stage 3 is used, and no inequality is judged.
+    With `follows`, the set of segments is fixed: only stage 3 is used, and no inequality is tested.
     """
     load, kind, half_width = problem.load, problem.kind, guess.segments.half_width
     wanted = tolerance * scale * kind.share(half_width.size)
@@ -146,8 +146,8 @@ def _solve_to(
     allowed = max(wanted, MAX_OVER_TARGET * target)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
-    # Whether edges have moved since the set was corrected: each correction waits for that, since the edges of the
-    # segments that the last one has added are guesses.
+    # Whether edges have moved since the last correction: the edges of added segments are guesses, so that the next
+    # correction waits for a move.
     moved, corrections, last_height = False, 0, np.inf
     # before nodes were added
     coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Array, Records, Records] | None = None
@@ -173,10 +173,9 @@ def _solve_to(
         state = contact_state(problem, step, stage.fine)
         if follows:
             return state, steps
-        # Stages 2 and 4: a segment is cut where it violates its own inequality, and one is added where what lies
-        # between segments violates the other. The margin is how well a gap will be known once the state is certified
-        # (docs/patches.md, "The bound on the compliance"): the minima below it are kept for the births that they may
-        # be.
+        # Stages 2 and 4: a segment is cut where it violates its own inequality, and one is added where the other is
+        # violated between segments. The margin is the error of the gap after certification (docs/patches.md, "The
+        # bound on the compliance"): minima below it are kept, since they may be births.
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
         if wrong.size > 0:
@@ -192,12 +191,12 @@ def _solve_to(
         elif not stage.fine:
             stage = fine
             now = next_guess(problem, step, stage)
-        else:  # stage 5 and, where the residual is small on all segments that can have more nodes, stage 6
+        else:  # stage 5 and, if the residual is small on all segments that can have more nodes, stage 6
             residual, width = contact_residual(state, problem.series)
             height = kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
             short, largest = (height > allowed) & (count < MAX_NODES), float(height.max())
-            # More nodes do not help against rounding, and in gaps they add to it.
+            # More nodes do not reduce rounding, and in gaps they increase it.
             if not np.any(short) or largest > MAX_LEFT_BY_NODES * last_height:
                 if coarser is not None and largest > last_height:
                     solved, step, state, residual, width, minima, negative = coarser
@@ -214,16 +213,13 @@ def _solve_to(
                 return certify(state, residual, width, minima, negative, problem.series, accepted, margin), steps
             last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
-            # With other nodes edges move anew, by more than in the last step, and that is not rounding.
+            # With new nodes edges move by more than in the last step, which is not rounding.
             now, last_move = next_guess(problem, step, stage, counts), np.inf
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
-    """Follow the contacts of a state to another load, without births, mergers and resistance.
-
-    They are followed tightly, whatever the tolerance of the states.
-    """
+    """Follow the contacts of a state to another load, without births and mergers, at a fixed tight tolerance."""
     problem = ContactProblem(surface.series(start.dual), load, start.dual)
     return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), FOLLOWED_TOLERANCE, follows=True)[0]
 
@@ -231,7 +227,7 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
 def _scale(problem: ContactProblem) -> float:
     """Return the scale of a load, min(p L, 1), in g_0.
 
-    A load p L that is concentrated on one line displaces it by p L times a logarithm.
+    A line load p L causes a displacement of p L times a logarithm.
     """
     return min(problem.load * problem.series.period, 1.0)
 
@@ -239,7 +235,7 @@ def _scale(problem: ContactProblem) -> float:
 def _converged(step: NewtonStep, target: float, small: float, last_move: float) -> bool:
     """Return whether the residual and the singularities at all edges are below the target, and moves small.
 
-    Moves that shrink no more count as small; and if they are rounding, singularities count as below the target.
+    Moves that no longer decrease count as small; if they are rounding, singularities count as below the target.
     """
     move = float(step.moves.relative.max())
     is_settled, is_rounding = move > MIN_ROUNDING_RATIO * last_move, move < MAX_ROUNDING_MOVE
@@ -248,7 +244,7 @@ def _converged(step: NewtonStep, target: float, small: float, last_move: float) 
 
 
 def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -> bool:
-    """Return whether the next step would differ by less than the target, in second order, from this one's move."""
+    """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
     is_small = move < LAST_MOVE * np.sqrt(tolerance) and move < MIN_ROUNDING_RATIO * last_move
     return step.unsettled == 0 and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
@@ -256,10 +252,10 @@ def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -
 
 @kernel
 def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
-    """Return nodes of each segment: those that it has, and more where the last coefficients have not decayed.
+    """Return the number of nodes of each segment, increased where the last coefficients have not decayed.
 
-    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) has less. The
-    last two coefficients are taken, as one of them vanishes where the density is even or odd.
+    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) is smaller.
+    The last two coefficients are used, since one of them vanishes for an even or odd density.
     """
     count = np.empty(half_width.size, np.int64)
     for j in range(half_width.size):
@@ -273,7 +269,8 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
 def _beyond_rounding(state: ContactState, negative: Records, stage: StageLimits) -> Records:
     """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the stage's limits.
 
-    In the rough set, those that end at an edge are left out: the edge has not settled yet, and its move may end them.
+    In the rough stages, those that end at an edge are omitted, since the edge has not settled and its move may remove
+    them.
     """
     if negative.size == 0:
         return negative
@@ -292,8 +289,8 @@ def _corrections(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
-    A segment in which an interval is negative is removed, and the pieces of it that are left over are added. Contacts
-    beside a thin gap become one.
+    A segment with a negative interval is replaced by its remaining pieces. Contacts on both sides of a thin gap are
+    merged.
     """
     missing, minima = find_missing(problem, step, stage.outside, margin)
     remaining = np.ones(state.segments.centre.size, bool)
@@ -309,7 +306,7 @@ def _corrections(
 
 
 def _thin_gaps(problem: ContactProblem, state: ContactState, gap: Array) -> Flags:
-    """Return whether the gap on the right of each contact is thin: less than half of what would be cut in again."""
+    """Return whether the gap on the right of each contact is less than half as high as a gap to be added."""
     r = state.segments.half_width
     if problem.dual or gap.min() >= 2 * MAX_THINNESS * r.max():
         return np.zeros(r.size, bool)
@@ -339,8 +336,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
 def contact_state(problem: ContactProblem, step: NewtonStep, settled: bool) -> ContactState:
     """Return a step as a state of contact, whose pressure vanishes at all edges; without resistance and residual.
 
-    What is singular at edges is left out or, where all have settled, spread over the coefficients that it may come
-    from.
+    Singular parts at edges are omitted or, if all edges have settled, distributed over the coefficients as rounding.
     """
     segments, a = step.punches.segments, step.a
     if settled:
@@ -353,7 +349,7 @@ def contact_state(problem: ContactProblem, step: NewtonStep, settled: bool) -> C
 def _with_resistance(state: ContactState, solved: NewtonStep, tangent: Forces, moves: bool) -> ContactState:
     """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges.
 
-    If its edges have moved since the step that was solved, they have released the energy of their increment.
+    Edges that have moved since the last solution have released energy, which is included.
     """
     segments, kind = solved.punches.segments, solved.punches.kind
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)

@@ -21,9 +21,9 @@ from weier.theory.halfplane import replace_by_influence
 Pairs = NDArray[np.int64]  # shape (pairs, 2)
 Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 
-# A singularity as far from an interval as the interval is wide is at t = 3, in its coordinate from -1 to 1, and so on
-# the Bernstein ellipse of 3 + sqrt(8) = 5.83. The error of the smooth part of ln is bounded by 5.83^-17 = 1e-13 of
-# this. With 15 points, 3e-12, it left residuals of 2e-12 g_0 on periods of 100 lambda_0.
+# A singularity one width away from an interval is at t = 3 in its coordinate (-1..1), on the Bernstein ellipse of 3 +
+# sqrt(8) = 5.83. The error relative to the smooth part of ln is at most 5.83^-17 = 1e-13. With 15 points (3e-12),
+# residuals of 2e-12 g_0 remained on periods of 100 lambda_0.
 ORDER = 17
 # The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
 POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
@@ -35,7 +35,7 @@ class Tree(NamedTuple):
     """Points on a line in a binary tree, whose node i has the children 2 i + 1 and 2 i + 2.
 
     position : of the points, ascending, within one period, shape (points,)
-    origin, offset : two parts of the position; the differences of points with the same origin have all their digits
+    origin, offset : parts of the position; differences of points with the same origin lose no digits
     depth : of the leaves, all of which have the same
     low, high : first and last point of each node, shape (nodes,)
     to_parent : the interpolation from a parent's Chebyshev points to those of the node, shape (nodes, ORDER, ORDER)
@@ -129,7 +129,7 @@ def _fill_interpolations(tree: Tree) -> None:
 
 @kernel
 def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
-    """Return whether two nodes are as far from each other, round the period too, as the wider one is wide."""
+    """Return whether the distance of two nodes, in the period, is at least the width of the wider one."""
     between = max(other.low[b] - one.high[a], one.low[a] - other.high[b])
     around = min(one.low[a] + period - other.high[b], other.low[b] + period - one.high[a])
     distance, width = min(between, around), max(one.high[a] - one.low[a], other.high[b] - other.low[b])
@@ -139,7 +139,7 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
 @kernel
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
     """List far and near pairs that hold each pair of points once; unordered within a single tree."""
-    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # The compiler takes the type of pairs from the first.
+    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # gives the compiler the type of pairs
     while len(stack) > 0:
         a, b = stack.pop()
         a_ends, b_ends = a >= _first_leaf(one), b >= _first_leaf(other)
@@ -256,7 +256,7 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
 def _add_block(
     block: NDArray[np.float64], f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array
 ) -> None:
-    """Add a block times f of its columns to the totals of its rows, and the other way round."""
+    """Add a block times f of its columns to the totals of its rows, and its transpose likewise."""
     for i in range(block.shape[0]):
         row_sum = 0.0
         for j in range(block.shape[1]):
@@ -280,7 +280,7 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
         row_forces = (
             f[start:end] if start != first else none
-        )  # The block of a leaf with itself holds each pair twice.
+        )  # the block of a leaf with itself contains each pair twice
         _add_block(
             block.reshape(end - start, last - first), row_forces, f[first:last], total[start:end], total[first:last]
         )

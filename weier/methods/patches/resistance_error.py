@@ -24,13 +24,12 @@ from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_cre
 
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
-# An edge beside a narrow gap counts twice: the edge at the other end of the gap moves as well, which the estimate of
-# its own move leaves out.
+# An edge of a narrow gap counts twice, since its estimate neglects the motion of the opposite edge.
 EDGE_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
-CRACK_FACTOR = 2.0  # since the width of a crack assumes a parabola of tension
-# An edge that may move by as much as its contact or gap is wide counts as if it moved so many times the half-width of
-# the gap, or a chi of the contact. For a contact, 2 a chi at both edges is four times what its loss changes.
+CRACK_FACTOR = 2.0  # since the width of a crack assumes parabolic tension
+# If the move of an edge may exceed the half-width of its contact or gap, this many half-widths of the gap, or a chi
+# of the contact, are used. For a contact, 2 a chi at both edges is four times the effect of its loss.
 SMALL_EDGE_FACTOR = 2.0
 EPS = float(np.finfo(float).eps)
 
@@ -39,7 +38,7 @@ def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """Return an estimate of the error of the resistance in partial contact, in g_0/p_0*."""
     by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
-    # One more step would have moved the edges, which changes the resistance by the energy that these release.
+    # The next step would move the edges and change the resistance by the energy released.
     by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * np.abs(state.edge_move)))
     return by_iteration + _error_by_edges(state, series) + by_cracks + _drop_by_births(state, series)
 
@@ -48,8 +47,8 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
     """Return the increase of R by gaps in the intervals of tension, in g_0/p_0*.
 
     A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
-    where q is the tangent pressure there. That of an isolated contact is B (2/r)^(1/2)/sqrt(1-t^2), with the strength
-    B at its edges, and where gaps are narrow it is about 1.
+    with the tangent pressure q there: B (2/r)^(1/2)/sqrt(1-t^2) for an isolated contact of edge strength B, and about
+    1 if gaps are narrow.
     """
     if state.tensions.size == 0:
         return 0.0
@@ -62,12 +61,12 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
 
 
 def _error_of_cracks(state: ContactState, period: float) -> float:
-    """Return the error of what cracks add to the resistance, in g_0/p_0*.
+    """Return the error of the contribution of cracks to the resistance, in g_0/p_0*.
 
-    The tension q_0 at the middle of a crack is known to k e/(2 pi r sqrt(1-t^2)), which is the pressure of a residual
-    e T_k on its contact. With b^2 = 4 q_0/kappa, its rise pi^2 b^2 q^2/L is off by 4 pi^2 q^2/(kappa L) of that. Here
-    kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by some
-    `NEIGHBOUR_FACTOR` (b/l)^2 of itself.
+    The tension q_0 at the middle of a crack has the error k e/(2 pi r sqrt(1-t^2)), the pressure of a residual e T_k
+    on its contact. With b^2 = 4 q_0/kappa, the error of the rise pi^2 b^2 q^2/L is 4 pi^2 q^2/(kappa L) times that.
+    Here kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by a
+    relative `NEIGHBOUR_FACTOR` (b/l)^2.
     """
     cracks, segments = state.cracks, state.segments
     if cracks.contact.size == 0:
@@ -87,11 +86,11 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
 def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     """Return the decrease of R, in g_0/p_0*, by contacts that may be born in narrow gaps.
 
-    A gap g that is known to e leaves space for a contact that penetrates by e - g at most. Where the plane cuts the
-    crest at the half-width b, the contact gives way by chi = -2 ln(pi b/L) or more for each unit of force, less the
-    relief by the nearest other contact, from which the force is taken. The plane nears the crest by tau = R - u' for
-    each unit of mean pressure, where the displacement u' of the crest is nowhere below -2 L ln 2. So the contact
-    takes the force tau/chi, which lowers the resistance by tau^2/(chi L).
+    A gap g with the error e may hide a contact with an overlap of at most e - g. With the half-width b of the
+    overlap, the compliance of the contact per unit force is at least chi = -2 ln(pi b/L), less the relief by the
+    nearest other contact, from which the force is taken. The gap closes at the rate tau = R - u' with the mean
+    pressure, where the displacement u' is at least -2 L ln 2. So the contact takes the force tau/chi, which lowers
+    the resistance by tau^2/(chi L).
     """
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
@@ -108,20 +107,19 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
 
 
 def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
-    """Return the error of the resistance by its edges, in g_0/p_0*, where heights are off by e, the `height_error`.
+    """Return the error of the resistance due to its edges, in g_0/p_0*, for height errors e (`height_error`).
 
-    An edge that moves out by delta lowers the resistance by 2 pi^2 B^2 delta/L, where the tangent pressure is
-    B/s^(1/2) beside it: for a narrow contact, this is the derivative of -2 L f^2 ln a. Beside an edge where the
-    pressure is A s^(1/2), heights that are off by e in the middle and by -e at the edges add about
-    e/(2^(1/2) pi l^(1/2) s^(1/2)), with l the half-width of the contact or of the gap, whichever is less: so much
-    does the curvature 4 e/a^2 add to Hertz's contact, and half as much does the tension e/(2 pi b) to a crack. The
-    edge moves until that is gone.
+    An edge that advances by delta lowers the resistance by 2 pi^2 B^2 delta/L, with the tangent pressure B/s^(1/2) at
+    the edge; for a narrow contact, this is the derivative of -2 L f^2 ln a. At an edge with the pressure A s^(1/2),
+    height errors of e in the middle and -e at the edges add about e/(2^(1/2) pi l^(1/2) s^(1/2)), with l the smaller
+    half-width of contact and gap: this is the effect of the curvature 4 e/a^2 on a Hertzian contact, and twice that
+    of the tension e/(2 pi b) on a crack. The edge moves until this singularity vanishes.
 
-    The gap between the crest of a light contact and the plane is known to 4 e, and so the force F to 4 e/chi with
-    chi = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is in proportion to F. Crests other than
-    the highest and its twins are known as gaps are, to rounding of the amplitudes, which adds to e. Curvatures
-    kappa = 4 F/a^2 are known to rounding of the waves' curvatures, which moves the edges by half as much, relative to
-    a. The force follows from the strengths of the edges, for a Hertz contact: F = pi a^(3/2) k_1/sqrt(8).
+    The gap between the crest of a light contact and the plane has the error 4 e, and hence the force F the error 4
+    e/chi with chi = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is proportional to F. On crests
+    other than the highest and its equals, rounding of the amplitudes adds to e. Rounding of the curvature kappa = 4
+    F/a^2 moves the edges by half its relative error. The force follows from the strengths of the edges, for a Hertz
+    contact: F = pi a^(3/2) k_1/sqrt(8).
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
     contacts = contacts_of(state.segments.extent, state.dual, L)
@@ -137,7 +135,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
 def _releases(
     origin: Array, centre: Array, r: Array, L: float, A: Sides, B: Sides, height_error: Array, curvature_error: float
 ) -> float:
-    """Return the sum of B^2 delta over all edges, where heights and curvatures are off by these."""
+    """Return the sum of B^2 delta over all edges, for these errors of heights and curvatures."""
     distance, total = distances_between(origin, centre, r, L), 0.0
     for j in range(r.size):
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
@@ -147,7 +145,8 @@ def _releases(
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
             move = np.sqrt(2.0) / np.pi * height_error[j] / (A[j, side] * np.sqrt(scale)) + by_force
-            # An edge that may move by its scale may be that of no contact or of no gap: then the whole is stated.
+            # If the move may reach this scale, the contact or gap may not exist: then the effect of its loss is
+            # stated.
             if not move < scale:
                 move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)
             total += (EDGE_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move

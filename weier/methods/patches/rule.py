@@ -5,7 +5,7 @@ forces f at its K nodes t_i = -cos(theta_i), theta_i = pi (2 i + shift)/(2 N), w
 is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "Given edges", and in `contacts` and
 `gaps`, which have the factors in which the two differ.
 
-The influence of a segment on itself, less the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
+The self-influence of a segment, minus the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
 of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j:
 
     own_ij = scale left_i left_j [X(i - j) +- X(i + j + shift)],   i != j,
@@ -32,7 +32,7 @@ SHIFT_OF_CONTACTS, SHIFT_OF_GAPS = contacts.SHIFT, gaps.SHIFT
 
 
 class Rule(NamedTuple):
-    """The influences of segments on themselves, for conjugate gradients.
+    """Self-influences of segments, for conjugate gradients.
 
     The table of segment j begins at the entry 2 first_node[j] + j of `own` and `inverse`.
 
@@ -66,7 +66,7 @@ def hankel_sign(dual: bool) -> float:
 
 @kernel
 def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array, Array, Array]:
-    """Return of each node its offset from the middle of the segment, `left`, `at_node` and `inverse_left`."""
+    """Return the offset of each node from the middle of its segment, `left`, `at_node` and `inverse_left`."""
     nodes, shift = first_node[-1], shift_of(dual)
     offset, left, at_node, inverse_left = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
     for j in range(r.size):
@@ -81,7 +81,7 @@ def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -
 
 @kernel
 def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array]:
-    """Return the factors of the own influence of each segment and of its inverse."""
+    """Return the factors of the self-influence of each segment and of its inverse."""
     own, inverse = np.empty(r.size), np.empty(r.size)
     for j in range(r.size):
         N = first_node[j + 1] - first_node[j] + shift_of(dual) - 1
@@ -111,9 +111,10 @@ def _cosine_sum(angles: int, q: int, is_rising: bool, cosine: Array) -> float:
 
 @kernel
 def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
-    """Return the tables X of all segments or, if wished, those of the inverse.
+    """Return the tables X of all segments, optionally those of the inverse.
 
-    X(q) is minus the sum less what the sum over all nodes has already: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi q/2N)].
+    X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
+    q/2N)].
     """
     n, previous_K = first_node.size - 1, -1
     table, factor = np.empty(2 * first_node[-1] + n), 0.25 if dual else 1.0
@@ -140,7 +141,7 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
 def times_own(
     first_node: Indices, table: Array, left: Array, scale: Array, dual: bool, f: Array, result: Array
 ) -> None:
-    """Add the own influence of each segment, or its inverse, times f; the diagonal is that of the table."""
+    """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
     sign, shift = hankel_sign(dual), shift_of(dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
@@ -154,7 +155,7 @@ def times_own(
 
 @kernel
 def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, matrix: Table) -> None:
-    """Add the own influence of each segment to the upper triangle of a matrix of all nodes."""
+    """Add the self-influence of each segment to the upper triangle of a matrix of all nodes."""
     sign, shift = hankel_sign(dual), shift_of(dual)
     _, left, at_node, _ = factors_at_nodes(first_node, r, period, dual)
     table, (scale, _) = own_tables(first_node, dual, False), scales(first_node, r, period, dual)
@@ -180,7 +181,7 @@ def _waves(nodes: int, dual: bool) -> tuple[Array, int]:
 def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool) -> Array:
     """Return the coefficients of psi in T_n, segment by segment, shape (nodes,).
 
-    b_n is in proportion to the sum of W(n, i) left_i f_i, where W is cos or, dual, sin of n (pi - theta_i).
+    b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, dual, sin of n (pi - theta_i).
     """
     b = np.zeros(force.size)
     for j in range(r.size):
@@ -204,7 +205,7 @@ def forces_of(
 ) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
-    Coefficients of higher degree than the nodes carry are left out.
+    Coefficients of a degree too high for the nodes are omitted.
     """
     force, (_, left, _, _) = np.zeros(first_node[-1]), factors_at_nodes(first_node, r, period, dual)
     for j in range(r.size):

@@ -1,8 +1,8 @@
 """Segments (contacts or gaps) of a period with their nodes and densities.
 
 docs/patches.md: "Contacts and gaps" and "Edges" for the content of a state, "Chebyshev polynomials" for nodes,
-strengths and the number of nodes. A `ContactState` holds the segments of one load and sqrt(1-t^2) phi(t) on each, -1
-<= t <= 1 (`weier.methods.chebyshev`).
+strengths and the number of nodes. A `ContactState` contains the segments at one load and sqrt(1-t^2) phi(t) on each,
+-1 <= t <= 1 (`weier.methods.chebyshev`).
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
-# The distance of neighbours over the half-width is limited to these in the formula, since a guess may be wrong about
-# how close they are. The coefficients of a solution show whether it needs more nodes.
+# limits of the distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the
+# coefficients of a solution show whether more nodes are needed
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # factor and addend of the nodes of a segment whose coefficients have not decayed
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
@@ -63,7 +63,7 @@ def end_sums(first_node: Indices, coefficient: Array, kind: int) -> NDArray[np.f
 
 
 class Segments(NamedTuple):
-    """Segments [c-r, c+r] in order round the period, with the nodes of all of them in a row.
+    """Segments [c-r, c+r] in order round the period, with their nodes numbered consecutively.
 
     crest : index of the crest from which the segment's position is counted, shape (segments,)
     origin : position of that crest, or of its image next to the segment, in lambda_0, shape (segments,)
@@ -112,8 +112,8 @@ class Cracks(NamedTuple):
     strength : A of the pressure A s^(1/2) at the distance s from both edges, in p_0*/lambda_0^(1/2)
     tangent_strength : B of the increment B/s^(1/2) there, in lambda_0^(1/2)
     volume : int w dx, in g_0 lambda_0
-    lift : by how much the gap raises the mean gap under a given load, in g_0
-    rise : by how much it raises the resistance, in g_0/p_0*
+    lift : increase of the mean gap at given load, in g_0
+    rise : increase of the resistance, in g_0/p_0*
     """
 
     contact: Indices = np.empty(0, np.int64)
@@ -127,7 +127,7 @@ class Cracks(NamedTuple):
     rise: Array = np.empty(0)
 
 
-# Where a load starts: Hertz's contacts on crests, the last gaps on the crests of the tension, or a grid.
+# Initial guess of a load: Hertzian contacts on crests, the last gaps on crests of the tension, or a grid.
 CRESTS, TENSIONS, GRID = range(3)
 
 
@@ -137,7 +137,7 @@ class Route(NamedTuple):
     start : `CRESTS`, `TENSIONS` or `GRID`
     steps : solutions on given edges
     corrections : of the set of segments
-    attempts : 1, or 2 where the first one failed
+    attempts : 1, or 2 if the first one failed
     """
 
     start: int
@@ -151,25 +151,25 @@ class ContactState(NamedTuple):
 
     dual : whether the segments are the gaps
     load : mean pressure, in p_0*
-    approach : indentation from first contact or, dual, the mean gap with its sign turned, in g_0
+    approach : indentation from first contact or, dual, minus the mean gap, in g_0
     segments : the contacts or, dual, the gaps
     coefficient : of phi in U_k, segment by segment, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the
         slope of the gap, in g_0/lambda_0
     resistance : dh/dp, in g_0/p_0*
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
-        derivative of the pressure by the mean pressure is B/s^(1/2) at the distance s within a contact
-    edge_move : by how much each edge would have moved in one more step, shape (segments, 2), in lambda_0
+        derivative of the pressure with respect to the mean pressure is B/s^(1/2) at the distance s inside a contact
+    edge_move : move of each edge in the next step, shape (segments, 2), in lambda_0
     residual : largest violation of a contact condition, in g_0
     error : a bound on the error of the approach by these violations, in g_0
-    height_error : by how much heights may differ for which the state is exact, in g_0
+    height_error : largest difference between z and heights for which the state is exact, in g_0
     cracks : gaps within contacts that are too thin for segments of their own, whose effect is in `approach` and
         `resistance`
-    tensions : intervals of tension that are left on contacts, where a gap is missing or too narrow to be solved for:
-        the index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
-    narrow_gaps : minima of the gap that are smaller than the gap's uncertainty, so that a contact may be born there
+    tensions : remaining intervals of tension on contacts, where a gap is missing or too narrow to be resolved: the
+        index of the contact, middle and half-width in its coordinate t, shape (intervals, 3)
+    narrow_gaps : minima of the gap below its uncertainty, where a contact may be born
     route : how it was found
 
-    The last ones but the route are NaN or empty until they are computed.
+    The fields from `resistance` to `narrow_gaps` are NaN or empty until they are computed.
     """
 
     dual: bool
@@ -197,7 +197,7 @@ class ContactState(NamedTuple):
 def segment_strengths(state: ContactState) -> Sides:
     """Return k_1 of the pressure k_1 s^(1/2) at left and right edges, shape (segments, 2), from U_k(1).
 
-    In p_0*/lambda_0^(1/2). Beside the edges of a gap (dual) that is its slope over 2 pi, negative at the right edge.
+    In p_0*/lambda_0^(1/2). At the edges of a gap (dual) it is the slope over 2 pi, negative at the right edge.
     """
     segments, factor = state.segments, state.kind.strength_factor
     at_ends = end_sums(segments.first_node, state.coefficient, 1)
@@ -267,7 +267,7 @@ def distances_between(origin: Array, centre: Array, half_width: Array, period: f
 
 
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:
-    """Return nodes for the waves within each segment and for the singularities at the edges of its neighbours.
+    """Return the number of nodes for the waves on each segment and for the edges of its neighbours.
 
     The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge: at the
     distance mu r, ln(rho) = ln(1 + mu + sqrt(mu (mu + 2))).
@@ -300,7 +300,7 @@ def node_factors(tolerance: float) -> tuple[float, ...]:
 
 
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
-    """Return size of two Chebyshev coefficients before the last ones, which are 0, over that of the largest."""
+    """Return the size of the last two Chebyshev coefficients that are not 0 over that of the largest."""
     size, last = np.abs(coefficient), segments.first_node[1:] - skipped
     largest = np.maximum.reduceat(size, segments.first_node[:-1])
     return np.asarray(np.maximum(size[last - 1], size[last - 2]) / np.maximum(largest, 1e-300))

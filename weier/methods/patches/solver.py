@@ -32,8 +32,7 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 TOLERANCE = 1e-10
-# A load that fails, or whose bound exceeds the tolerance, is tried once more with a tolerance that is tighter by this
-# factor: the residual may exceed the target of the iteration by as much.
+# factor of the tolerance in the second attempt, after a failure or a bound above the tolerance
 TIGHTENING = 10.0
 MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
 
@@ -42,8 +41,7 @@ class PatchCurve(NamedTuple):
     """Exact curves over the loads, each of shape (loads,).
 
     compliance : h, in g_0, from the profile whose waves all peak together
-    compliance_error : a bound on its error, in g_0, by the conditions that the solution violates where these are
-        sampled
+    compliance_error : a bound on its error, in g_0, from sampled violations of the contact conditions
     indentation : the same from first contact, in g_0, with full relative accuracy at light loads
     resistance : dh/dp, in g_0/p_0*
     resistance_error : an estimate of its error, in the same units
@@ -122,8 +120,8 @@ def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
 def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> PatchCurve:
     """Return compliance and resistance of a truncated series by contact patches.
 
-    Chebyshev collocation of the singular integral equation on every contact, whose edges are unknowns, or on every
-    gap where that takes fewer nodes. The error falls exponentially with the nodes.
+    Chebyshev collocation of the singular integral equation on every contact, with unknown edges, or on every gap if
+    that needs fewer nodes. The error decays exponentially with the number of nodes.
 
     Parameters
     ----------
@@ -132,9 +130,9 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     mean_pressure : array_like, shape (loads,)
         Increasing, positive, in p_0*.
     tolerance : float
-        Largest error of the compliance that is accepted, in g_0, from 1e-13 to 1. Steps, coefficients and residuals
-        are as small relative to the indentation, and 1e-4 of it at most: so the compliance is mostly far more
-        accurate than required, and the resistance keeps its digits at light loads.
+        Accepted error of the compliance, in g_0, from 1e-13 to 1. It is applied relative to the indentation, and
+        limited to 1e-4 of it, so that the compliance is usually far more accurate than required and the resistance is
+        accurate at light loads.
 
     Returns
     -------
@@ -187,9 +185,9 @@ def _rounding(surface: Surface) -> float:
 
 
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
-    """Return the contacts under one mean pressure, and with them the pressure and the gap anywhere.
+    """Return the contacts under one mean pressure, which evaluate pressure and gap at any position.
 
-    The parameters, and what is raised, are those of `curve`, with one load.
+    Parameters and exceptions are those of `curve`, with one load.
     """
     return solve_loads(profile, [mean_pressure], tolerance)[0]
 

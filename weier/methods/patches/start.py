@@ -1,6 +1,6 @@
 """Initial contacts or gaps of each load (docs/patches.md, "Where a load starts").
 
-`Starts.guess` returns Hertz's contacts on crests (`isolated_contacts`), the last gaps on crests of the tension
+`Starts.guess` returns Hertzian contacts on crests (`isolated_contacts`), the last gaps on crests of the tension
 (`isolated_gaps`), or the contacts or gaps of a coarse grid (`contacts_guess`; edges by docs/bem.md, "The staircase").
 """
 
@@ -34,32 +34,31 @@ from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
-# Tolerances of the compliance, in g_0: rounding allows none below, and the largest is all that one wave yields.
+# limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0
-# A contact is Hertz's, or a gap like it, up to so many radians of the finest wave in its half-width: there a cosine
-# differs from its parabola by 2 %.
+# largest half-width of a Hertzian contact or parabolic gap, in radians of the finest wave: a cosine then differs from
+# its parabola by 2 %
 MAX_RADIANS = 0.5
-# It is isolated up to this half-width over the distance to the next one: there the field of its force differs from
-# that of a force on a line by the square of this, 1 %.
+# largest half-width of an isolated one over the distance to the next: its field differs from that of a line force by
+# the square, 1 %
 MAX_CROWDING = 0.1
 MAX_ISOLATED = 32  # contacts whose forces are found as line forces, by dense equations
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # 3 or 4 steps to this relative accuracy are usual
 POINTS_PER_WAVE = (16, 32)  # per finest wave, of the grids that are tried in turn
-# Series of so many waves in a period begin on a grid of fewer points. It misses more contacts, so that a load takes a
-# step or two more, but the finer grid would take longer than these: loads on 15 625 to 78 125 waves take 0.75 to 1.1
-# of the time, those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it.
+# From this number of waves on, a coarser grid is used: it misses contacts, which costs a step or two, but loads on 15
+# 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it.
 MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
-# Residual of boundary elements from which Newton's method can start: in g_0 and as a part of the finest wave,
-# whichever is less; but no less than the last, since the finest waves of a smooth measured surface are rounding.
+# residual of boundary elements for the initial guess, the smaller of a value in g_0 and a fraction of the finest
+# wave; at least the last value, since the finest waves of a smooth measured surface are rounding
 GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
-# Relative residual of their tangent pressure, from which the positions of the edges between nodes follow: on so few
-# points these are off by as much themselves.
+# relative residual of their tangent pressure, which locates the edges between nodes; the discretisation error is of
+# the same order
 TANGENT_TOLERANCE = 1e-2
-# ratio of the nodes of gaps and contacts up to which gaps are solved for; at equal cost contacts are better, since
-# their indentation keeps its digits at light loads
+# ratio of the numbers of nodes up to which gaps are solved for instead of contacts, which lose no digits at light
+# loads
 MAX_NODE_RATIO = 0.7
-# They are compared by the nodes for this tolerance, whatever is required: by those for 1e-4, loads were solved for
-# contacts that took up to three times as long as their gaps.
+# tolerance for which these numbers are compared: with 1e-4, contacts were chosen at loads at which gaps are up to
+# three times as fast
 COMPARED_TOLERANCE = 1e-10
 
 # Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
@@ -86,7 +85,7 @@ class Starts:
     def guess(self, load: float) -> ContactState:
         """Return the contacts, or the gaps, that are likely under this load.
 
-        ConvergenceError is raised where no grid shows a contact and a gap.
+        ConvergenceError is raised if no grid shows a contact and a gap.
         """
         for start, find, series in (
             (CRESTS, isolated_contacts, self.surface.heights),
@@ -164,7 +163,7 @@ def _make_guess(series: CosineSeries, load: float, dual: bool, places: Intervals
 
 
 def merge_overlaps(places: Intervals, period: float) -> Intervals:
-    """Return places in order, with those that overlap as one, since the edges of a grid are not exact."""
+    """Return intervals in order, with overlapping ones merged, since the edges of a grid are not exact."""
     order, turns = in_order(places[0], period)
     middle, half_width = (places[0] - turns)[order], places[1, order]
     left, right = middle - half_width, middle + half_width
@@ -202,7 +201,7 @@ def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
-    """Return Hertz's contacts on crests, if they are so small that the others act on each as forces; else None."""
+    """Return Hertzian contacts on crests if they are small enough to interact as line forces; otherwise None."""
     found = _hertz_contacts(series, load)
     return _make_guess(series, load, False, found) if found.size > 0 else None
 
@@ -217,7 +216,7 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
 def _hertz_contacts(series: CosineSeries, load: float) -> Intervals:
     """Return the contacts of `isolated_contacts`; none if they are not isolated."""
     curvature, total = series.crest_curvature, load * series.period
-    # The widest contact is no narrower than if all crests were as sharp as the sharpest, and shared the load equally.
+    # A lower bound on the widest contact: all crests are as sharp as the sharpest and share the load equally.
     if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return np.empty((2, 0))
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
@@ -232,7 +231,7 @@ def _hertz_contacts(series: CosineSeries, load: float) -> Intervals:
 def _gaps_in_tension(series: CosineSeries, load: float) -> Intervals:
     """Return the gaps of `isolated_gaps`; none if they are not isolated."""
     most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
-    # The widest gap is no narrower than one under this tension on the sharpest crest.
+    # A lower bound on the widest gap: this tension on the sharpest crest.
     if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
         return np.empty((2, 0))
     half_width = np.zeros(curvature.size)
@@ -263,13 +262,13 @@ def _isolated(series: CosineSeries, half_width: Array) -> Intervals:
 
 @kernel
 def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
-    """Return the forces of Hertz's contacts on crests, shape (crests,); all 0 if they are not found.
+    """Return the forces of Hertzian contacts on crests, shape (crests,); all 0 if they are not found.
 
-    A contact of half-width a sinks in by F (1 - 2 ln(pi a/L)) under its force F, and the forces of others lower it.
-    The logarithm hardly changes with the forces, so that it is that of the step before and the equations are linear.
-    Forces whose sum is given may all displace the surface by `OFFSET` more, which the plane then has too.
-    A crest under a negative force leaves the contacts, and one that would stand above the plane joins them. As
-    forces of this sum raise no place by more than 2 ln 2 times their sum, crests below that need not be tried.
+    A contact of half-width a is displaced by F (1 - 2 ln(pi a/L)) under its force F, and by the forces of the others.
+    The logarithm, which hardly changes, is taken from the previous step, so that the equations are linear. `OFFSET`
+    shifts all displacements and the plane alike, since the sum of the forces is given. Crests with negative forces
+    are dropped, and crests above the plane added. Forces lift no point by more than 2 ln 2 times their sum, so that
+    lower crests need not be tried.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, crest = np.zeros(n), np.empty(most, np.int64)
@@ -293,7 +292,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
             height[i] = offset[k]
         matrix[count, count], height[count] = 0.0, total  # The sum of the forces is the load.
-        inverse, found = np.linalg.inv(matrix), np.zeros(count + 1)  # which is compiled in a tenth of solve's time
+        inverse, found = np.linalg.inv(matrix), np.zeros(count + 1)  # compiles in a tenth of the time of solve
         for i in range(count + 1):
             for j in range(count + 1):
                 found[i] += inverse[i, j] * height[j]

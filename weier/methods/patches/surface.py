@@ -19,12 +19,12 @@ from weier.surface.expansions import ORDER, Expansions, expand
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves
 
-# Over the sum of amplitudes: crests that differ by less than the first, which is rounding of the phases, are equally
-# high. Those that differ by less than the second are compared in more digits than a float has, since their difference
-# would have fewer than ten of its own.
+# relative to the sum of amplitudes: crests that differ by less than the first, rounding of the phases, are equally
+# high; those that differ by less than the second are compared in extended precision, since their difference would
+# have fewer than ten digits
 MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
-# The expansion about a crest is used up to so many steps from it, as it comes from a node half a step away at most
-# and serves up to one step from there.
+# largest distance, in steps, for the expansion about a crest: it is shifted from a node at most half a step away,
+# whose expansion is valid up to one step
 MAX_CREST_STEPS = 0.5
 
 
@@ -44,7 +44,7 @@ class CosineSeries(NamedTuple):
     crest_node, node_offset : the node nearest to each crest, and how far the crest is from it, in steps, at most 1/2,
         shape (crests,)
     crest_curvature : -S'' at each crest, shape (crests,)
-    crest_offset : S at each crest less the maximum of S, <= 0, in the unit of S, shape (crests,)
+    crest_offset : S at each crest minus the maximum of S, <= 0, in the unit of S, shape (crests,)
     maximum : S at the highest crest
     """
 
@@ -66,8 +66,7 @@ class Surface(NamedTuple):
     """The two series that the solver needs: heights for contacts, and tensions for gaps.
 
     heights : z, in g_0: the first contact is on its highest crest
-    tensions : the pressure of full contact with its sign turned and without its mean, in p_0*: the last gap is at
-        its highest crest
+    tensions : minus the pressure of full contact, without its mean, in p_0*: the last gap is at its highest crest
     total_amplitude : sum g_n, in g_0
     """
 
@@ -77,7 +76,7 @@ class Surface(NamedTuple):
 
     @property
     def full_contact_load(self) -> float:
-        """The mean pressure that makes up for the largest tension: contact is full from here on, in p_0*."""
+        """The mean pressure of full contact, equal to the largest tension, in p_0*."""
         return self.tensions.maximum
 
     def series(self, dual: bool) -> CosineSeries:
@@ -129,9 +128,9 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
 
 
 def _round_positions(x: Array, period: float) -> Array:
-    """Return positions within [0, L), rounded so that a period more or less leaves them all their digits.
+    """Return positions within [0, L), rounded so that adding or subtracting a period is exact.
 
-    They become multiples of the distance of floats beyond 4 L, so that sums of them and of periods are exact.
+    They become multiples of the spacing of floats just beyond 4 L.
     """
     x = (x % period + 4 * period) - 4 * period
     return np.asarray(np.where(x < period, x, 0.0))
@@ -141,7 +140,7 @@ def _round_positions(x: Array, period: float) -> Array:
 def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, float, float]:
     """Return S - max S, S' and S'' at the distance y from a crest, without cancellation for small y.
 
-    Within half a step the expansion is that about the crest, whose slope is 0; and beyond, about the nearest node.
+    Within half a step the expansion about the crest is used, with slope 0; beyond, that about the nearest node.
     """
     t, row, crests = y / series.step, crest, series.crest_node.size
     if abs(t) > MAX_CREST_STEPS:

@@ -21,10 +21,10 @@ from weier.methods.patches.inequalities import MAX_THINNESS
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails, contacts_of
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
-# Nodes on a crack. The pressure is a parabola but for terms in b/l and its square, where l is the distance to the
-# nearest edge: 8 nodes resolve it to rounding up to b = l/10.
+# nodes on a crack: the pressure is a parabola up to terms in b/l and its square, with l the distance to the nearest
+# edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
-# Newton steps for the edges. Each leaves b/l of the error, and a parabola takes one.
+# Newton steps for the edges; each reduces the error by b/l, and a parabola takes one
 STEPS, SETTLED = 12, 1e-6
 MAX_STEP = 4.0  # largest factor of the square of a half-width in a step; the middle moves by half of it
 
@@ -53,10 +53,10 @@ def find_thin_gaps(
 
     Notes
     -----
-    With the coefficients c_0, c_1 and c_2 of p in T_k on the present interval, that of a parabola has its middle at
-    tau = -c_1/(4 c_2), and the square of its half-width is 1 - c_0/c_2 times the present one. By reciprocity, a gap
-    w under a given load raises the mean gap by (1/L) int q w dx, and its growth with the load raises the resistance
-    by pi^2 b^2/L sum q_k^2/(k+1), with q = sum q_k U_k.
+    With the coefficients c_0, c_1 and c_2 of p in T_k on the present interval, the gap of a parabola has its middle
+    at tau = -c_1/(4 c_2) and a squared half-width of 1 - c_0/c_2 times the present one. By reciprocity, a gap w at
+    given load increases the mean gap by (1/L) int q w dx, and its growth with the load increases the resistance by
+    pi^2 b^2/L sum q_k^2/(k+1), with q = sum q_k U_k.
     """
     if contact.size == 0:
         return Cracks(), np.zeros(0, bool)
@@ -91,7 +91,7 @@ def find_thin_gaps(
 
 
 def are_thin(negative: Records) -> Flags:
-    """Return which intervals of tension on contacts, in order, leave a gap that is thin over its distances."""
+    """Return which intervals of tension on contacts, in order, give a gap that is thin relative to its distances."""
     t, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * np.sqrt(2.0) * (negative["end"] - negative["start"])
     same = negative["segment"][1:] == negative["segment"][:-1]
     apart = np.where(same, negative["start"][1:] - negative["end"][:-1], np.inf)
@@ -102,10 +102,9 @@ def are_thin(negative: Records) -> Flags:
 def cracks_on_contacts(
     state: ContactState, punches: Punches, tangent: Forces, negative: Records, unresolved: int
 ) -> tuple[ContactState, Records]:
-    """Return a state of contacts with the thin gaps in its intervals of tension, and the intervals that are left.
+    """Return a state of contacts with the thin gaps in its intervals of tension, and the remaining intervals.
 
-    Intervals in which the coefficients do not resolve a tension are left, too; the last ones of these, `unresolved`,
-    are 0.
+    Intervals whose tension the coefficients do not resolve remain as well; the last `unresolved` coefficients are 0.
     """
     if negative.size == 0:
         return state, negative
@@ -131,7 +130,7 @@ def cracks_between_gaps(
 ) -> tuple[ContactState, Records]:
     """Return a state of gaps with further thin ones at minima of the pressure between them, and the minima left.
 
-    Minima above minus the residual, a pressure in the gaps, are not certain, and are left.
+    Minima above minus the residual, a pressure in the gaps, are uncertain and remain.
     """
     period = series.period
     origin, middle, radius = contacts_of(state.segments.extent, True, period)

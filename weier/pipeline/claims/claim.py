@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 Case: TypeAlias = "xr.Dataset"
 Cases: TypeAlias = Sequence[Case]
-OPEN_FACTOR = 1.25  # Values up to this factor beyond a limit that the paper does not give are not decided.
-MIN_MEMBERS = 6  # A smaller ensemble confirms nothing about other profiles.
-MIN_FRACTION = 5 / 6  # A tendency holds or fails if this fraction of an ensemble says so.
-THIN = 2  # Every second load is left out to test how much a number depends on the choice of loads.
+OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided
+MIN_MEMBERS = 6  # smaller ensembles do not generalise
+MIN_FRACTION = 5 / 6  # fraction of an ensemble that decides on a tendency
+THIN = 2  # every second load is omitted to test the dependence on the choice of loads
 
 
 class MissingError(ValueError):
@@ -81,7 +81,7 @@ class Condition(NamedTuple):
     limits : of the value
     most : whether it is a tendency of most members; otherwise one member refutes it
     ensembles : the ensembles to which it applies
-    error : the quantity of the numerical curve whose stated error makes a sign uncertain, if there is one
+    error : the numerical quantity, if any, whose stated error makes a sign uncertain
     decides : whether the verdict depends on it; otherwise its number is only reported
     """
 
@@ -206,8 +206,8 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
 
     Notes
     -----
-    The uncertainty of a value is its change if every second load is left out, so that values that depend on the
-    choice of loads decide nothing, and the stated error of the numerical curve where it could change a sign.
+    The uncertainty of a value is its change if every second load is omitted, and the stated error of the numerical
+    curve if it could change a sign.
     """
     limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]

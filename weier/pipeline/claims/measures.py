@@ -18,13 +18,13 @@ from weier.pipeline.claims.claim import Case, Cases, MissingError
 from weier.surface.series import full_contact_pressure, tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
-ESTIMATES = ("archard", "demelio", "layer")  # These are the three approximations of Section 4.
-LOW_COMPLIANCE = 0.5  # Low loads have less than this fraction of the compliance at full contact, and high loads more.
+ESTIMATES = ("archard", "demelio", "layer")  # the approximations of Section 4
+LOW_COMPLIANCE = 0.5  # boundary between low and high loads, as a fraction of the compliance at full contact
 # Resistances are compared in this range of compliance over that at full contact. Below it one contact carries the
 # load, and above it the resistance vanishes, so that ratios are meaningless.
 INTERMEDIATE = (0.1, 0.9)
-MAX_ALIGNED_ANGLE = np.pi / 6  # Phases at most so far from 0 or pi are "close to zero and pi".
-ROUNDING = 1e-9  # Numbers close to 1 may differ by this through rounding and iteration.
+MAX_ALIGNED_ANGLE = np.pi / 6  # largest distance of phases "close to zero and pi"
+ROUNDING = 1e-9  # allowance for rounding and iteration in numbers close to 1
 
 
 def need(available: object, what: str) -> None:
@@ -196,7 +196,7 @@ def growth_of_error(method: str, *cases: Case) -> float:
 def resistance_errors(case: Case, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
     """Return loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
     exact = numerical(case, "resistance")
-    with np.errstate(divide="ignore", invalid="ignore"):  # in full contact, which is no intermediate compliance
+    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
         error = curve(case, method, "resistance") / exact - 1
     return _between(case, error, lowest, INTERMEDIATE[1])
 
