@@ -19,7 +19,7 @@ from typing import Any
 PACKAGE = Path(__file__).parent
 KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these folders.
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
-# The text files of the package beside modules.
+# text files of the package other than modules
 RESOURCES = frozenset({".json", ".js", ".css", ".html", ".md", ".mplstyle"})
 DECORATOR, MACHINERY = "kernel", "weier.kernels.jit"  # How kernels are compiled changes no number.
 

@@ -65,7 +65,7 @@ def batch(description: Path, data: Path) -> None:
     """Solve the batch that the Snakefile has described in the file DESCRIPTION.
 
     The curves go to DATA, with the seconds that they took. Ctrl-C, or SIGTERM of a cluster, leaves those that are
-    solved in a file beside it, from which the next run of the job goes on.
+    solved in a file next to it, from which the next run of the job continues.
     """
     from weier.data import dataset, netcdf
     from weier.pipeline.batch import solve_batch

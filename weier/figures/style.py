@@ -67,7 +67,7 @@ DASHES = (
 )
 
 
-# The look of numerical methods beside the most accurate one, and beside many curves. `markevery` is the distance
+# style of numerical methods other than the most accurate one, and on many curves. `markevery` is the distance
 # between points over the diagonal of the axes.
 POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
 SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}

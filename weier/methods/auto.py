@@ -1,7 +1,7 @@
-"""The method "auto": curves within a tolerance, by the fewest terms that it allows.
+"""The method "auto": curves within a tolerance, by the smallest sufficient number of terms.
 
-Terms of total amplitude G may be left out: h then lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the
-terms left out"). Half of the tolerance is for them, the rest for the method that solves the others.
+If terms of total amplitude G are omitted, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the
+terms left out"). Half of the tolerance is for the omitted terms, the rest for the solution of the others.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ MAX_LISTED = 5  # loads in a message
 
 @dataclass(frozen=True, repr=False)
 class Choice:
-    """What a curve within a tolerance solves, and how; displayed as a sentence.
+    """The terms and method for a curve within a tolerance; displayed as a sentence.
 
     Attributes
     ----------
     kept : Profile or Trace
-        What is solved: the first terms of a series, or the whole surface.
+        The surface solved: the first terms of a series, or all of it.
     left_out : float
         Sum of the amplitudes of the other terms, in g_0.
     method : Method
@@ -81,10 +81,12 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
         If the tolerance or the quantity is out of range; OutOfReachError, with the smallest tolerance within reach,
         if the terms needed cannot be resolved.
 
-    Notes ----- The terms left out have a total amplitude G of at most half of the tolerance. Since h lies in [h_k,
-    h_k + 2 G], the middle is returned, with the error G. The kept terms are solved by boundary elements if their
-    bound meets the rest of the tolerance on a grid no finer than the default one, otherwise by contact patches. A
-    tolerance of the resistance keeps all terms.
+    Notes
+    -----
+    The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
+    middle is returned, with the error G. The kept terms are solved by boundary elements if their bound meets the
+    rest of the tolerance on a grid no finer than the default one, otherwise by contact patches. For a tolerance of
+    the resistance all terms are kept.
 
     Examples
     --------
@@ -152,7 +154,7 @@ class AutoCurve(NamedTuple):
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*, of the terms solved
-    compliance_error : a bound, in g_0, as far as that of the method is one
+    compliance_error : a bound, in g_0, if that of the method is one
     resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
     contact_fraction : length in contact per length; NaN where terms are left out
     second_attempts : the number of loads at which the first attempt of patches failed; a scalar

@@ -1,6 +1,6 @@
 """Chebyshev polynomials on an interval: Gauss's quadrature, and densities with their integrals in closed form.
 
-docs/patches.md, "Chebyshev polynomials", derives the formulas and says what they are used for.
+docs/patches.md, "Chebyshev polynomials", derives the formulas and their use.
 
 A density is sqrt(1-t^2) phi(t) in the coordinate t of its interval, -1..1. With phi = sum a_k U_k(t), and with rho^-n
 in place of T_n(t) outside the interval, where rho = t + sign(t) sqrt(t^2-1), its integrals have closed forms:

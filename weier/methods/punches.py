@@ -1,13 +1,12 @@
 """Approximate forces on flat punches from their displacements, in the time O(punches).
 
-As (part of) a preconditioner they need not be exact (docs/patches.md, "Given
-edges").
+Part of a preconditioner (docs/patches.md, "Given edges"), so that they need not be exact.
 
 A unit force displaces a flat punch of half-width r by -2 ln(pi r/L), and moves the surface at the centre of another
-by -2 ln|2 sin(pi d/L)|. This matrix is taken for the covariance of random displacements. Every second displacement is
-predicted from its nearest neighbours among the others, with an error that is nearly independent of the rest; and so
-on with every second of the others, until few are left (Vecchia's approximation of the inverse: Schaefer, Katzfuss and
-Owhadi, SIAM J. Sci. Comput. 43, 2021, A2019).
+by -2 ln|2 sin(pi d/L)|. This matrix is interpreted as the covariance of random displacements. Every second
+displacement is predicted from its nearest neighbours among the others, with a nearly independent error, and so on
+recursively for the others, until few remain (Vecchia's approximation of the inverse: Schaefer, Katzfuss and Owhadi,
+SIAM J. Sci. Comput. 43, 2021, A2019).
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ OFFSET = 2.0
 
 @kernel
 def invert_punches(which: Indices, centre: Array, compliance: Array, period: float) -> Inverse:
-    """Return the approximate inverse W' W of the influence of those punches on each other, which are in order.
+    """Return the approximate inverse W' W of the mutual influence of these punches, which are in order.
 
     The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
     one displacement from its mean for given displacements of its neighbours among the coarser, over its standard

@@ -31,7 +31,7 @@ PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, lay
 
 
 def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
-    """Return the method of some surfaces where none is given: contact patches, or "auto" once a tolerance is given.
+    """Return the default method of some surfaces: contact patches, or "auto" if a tolerance is given.
 
     NotApplicableError is raised for the infinite series without a tolerance, which no method solves exactly.
     """

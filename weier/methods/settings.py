@@ -13,8 +13,8 @@ from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 from weier.surface.waves import MAX_POINTS
 
-TOLERANCE = "tolerance"  # The setting that means the same in all methods that have it.
-MIN_FRACTION = patches.MIN_TOLERANCE  # The least value of a tolerance or fraction: less is below rounding.
+TOLERANCE = "tolerance"  # has the same meaning in all methods
+MIN_FRACTION = patches.MIN_TOLERANCE  # least tolerance or fraction, the rounding level
 
 
 Check = Callable[[str, Any], Any]
@@ -122,7 +122,7 @@ def described(methods: Iterable[Method]) -> list[tuple[str, str]]:
     ]
 
 
-@cache  # It is called as often as there are cases.
+@cache  # called once per case
 def _keywords(solve: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     parameters = inspect.signature(solve).parameters.values()
     return {parameter.name: parameter for parameter in parameters if parameter.default is not parameter.empty}

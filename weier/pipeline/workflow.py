@@ -42,7 +42,7 @@ LOCKED = (
     "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
     "power was lost, the lock can be removed with the --unlock argument"
 )
-# Megabytes of a process, and more for each of its cases; minutes beside those that are expected.
+# megabytes of a process and of each of its cases; minutes in addition to the expected ones
 BATCH_MB, CASE_MB, BATCH_MINUTES = 500, 0.05, 5
 # Expected seconds of a batch may be wrong by this factor.
 SECONDS_FACTOR = 3

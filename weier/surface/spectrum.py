@@ -151,14 +151,16 @@ def fit(
     UserWarning
         If a twentieth of the line dominates D, for example a scratch.
 
-    Notes ----- Let P_k be the variance of wave k. D is such that the spectrum multiplied by k^beta, beta = 5 - 2 D,
-    is centred in the band, with uniform weights over ln k: sum w_k P_k k^beta (ln k - c) = 0, with w_k = ln (k +
-    1/2)/(k - 1/2) and c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
+    Notes
+    -----
+    Let P_k be the variance of wave k. D is such that the spectrum multiplied by k^beta, beta = 5 - 2 D, is centred in
+    the band, with uniform weights over ln k: sum w_k P_k k^beta (ln k - c) = 0, with w_k = ln (k + 1/2)/(k - 1/2) and
+    c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
 
     Standard errors are those of a random surface with the fitted spectrum and independent waves, from the derivatives
-    of D and ln g_0 by each ln P_k with their correlation. The bias is removed to second order. On the default band,
-    errors cover the true values as those of a normal distribution (docs/measured.rst). Weierstrass series are not
-    random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+    of D and ln g_0 with respect to ln P_k and their correlation. The bias is removed to second order. On the default
+    band, errors cover the true values as those of a normal distribution (docs/measured.rst). Weierstrass series are
+    not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
 
     Examples
     --------

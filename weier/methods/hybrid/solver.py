@@ -22,8 +22,8 @@ from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
 from weier.theory.halfplane import influence_coefficients
 
-# Points for each of the finest resolved waves, at least: the error is within 9e-4 of their amplitude, as the layer
-# rounds the edges of contact.
+# least number of points per finest resolved wave: the error is within 9e-4 of its amplitude, since the layer smooths
+# the contact edges
 POINTS_PER_WAVE = 32
 MESH_FRACTION = 0.1  # error of the mesh over the amplitude of the tail
 MAX_POINTS = 2**14  # More points take minutes.

@@ -183,7 +183,7 @@ class _Search(NamedTuple):
         return self.between(low, between) + self.between(between, high)
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
-        """Return contacts of `high` without one of `low`, gaps of `low` that it closes, and whether these are certain.
+        """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
 
         A contact of `high` contains those of `low` whose midpoints lie within it.
         """

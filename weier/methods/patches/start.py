@@ -45,8 +45,8 @@ MAX_CROWDING = 0.1
 MAX_ISOLATED = 32  # contacts whose forces are found as line forces, by dense equations
 MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # 3 or 4 steps to this relative accuracy are usual
 POINTS_PER_WAVE = (16, 32)  # per finest wave, of the grids that are tried in turn
-# From this number of waves on, a coarser grid is used: it misses contacts, which costs a step or two, but loads on 15
-# 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it.
+# number of waves from which a coarser grid is used: it misses contacts, which costs a step or two, but loads on
+# 15 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it
 MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
 # residual of boundary elements for the initial guess, the smaller of a value in g_0 and a fraction of the finest
 # wave; at least the last value, since the finest waves of a smooth measured surface are rounding
@@ -268,7 +268,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     The logarithm, which hardly changes, is taken from the previous step, so that the equations are linear. `OFFSET`
     shifts all displacements and the plane alike, since the sum of the forces is given. Crests with negative forces
     are dropped, and crests above the plane added. Forces lift no point by more than 2 ln 2 times their sum, so that
-    lower crests need not be tried.
+    crests farther below the plane need not be tried.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, crest = np.zeros(n), np.empty(most, np.int64)
