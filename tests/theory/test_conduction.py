@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from weier.methods import westergaard
 from weier.pipeline.fields import fields
@@ -160,7 +161,10 @@ def test_a_data_array_stays_one():
     assert (found.name, found.dims, found.units) == ("resistance", ("mean_pressure",), "ohm m^2")
     assert found.mean_pressure.units == "Pa"
     assert found.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
-    assert found.identical(bodies.in_si(CURVE.resistance))
+    assert found.identical(bodies.in_si(CURVE.resistance, unit="g_0/p_0*"))
+    assert found.identical(bodies.in_si(CURVE).resistance.reset_coords(drop=True).assign_coords(found.coords))
+    assert bodies.pressure(CURVE.mean_pressure).values.tolist() == found.mean_pressure.values.tolist()
+    assert bodies.pressure(CURVE.mean_pressure[0]) == bodies.pressure(0.1)
     missing = CURVE.resistance.where(CURVE.mean_pressure > 0.2)
     assert np.isnan(bodies.resistance(missing).values).tolist() == [True, False, False]
 
@@ -206,7 +210,7 @@ def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
     assert expected.mean_pressure.values == pytest.approx(interface(**own).pressure([0.1, 1.0]), rel=1e-15)
     for bodies in (interface(), interface(lambda_0=None, g_0=None), interface(lambda_0=None, g_0=None).at(trace)):
         assert bodies.in_si(curve).equals(expected)
-        assert bodies.in_si(curve.compliance).equals(expected.compliance)
+        assert bodies.in_si(curve.compliance, unit="g_0").equals(expected.compliance)
         assert bodies.at(curve) == bodies.at(trace) == interface(**own)
         assert (bodies.in_si(curve).attrs["lambda_0"], bodies.in_si(curve).attrs["g_0"]) == (1e-3, trace.g_0)
 
@@ -282,8 +286,38 @@ def test_what_has_lost_its_unit_is_refused_until_it_is_given_again():
     with pytest.raises(ValueError, match="mean_pressure has lost its unit"):
         bodies.in_si(unlabelled)
     own = CURVE.assign(share=CURVE.compliance / CURVE.first_contact if "first_contact" in CURVE else CURVE.work / 2)
-    own["share"].attrs = {"units": "1"}
+    own["share"].attrs = {"normalised_by": "1"}
     assert bodies.in_si(own).share.equals(own.share.assign_coords(bodies.in_si(own).share.coords))
+
+
+def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
+    """xarray keeps equal attributes: all of R/R' and 1/R, the units alone of h/R and h p."""
+    bodies = interface()
+    other = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "patches")
+    h, R = CURVE.compliance, CURVE.resistance
+    with xr.set_options(keep_attrs=True):
+        kept = [R / other.resistance, h / other.compliance, 1 / R, R]
+        partly = [h / R, h * CURVE.mean_pressure, R * h]
+    for ratio in kept:
+        with pytest.raises(ValueError, match=r'unit must be given for a DataArray, as unit="g_0.*"1" for a ratio'):
+            bodies.in_si(ratio)
+        np.testing.assert_array_equal(bodies.in_si(ratio, unit="1").values, ratio.values)
+    for ratio in kept[:-1]:
+        with pytest.raises(ValueError, match="must have attributes of its own, got those of"):
+            bodies.in_si(CURVE.assign(ratio=ratio))
+    assert bodies.in_si(CURVE.assign(again=R)).again.units == "ohm m^2"
+    for product in partly:
+        with pytest.raises(ValueError, match=r'data has lost its unit, .*in_si\(data, unit="g_0"\)'):
+            bodies.in_si(product)
+        with pytest.raises(ValueError, match="product has lost its unit"):
+            bodies.in_si(CURVE.assign(product=product))
+        assert bodies.in_si(product, unit="p_0*").values == pytest.approx(
+            bodies.pressure(product.values), rel=1e-15, nan_ok=True
+        )
+    own = CURVE.assign(ratio=kept[0])
+    own["ratio"].attrs = {"normalised_by": "1"}
+    np.testing.assert_array_equal(bodies.in_si(own).ratio.values, kept[0].values)
+    assert bodies.in_si(CURVE.contact_fraction).values.tolist() == CURVE.contact_fraction.values.tolist()
 
 
 def test_ratios_and_counts_say_that_they_have_no_unit():

@@ -291,16 +291,17 @@ class Bodies:
         return self._of_unit("g_0/p_0*", normalised)
 
     def in_si(self, data: Any, unit: str | None = None) -> Any:
-        """Convert a Dataset or DataArray with its coordinates to SI units.
+        """Convert a Dataset or DataArray with its coordinates to SI units; call it before any arithmetic.
 
         Parameters
         ----------
         data : Dataset or DataArray
-            Of weier, such as a curve of `weier.solve`: the attribute `unit` says what a variable is in. Curves of
-            traces are converted by the length and height of each trace, others by lambda_0 and g_0 of this interface.
+            Results of weier, such as a curve of `weier.solve`: the attribute `normalised_by` is the unit of a
+            variable. Curves of traces are converted by the length and height of each trace, others by lambda_0 and
+            g_0 of this interface.
         unit : str, optional
-            Unit of a DataArray that has lost it, as by a mean or a ratio: "g_0", "p_0*", "g_0/p_0*", "lambda_0" or
-            "1".
+            Unit of a DataArray: "g_0", "p_0*", "g_0/p_0*", "lambda_0", or "1" for a ratio. It is required for a
+            normalised quantity, since xarray keeps attributes in arithmetic.
 
         Returns
         -------
@@ -313,7 +314,8 @@ class Bodies:
         Raises
         ------
         ValueError
-            If this is no data of weier, is in SI units already, or has lost a unit.
+            If this is no data of weier, is in SI units already, has lost a unit, or is a DataArray that may have
+            another unit than its attributes say.
 
         Examples
         --------
@@ -325,6 +327,11 @@ class Bodies:
         2.142e+07 Pa ohm m^2
         """
         if hasattr(data, "to_dataset"):
+            if unit is None and (kept := units.unit_of(data)) in units.NORMALISED:
+                raise ValueError(
+                    f'unit must be given for a DataArray, as unit="{kept}", or "1" for a ratio, since xarray keeps '
+                    "attributes in arithmetic: give it, or convert the Dataset first, as in_si(curve).resistance"
+                )
             name = data.name if isinstance(data.name, str) and data.name not in data.coords else "data"
             named = data.rename(name) if unit is None else _with_unit(data.rename(name), unit)
             return self.in_si(named.to_dataset())[name].rename(data.name)
@@ -392,7 +399,7 @@ class Bodies:
             return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
         if (own := units.unit_of(normalised) or unit) != unit:
             raise ValueError(f"normalised must be in {unit}, got values in {own}")
-        return self.in_si(normalised.assign_attrs({units.NORMALISED_BY: unit}))
+        return self.in_si(normalised, unit)
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
@@ -410,23 +417,44 @@ def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Ar
 
 
 def _with_unit(data: Any, unit: str) -> Any:
-    """Return a DataArray with a unit, if it has none."""
+    """Return a DataArray with a unit, if it has none, or if arithmetic may have changed it."""
     checked_word("unit", unit, (*units.NORMALISED, units.NONE))
-    if (own := units.unit_of(data)) not in ("", unit):
-        raise ValueError(f"unit must be that of the data, {own}, got {unit}: leave it out")
-    return data.assign_attrs({units.NORMALISED_BY: unit})
+    own = units.unit_of(data)
+    is_ratio = unit == units.NONE and own in units.NORMALISED
+    if not (own in ("", unit) or is_ratio or _is_computed(data)):
+        raise ValueError(
+            f"unit must be that of the data, {own}, got {unit}: convert data.drop_attrs(deep=False) "
+            "if arithmetic changed it"
+        )
+    # The other attributes are those of the operands.
+    kept = data.drop_attrs(deep=False) if is_ratio or _is_computed(data) else data
+    return kept.assign_attrs({units.NORMALISED_BY: unit})
+
+
+def _is_computed(variable: Any) -> bool:
+    """Return whether arithmetic dropped attributes of a variable of weier, whose operands differ in `long_name`."""
+    return variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
 
 
 def _check_normalised(data: Any) -> None:
-    """Refuse a Dataset that has lost a unit, or is in SI units already."""
+    """Refuse a Dataset with a variable whose unit is unknown, or that is in SI units already."""
+    described = dict[str, str]()
     for name, variable in data.variables.items():
-        own = name in data.data_vars or name in LOCATED
-        if own and variable.dtype.kind == "f" and not units.unit_of(variable):
+        if name not in data.data_vars and name not in LOCATED:
+            continue
+        if variable.dtype.kind == "f" and (not units.unit_of(variable) or _is_computed(variable)):
             raise ValueError(
                 f"{name} has lost its unit, as by a mean or a ratio: give it again by "
-                f'data["{name}"].attrs["normalised_by"] = "g_0", or "1" for a plain number, or for one DataArray by '
-                'in_si(data, unit="g_0")'
+                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number, or for one DataArray '
+                'by in_si(data, unit="g_0")'
             )
+        if units.unit_of(variable) in units.NORMALISED and "long_name" in variable.attrs:
+            other = described.setdefault(str(variable.attrs["long_name"]), str(name))
+            if other != name and not variable.equals(data.variables[other]):  # A copy has the same unit.
+                raise ValueError(
+                    f"{name} must have attributes of its own, got those of {other}, which arithmetic may have kept: "
+                    f'set data["{name}"].attrs = {{"normalised_by": "1"}} for a ratio, or its unit instead of "1"'
+                )
     if not any(units.unit_of(variable) in units.NORMALISED for variable in data.variables.values()):
         raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
     if known := {*BODIES} & data.attrs.keys():
