@@ -74,7 +74,7 @@ def test_random_surfaces_have_the_stated_errors(ends, D, monkeypatch):
 
     Of 1000 fits, the standard errors of these parts are 0.015 and 0.007. The second part was 0.93 to 0.97.
     """
-    monkeypatch.setattr(spectrum, "_warn_of_artefacts", lambda *_: None)  # which takes most of the time
+    monkeypatch.setattr(spectrum, "_artefact", lambda *_, **__: "")  # which takes most of the time
     random, samples, lines, scale = np.random.default_rng(7), 600, 1000, 1e-8
     off_D, stated_D, off_g_0, stated_g_0 = [], [], [], []
     for _ in range(lines):
@@ -137,6 +137,35 @@ def test_a_scratch_that_decides_on_the_fit_is_reported():
     gone = np.where(np.abs(x - 730.3) < 8, np.nan, line + scratch)
     mended = fit(Trace(gone, 2e-3, height_unit="um", missing="interpolate", max_gap=20))
     assert pytest.approx(clean.D, abs=clean.D_error / 2) == mended.D
+
+
+def test_a_scratch_that_changes_g_0_alone_is_reported():
+    """20 rms deep, on a random walk: the spectrum of a deep scratch of 40 heights falls as that of the walk."""
+    x = np.arange(4000)
+    walk = np.cumsum(np.random.default_rng(0).normal(size=4000))
+    walk -= np.polyval(np.polyfit(x, walk, 1), x)
+    walk /= walk.std()
+    clean = fit(Trace(walk, 2e-3, x_unit="m", height_unit="nm"))
+    scratch = 20 * np.where((x >= 2010) & (x < 2050), np.sin(np.pi * (x - 2010) / 40) ** 2, 0)
+    with pytest.warns(UserWarning, match=r"from x = 0\.001 to 0\.0011 m, .* decide on g_0: it is .* without") as told:
+        spoilt = fit(Trace(walk - scratch, 2e-3, x_unit="m", height_unit="nm"))
+    assert told[0].filename == __file__
+    assert abs(spoilt.D - clean.D) < clean.D_error
+    assert spoilt.g_0 > 2 * clean.g_0
+    without = float(re.search(r"and (\S+) m without", str(told[0].message))[1])
+    assert without == pytest.approx(clean.g_0, abs=clean.g_0_error)
+
+
+@pytest.mark.parametrize(
+    ("start", "says"), [(400, "0.0002 to 0.0003 m, a 20th"), (300, "0.0001 to 0.0003 m, a 10th")]
+)
+def test_a_scratch_that_leaves_no_power_law_is_named_in_the_error(start, says):
+    """Within one part of the line, and across two."""
+    line = random_line(1.25, 4000, np.random.default_rng(2), 1 / 4)[0]
+    x = np.arange(4000) - start
+    scratch = 30 * line.std() * np.where((x >= 0) & (x < 200), np.sin(np.pi * x / 200) ** 2, 0)
+    with pytest.raises(ValueError, match=rf"beta between 1 and 3, got 3\.\d+ from .*: the heights from x = {says}"):
+        fit(Trace((line - scratch) / line.std(), 2e-3, x_unit="m", height_unit="um"))
 
 
 def test_missing_heights_that_are_filled_move_a_fit_little():
