@@ -136,10 +136,10 @@ def test_a_selection_that_is_no_curve_any_more_is_refused():
 def test_names_of_files_may_have_commas():
     z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
     names = ["map.x3p, x 1", "side A.csv", "a, side A.csv"]
-    traces = [weier.Trace(z, length, unit="m", source=name) for length, name in enumerate(names, start=1)]
+    traces = [weier.Trace(z, length / 4, unit="m", source=name) for length, name in enumerate(names, start=1)]
     curves = weier.solve(traces, [0.1], ["bem"])
     for length, name in enumerate(names, start=1):
-        assert curves.weier.cases(trace=name).trace_length.values.tolist() == [length]
+        assert curves.weier.cases(trace=name).trace_length.values.tolist() == [length / 4]
     with pytest.raises(ValueError, match=r"no case has trace = 'map.x3p': choose from a, side A.csv, map.x3p, x 1"):
         curves.weier.cases(trace="map.x3p")
 

@@ -126,6 +126,12 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
         ),
         (1e-9 * COS, 1.0, {}, "slope of at least 1e-07, got .* is a unit wrong?"),
         (COS, 160.0, {}, "length must be at most 100 m, got 160 m: is a unit wrong?"),
+        (
+            1e-3 * COS,
+            1e-3,
+            {"unit": "um"},
+            r"step .* must be at least 1e-10 m, .* got 1e-11 m .*: correct length, unit",
+        ),
         (COS, 1.0, {"detrend": "parabola"}, "detrend must be one of mean, tilt, form, got 'parabola'"),
         (COS, 1.0, {"ends": "cut"}, "ends must be one of mirrored, periodic, tapered, got 'cut'"),
         (rough(10**6), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
@@ -135,6 +141,16 @@ def test_what_is_no_roughness_is_refused_in_one_sentence(heights, length, more, 
     with pytest.raises(ValueError, match=says) as refused:
         Trace(heights, length, **{"unit": "m"} | more)
     assert "\n" not in str(refused.value)
+
+
+def test_a_trace_of_many_metres_is_doubted():
+    """Micrometres that were read as metres have the same slope."""
+    with pytest.warns(
+        UserWarning, match=r"trace is 80 m long, with heights .* if a unit is wrong, correct"
+    ) as warned:
+        Trace(COS, 80.0, unit="m")
+    assert [one.filename for one in warned] == [__file__]
+    Trace(COS, 1.0, unit="m")
 
 
 @pytest.mark.parametrize("name", ["shortest", "g_0", "ends", "amplitude", "digest", "another"])

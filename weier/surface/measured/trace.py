@@ -42,6 +42,8 @@ ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
 DECIMAL_ROUNDING = 1 + 1e-9
 LENGTH_TOLERANCE = 0.01  # relative difference of a given length and that of the file, both rounded
 MAX_LENGTH = 100.0  # m; a longer trace indicates a wrong unit
+USUAL_LENGTH = 1.0  # m; instruments rarely measure longer lines, which give a warning
+MIN_STEP = 1e-10  # m; atoms are larger
 # root mean square slopes outside this range indicate a wrong unit
 MIN_SLOPE, MAX_SLOPE = 1e-7, 10.0
 
@@ -108,7 +110,7 @@ class Trace(Waves):
     Warns
     -----
     UserWarning
-        If the remaining form is much higher than the roughness.
+        If the remaining form is much higher than the roughness, or the trace is longer than 1 m.
 
     Examples
     --------
@@ -496,6 +498,11 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
     level = measured.detrended(z, detrend)
     if not step * z.size <= MAX_LENGTH:
         raise ValueError(f"length must be at most {MAX_LENGTH:g} m, got {step * z.size:.4g} m: is a unit wrong?")
+    if step * DECIMAL_ROUNDING < MIN_STEP:
+        raise ValueError(
+            f"the step between heights must be at least {MIN_STEP:g} m, since atoms are larger, got {step:.3g} m "
+            f"from {z.size} heights over {step * z.size:.4g} m: correct length, unit or x_unit"
+        )
     if np.ptp(level) <= ROUNDING * z.size * np.abs(z).max():
         raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
     if ends == PERIODIC:
@@ -510,6 +517,13 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
         raise ValueError(
             f"heights must have a root mean square slope of {limit}, got {slope:.3g} with heights from "
             f"{level.min():.3g} to {level.max():.3g} m at steps of {step:.3g} m: is a unit wrong?"
+        )
+    if step * z.size > USUAL_LENGTH:
+        warnings.warn(
+            f"the trace is {step * z.size:.4g} m long, with heights from {level.min():.3g} to {level.max():.3g} m, "
+            f"and instruments rarely measure more than {USUAL_LENGTH:g} m: if a unit is wrong, correct unit, x_unit "
+            "or height_unit",
+            stacklevel=3,
         )
     return level
 
