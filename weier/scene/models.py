@@ -42,8 +42,8 @@ from weier.surface.measured.layout import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
-from weier.theory.conduction import Bodies
-from weier.units import NORMALISED_PRESSURE, PASCAL, factor
+from weier.theory.conduction import RANGES, Bodies
+from weier.units import NORMALISED_PRESSURE, PASCAL, factor, parsed
 from weier.units import NUMBER as QUANTITY
 
 LINE = r"[^\x00-\x1f\x7f\ud800-\udfff]{0,200}"
@@ -441,7 +441,12 @@ class InterfaceKeys(Part):
 
     def bodies(self) -> Bodies:
         """Return the two bodies."""
-        return Bodies(**{name: number(name, value) for name, value in self.given.items()})
+        return Bodies(
+            **{
+                name: parsed(name, value, RANGES[name][2]) if isinstance(value, str) else number(name, value)
+                for name, value in self.given.items()
+            }
+        )
 
 
 class AxisKeys(Part):
@@ -601,7 +606,7 @@ class SceneKeys(Part):
     interface: Annotated[InterfaceKeys, AfterValidator(InterfaceKeys.checked)] = Field(
         ABSENT,
         description="The two bodies and the scale of their roughness, as in weier.Interface, for loads in Pa and "
-        "figures in SI units.",
+        "figures in SI units. Values may have units, as in 210 GPa.",
     )
     batch: Count = Field(
         ABSENT, description="Largest number of cases per job; by default 10000, or fewer if memory is short."
