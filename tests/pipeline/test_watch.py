@@ -5,6 +5,7 @@ import pytest
 
 import weier
 from weier.pipeline import progress
+from weier.pipeline.single import solve_one
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 LOADS = np.geomspace(1e-2, 1, 20)
@@ -34,6 +35,23 @@ def test_a_long_solution_says_so_once(profile, capsys, monkeypatch):
     watch()
     watch()
     assert capsys.readouterr().err == "weier.solve: 3 of 4 loads, about 0 s left; max_seconds would limit them\n"
+
+
+def test_one_load_is_announced_in_the_singular(capsys):
+    progress.Watch(1, 200.0, None)
+    assert capsys.readouterr().err == "weier.solve: 1 load takes about 200 s; max_seconds would limit it\n"
+
+
+def test_what_is_refused_is_not_announced(capsys):
+    series = weier.Profile(D=1.25, gamma=5, m=5, phases=1.0)
+    refusal = "boundary elements need .* points for a tolerance of 1e-12 g_0"
+    with pytest.raises(ValueError, match=refusal):
+        weier.solve(series, [0.1], "bem", tolerance=1e-12)
+    with pytest.raises(ValueError, match=refusal):
+        weier.solve([series], [0.1], ["patches", "bem"], bem={"tolerance": 1e-12})
+    with pytest.raises(ValueError, match=refusal):
+        solve_one({"D": 1.25, "gamma": 5, "m": 5}, np.array([0.1]), ["bem"], {"bem": {"tolerance": 1e-12}})
+    assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("profile", [PROFILE, [PROFILE, PROFILE]], ids=["one", "several"])

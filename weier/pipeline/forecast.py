@@ -22,10 +22,12 @@ def forecast(case: Case, loads: Array) -> list[str]:
     Raises
     ------
     ValueError
-        If a method would take longer than `MAX_SECONDS`; the message names a cheaper one.
+        If a method refuses its settings, or would take longer than `MAX_SECONDS`; the message names a cheaper one.
     """
     lines = []
     for name in case.methods:
+        if (method := find_method(name)).takes(case.profile):
+            method.check(case.profile, **case.settings.get(name, {}))
         seconds = case.seconds(name, loads)
         if seconds > MAX_SECONDS:
             raise ValueError(

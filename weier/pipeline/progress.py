@@ -69,7 +69,7 @@ class Watch:
         self.done, self.announced = 0, False
         self.start, self.said, self.begun = clock(), perf_counter(), perf_counter()
         if expected > LONG:
-            self._announce(f"{total} loads take about {significant(expected, 2)} s")
+            self._announce(f"{total} load{' takes' if total == 1 else 's take'} about {significant(expected, 2)} s")
 
     def __call__(self) -> None:
         """Count one load, unless all are counted."""
@@ -92,7 +92,7 @@ class Watch:
     def _announce(self, what: str) -> None:
         """Announce once, in a sentence, what takes long."""
         self.announced = True
-        limit = "" if self.max_seconds else "; max_seconds would limit them"
+        limit = "" if self.max_seconds else f"; max_seconds would limit {'it' if self.total == 1 else 'them'}"
         print(f"weier.solve: {what}{limit}", file=sys.stderr, flush=True)
 
     def close(self) -> None:

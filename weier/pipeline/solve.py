@@ -150,6 +150,8 @@ def solve_under(
         for solver in solvers
         if solver.takes(surface)
     ]
+    for surface, _, solver in pairs:  # before anything is announced or solved
+        solver.check(surface, **settings_of_methods.get(solver.name, {}))
     expected = sum(
         solver.seconds(surface, own, **settings_of_methods.get(solver.name, {})) for surface, own, solver in pairs
     )
