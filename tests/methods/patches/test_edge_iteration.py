@@ -119,6 +119,11 @@ def test_what_has_no_width_left_is_closed(dual):
     assert not np.any(moves_of(open_still, [r, r], [2 * b, 2.0], dual)[1])
 
 
+def displaced(segments, error):
+    """The segments with half-widths that are off by an error, and centres by 0.4 of it."""
+    return segments._replace(centre=segments.centre + 0.4 * error, half_width=segments.half_width + error)
+
+
 @one_thread
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("wave", WAVES)
@@ -128,9 +133,7 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-3, 2e-3):
-        segments = exact._replace(
-            centre=exact.centre + 0.4 * size * scale, half_width=exact.half_width + size * scale
-        )
+        segments = displaced(exact, size * scale)
         moved = next_guess(problem, step := take_step(problem, make_guess(problem, segments, STAGE), STAGE), STAGE)
         found = moved.punches.segments
         assert step.unsettled == 0
@@ -169,9 +172,7 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-4, 2e-4):
-        segments = exact._replace(
-            centre=exact.centre + 0.4 * size * scale, half_width=exact.half_width + size * scale
-        )
+        segments = displaced(exact, size * scale)
         step = take_step(problem, make_guess(problem, segments, STAGE), STAGE)
         carried = carried_along(step, 0.0)
         solved = take_step(problem, next_guess(problem, step, STAGE, exact.node_count * 0 + step.b.size), STAGE)
