@@ -29,14 +29,14 @@ def first_attempts(request, monkeypatch):
         return
     from weier.methods.patches import solver  # here, since tests of the pipeline import no solver
 
-    solve = solver.solve_many_contacts
+    solve = solver.solve_in_stages
 
     def once(surface, guess, tolerance, accepted):
         if tolerance < accepted:
             pytest.fail(f"a second attempt under {guess.load!r} p_0*: mark the test with second_attempt if it may")
         return solve(surface, guess, tolerance, accepted)
 
-    monkeypatch.setattr(solver, "solve_many_contacts", once)
+    monkeypatch.setattr(solver, "solve_in_stages", once)
 
 
 @pytest.fixture

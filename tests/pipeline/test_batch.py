@@ -61,7 +61,7 @@ def test_second_attempts_are_counted_in_the_log(tmp_path, monkeypatch, methods):
     """The first attempt of the load 1 fails in both curves; none does without that."""
     scene = f"{{title: t, tolerance: 1.0e-7, loads: [0.1, 1], methods: [{methods}], studies: {{one: "
     loaded = scene_in(tmp_path, scene + "{product: {D: 1.25, gamma: 2, m: 2, seed: [1, 2]}}}}")
-    solve, said = solver.solve_many_contacts, []
+    solve, said = solver.solve_in_stages, []
 
     def failing(surface, guess, tolerance, accepted):
         if guess.load == 1.0 and tolerance == accepted:
@@ -70,7 +70,7 @@ def test_second_attempts_are_counted_in_the_log(tmp_path, monkeypatch, methods):
 
     usual = batch.solve_batch(loaded.distinct, loaded.loads, done=said.append)
     assert said == []
-    monkeypatch.setattr(solver, "solve_many_contacts", failing)
+    monkeypatch.setattr(solver, "solve_in_stages", failing)
     again = batch.solve_batch(loaded.distinct, loaded.loads, done=said.append)
     assert said == [f"2 of {4 * (1 + methods.count(','))} loads took a second attempt"]
     np.testing.assert_allclose(again["compliance"], usual["compliance"], rtol=1e-10)

@@ -40,7 +40,7 @@ def test_the_last_gaps_start_on_crests_of_the_tension():
 @pytest.mark.second_attempt
 def test_a_second_attempt_is_tighter_and_the_last(monkeypatch):
     """The first one fails, and then both."""
-    starts, tried, real = Starts(Profile(1.5, 3, 1), 1e-8), [], solver.solve_many_contacts
+    starts, tried, real = Starts(Profile(1.5, 3, 1), 1e-8), [], solver.solve_in_stages
 
     def failing(surface, guess, tolerance, accepted):
         tried.append(tolerance)
@@ -48,7 +48,7 @@ def test_a_second_attempt_is_tighter_and_the_last(monkeypatch):
             raise solver.ConvergenceError("it fails")
         return real(surface, guess, tolerance, accepted)
 
-    monkeypatch.setattr(solver, "solve_many_contacts", failing)
+    monkeypatch.setattr(solver, "solve_in_stages", failing)
     assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
     assert tried == [1e-8, 1e-9]
     with pytest.raises(solver.ConvergenceError, match="it fails"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches import inequalities, many_contacts, thin_gaps
+from weier.methods.patches import inequalities, stages, thin_gaps
 from weier.methods.patches.solver import make_solution, solve_state
 from weier.methods.patches.start import Starts, gaps_guess
 from weier.methods.patches.thin_gaps import find_thin_gaps
@@ -113,16 +113,16 @@ def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, bel
     """Separate contacts, and gaps with a segment for the thin one, to what the edge nearby changes."""
     load = merger * (1 - below)
     starts = Starts(profile, 1e-10)
-    for module in (inequalities, many_contacts, thin_gaps):
+    for module in (inequalities, stages, thin_gaps):
         monkeypatch.setattr(module, "MAX_THINNESS", 1e-2 if dual else 1e-3)
     thin, _ = solve_state(starts, load)
     assert thin.dual == dual
     contacts = make_solution(starts.surface, thin, load)
-    for module in (inequalities, many_contacts, thin_gaps):
+    for module in (inequalities, stages, thin_gaps):
         monkeypatch.setattr(module, "MAX_THINNESS", 0.0)
     guess = thin if dual else gaps_guess(starts.surface, thin)
     assert guess.dual
-    gaps, _ = many_contacts.solve_many_contacts(starts.surface, guess, 1e-12)
+    gaps, _ = stages.solve_in_stages(starts.surface, guess, 1e-12)
     assert thin.cracks.contact.size == 1
     assert gaps.segments.centre.size + gaps.cracks.contact.size == contacts.centre.size
     of_gaps = make_solution(starts.surface, gaps, load)

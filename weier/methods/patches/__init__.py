@@ -3,8 +3,8 @@
 Each module names its sections of that page. `surface` is the profile as a cosine series about its crests; `segments`
 holds contacts or gaps with their nodes and densities. A load starts from `start`. `given_edges` (with `kind`,
 `contacts`, `gaps`, `rule`, `pair_sums`) solves on given edges, `edge_iteration` moves them, `inequalities` (with
-`fields`) finds missing segments, and `many_contacts` is the iteration over these. `certificate`, `thin_gaps` and
-`resistance_error` bound or estimate the errors. `solver` and `event_search` are the interface.
+`fields`) finds missing segments, and `stages` is the iteration over these. `thin_gaps` are cracks in closed form, and
+`certificate` bounds the error of h and estimates that of R. `solver` and `event_search` are the interface.
 """
 
 from weier.methods.patches.event_search import Events, events

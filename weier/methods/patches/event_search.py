@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches import many_contacts
+from weier.methods.patches import stages
 from weier.methods.patches.fields import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import CAUCHY
@@ -259,7 +259,7 @@ class _Search(NamedTuple):
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
         """Follow the contacts of `start` to another load, without births and mergers."""
-        return start if load == start.load else many_contacts.follow_contacts(self.starts.surface, start, load)
+        return start if load == start.load else stages.follow_contacts(self.starts.surface, start, load)
 
 
 def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:

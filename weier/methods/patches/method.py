@@ -8,7 +8,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.method import Method, Style, applies_to_resolvable
-from weier.methods.patches import many_contacts
+from weier.methods.patches import stages
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.given_edges import (
@@ -46,7 +46,7 @@ def run_kernels() -> None:
         assert guess is not None
         series = surface.series(guess.dual)
         curve(ONE_WAVE, guess.load)
-        state, _ = many_contacts.solve_many_contacts(surface, guess, TOLERANCE)
+        state, _ = stages.solve_in_stages(surface, guess, TOLERANCE)
         punches, none = (
             make_punches(state.segments, series.period, state.dual, most=0),
             np.zeros_like(state.coefficient),

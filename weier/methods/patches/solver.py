@@ -16,10 +16,10 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
+from weier.methods.patches.certificate import resistance_error
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.many_contacts import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_many_contacts
-from weier.methods.patches.resistance_error import resistance_error
 from weier.methods.patches.segments import ContactState, Extent, Sides, contact_pieces
+from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_in_stages
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -211,7 +211,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     second = max(first / TIGHTENING, LEAST_TOLERANCE)
     for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
         try:
-            state, more = solve_many_contacts(starts.surface, starts.guess(load), relative, first)
+            state, more = solve_in_stages(starts.surface, starts.guess(load), relative, first)
         except ConvergenceError as error:
             failure = error
         else:

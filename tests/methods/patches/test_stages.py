@@ -1,4 +1,4 @@
-"""Many contacts without a dense matrix: hundreds of them, bad starts, and what is refused."""
+"""The stages of a load: hundreds of contacts, bad starts, and states that are refused."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,13 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
-from weier.methods.patches import certificate, fields, many_contacts
+from weier.methods.patches import certificate, fields, stages
 from weier.methods.patches.certificate import check_violation, contact_residual
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
-from weier.methods.patches.many_contacts import follow_contacts, solve_many_contacts
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
 from weier.methods.patches.solver import TOLERANCE
+from weier.methods.patches.stages import follow_contacts, solve_in_stages
 from weier.methods.patches.start import Starts, contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
 
@@ -22,7 +22,7 @@ FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
 
 def solve_from_grid(profile, load):
     starts = Starts(profile, 1e-10)
-    return solve_many_contacts(starts.surface, starts.guess(load), TOLERANCE)
+    return solve_in_stages(starts.surface, starts.guess(load), TOLERANCE)
 
 
 def edges_of(state):
@@ -55,7 +55,7 @@ def test_cuts_that_overlap_are_one():
     negative["start"], negative["end"] = (-0.5, 0.35), (0.3, 0.36)
     widening = 0.5 * (np.sqrt(2) - 1) * 0.8
     expected = [(0.4, 0.5 + 0.1 * (-0.5 - widening)), (0.5 + 0.1 * (0.3 + widening), 0.6)]
-    np.testing.assert_allclose(many_contacts._cut_segments(state, negative), expected)
+    np.testing.assert_allclose(stages._cut_segments(state, negative), expected)
 
 
 @one_thread
@@ -78,7 +78,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
         gap = np.append(left[1:], left[0] + 1) - right
         left, right = left + 0.3 * gap, right + 0.3 * gap
     guess = contacts_guess(surface, load, np.stack([0.5 * (left + right), 0.5 * (right - left)]))
-    again, _ = solve_many_contacts(surface, guess, TOLERANCE)
+    again, _ = solve_in_stages(surface, guess, TOLERANCE)
     assert again.approach == pytest.approx(state.approach, abs=1e-12)
     np.testing.assert_allclose(np.sort(edges_of(again)[0] % 1), np.sort(edges_of(state)[0] % 1), atol=1e-9)
 
@@ -86,7 +86,7 @@ def test_bad_starts_lead_to_the_same_contacts(fault):
 def test_an_edge_at_a_narrow_gap_tells_nothing_of_the_opposite_one():
     """The pressure beside the gap is nearly 0, and changed its sign in each step that made the other edge move."""
     starts = Starts(Profile(1.25, 5, 6, (0.0, 1.0, 1.0, 1.0, 1.0, 1.0)), 1e-10)
-    assert solve_many_contacts(starts.surface, starts.guess(0.5623413251903491), TOLERANCE)[1] <= 10
+    assert solve_in_stages(starts.surface, starts.guess(0.5623413251903491), TOLERANCE)[1] <= 10
 
 
 @one_thread
@@ -97,7 +97,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     surface = surface_of(profile)
     coarse = patches.solve_load(fewer, min(load, 5.0))
     guess = contacts_guess(surface, load, np.stack([coarse.centre, coarse.half_width]))
-    state, steps = solve_many_contacts(surface, guess, TOLERANCE)
+    state, steps = solve_in_stages(surface, guess, TOLERANCE)
     expected = patches.solve_load(profile, load).state
     assert steps < 30
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size

@@ -1,9 +1,9 @@
-"""One load on any number of contacts or gaps, in memory O(contacts).
+"""The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
 docs/patches.md, "The stages of a load", has the six stages and the reason of each limit; "Given edges", "Moves of
 edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stages 1 and 3,
-`_corrections` stages 2 and 4, `contact_residual` stage 5, `_resistance`, `_cracks` and `certify` stage 6. Limits are
-heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
+`_corrections` stages 2 and 4, `contact_residual` stage 5, and `_with_resistance`, the cracks and `certify` stage 6.
+Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def _stages(
     )
 
 
-def solve_many_contacts(
+def solve_in_stages(
     surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
 ) -> tuple[ContactState, int]:
     """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
