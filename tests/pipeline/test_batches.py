@@ -184,6 +184,20 @@ def test_a_batch_is_read_as_it_was_described(tmp_path):
     assert found.kind.loads == [0.1, 1.0]
 
 
+def test_the_cases_of_a_description_are_read_only_by_the_job_that_solves_them(tmp_path):
+    """A million of them would take Snakemake seconds."""
+    solutions = Solutions(load(tmp_path, methods=["demelio"]), tmp_path / "batches")
+    (path,) = solutions.files()
+    solutions.store.write()
+    description = path.with_suffix(".json")
+    description.write_text(description.read_text().splitlines()[0])
+    found = Solutions(solutions.scene, tmp_path / "batches").store.batch(path.stem)
+    assert found.label == solutions.store.batch(path.stem).label
+    assert len(found.cases) == len(found.surfaces)
+    with pytest.raises(ValueError, match=r"json does not describe a batch: delete it and run snakemake again"):
+        list(found.cases)
+
+
 def test_only_batches_that_no_scene_uses_are_unused(tmp_path):
     folder = tmp_path / "batches"
     solve_scene(load(tmp_path), folder)

@@ -138,47 +138,58 @@ class Batch(NamedTuple):
         return f"{self.title}, in about {max(1, round(self.seconds))} s"
 
     def describe(self) -> str:
-        """Return its description as text of JSON: parameters of the same names are rows of a table."""
+        """Return its description as two lines of JSON: the batch, and its cases, as tables of parameters of one kind.
+
+        Only the process that solves the batch reads the second line, which takes a hundred times as long.
+        """
         tables: dict[tuple[str, ...], list[list[Any]]] = {}
         order = []
         for case in self.cases:
             names = tuple(case.parameters)
             tables.setdefault(names, []).append(list(case.parameters.values()))
             order.append(list(tables).index(names))
-        described = {
-            **self.kind._asdict(),
-            "surfaces": as_text(self.surfaces),
-            "tables": list(tables.items()),
-            "order": order if len(tables) > 1 else [],
-            "given": self.cases[0].settings,
-            "studies": self.studies,
-            "seconds": self.seconds,
-        }
-        return json.dumps(described)
+        own = {"surfaces": as_text(self.surfaces), "studies": self.studies, "seconds": self.seconds}
+        cases = {"tables": list(tables.items()), "order": order, "given": self.cases[0].settings}
+        return f"{json.dumps(self.kind._asdict() | own)}\n{json.dumps(cases)}\n"
 
 
 def read_batch(path: str | Path) -> Batch:
-    """Read the description of a batch; ValueError if the file is none."""
-    raw, kind = _read(path)
+    """Read the description of a batch, and its cases on access; ValueError if the file is none."""
     try:
-        method = (kind.method,)
-        tables = [
-            iter([Case(dict(zip(names, row, strict=True)), method, raw["given"]) for row in rows])
-            for names, rows in raw["tables"]
-        ]
-        surfaces = from_text(raw["surfaces"])
-        cases = [next(tables[number]) for number in raw["order"] or [0] * len(surfaces)]
+        with Path(path).open(encoding="utf-8") as file:
+            raw = json.loads(file.readline())
+        kind, surfaces = Kind(*(raw[name] for name in Kind._fields)), from_text(raw["surfaces"])
+        cases = CasesOfFile(Path(path), kind.method, len(surfaces))
         return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"])
-    except (TypeError, KeyError, ValueError, IndexError, StopIteration) as error:
-        raise _no_batch(path, error) from None
-
-
-def _read(path: str | Path) -> tuple[dict[str, Any], Kind]:
-    try:
-        raw = json.loads(Path(path).read_text(encoding="utf-8"))
-        return raw, Kind(*(raw[name] for name in Kind._fields))
     except (OSError, TypeError, KeyError, ValueError) as error:
         raise _no_batch(path, error) from None
+
+
+class CasesOfFile(Sequence[Case]):
+    """The cases of a batch, which are read from its description on access."""
+
+    def __init__(self, path: Path, method: str, count: int) -> None:
+        self._path, self._method, self._count = path, method, count
+
+    def __len__(self) -> int:
+        """Return the number of cases."""
+        return self._count
+
+    def __getitem__(self, position: Any) -> Any:
+        """Return the case at a position."""
+        return self._cases[position]
+
+    @cached_property
+    def _cases(self) -> list[Case]:
+        try:
+            raw = json.loads(self._path.read_text(encoding="utf-8").splitlines()[1])
+            tables = [
+                iter([Case(dict(zip(names, row, strict=True)), (self._method,), raw["given"]) for row in rows])
+                for names, rows in raw["tables"]
+            ]
+            return [next(tables[number]) for number in raw["order"]]
+        except (OSError, TypeError, KeyError, ValueError, IndexError, StopIteration) as error:
+            raise _no_batch(self._path, error) from None
 
 
 def _no_batch(path: str | Path, error: Exception) -> ValueError:
@@ -246,7 +257,7 @@ class Store:
         if kind not in self._known:
             self._known[kind] = []
             for path in (self.folder / f"{batch}.json" for batch in self.solved if batch.startswith(f"{kind}-")):
-                self._known[kind].append((len(self.batches), from_text(_read(path)[0]["surfaces"])))
+                self._known[kind].append((len(self.batches), read_batch(path).surfaces))
                 self.batches.append(path)
         return self._known[kind]
 

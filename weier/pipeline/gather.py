@@ -7,7 +7,7 @@ case come from the scene, so that renaming a study solves nothing again.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Mapping
 from contextlib import suppress
 from itertools import compress
 from pathlib import Path
@@ -28,6 +28,7 @@ from weier.pipeline.batches import Solutions
 from weier.scene.cases import Layout, Scene
 from weier.surface.spectrum import fit
 
+Values = tuple[tuple[str, ...], NDArray[Any]]  # dimensions and values of a variable
 BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
@@ -62,28 +63,23 @@ def gather(
     """
     scene, count = solutions.scene, len(solutions.scene.distinct)
     reader, labels = Reader(solutions, scene.layout), case_labels(scene)
+    histories, widths = netcdf.texts_of_files(reader.files())
     first = in_units_of(scene, reader.read(np.arange(1)))
     header = first.merge(labels.isel(case=slice(1))).merge(more or {})
-    about = provenance.attributes(scene.title, step, scene.text, reader.histories(), in_si=scene.in_si)
+    about = provenance.attributes(scene.title, step, scene.text, histories, in_si=scene.in_si)
     header = header.assign_attrs(about)
+    for name, width in (netcdf.text_widths(header) | netcdf.text_widths(labels)).items():
+        widths[name] = max(width, widths.get(name, 0))
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside:
         with netCDF4.Dataset(beside, "w") as file:
-            netcdf.create(file, header, {"case": count}, _widths(header, labels, reader))
+            netcdf.create(file, header, {"case": count}, widths)
             netcdf.fill(file, header.drop_dims("case"))
             netcdf.fill(file, labels, slice(0, count))
             for start in range(0, count, size):
                 block = np.arange(start, min(start + size, count))
                 netcdf.fill(file, in_units_of(scene, reader.read(block)), slice(start, start + len(block)))
         netcdf.seal(beside, name)
-
-
-def _widths(header: xr.Dataset, labels: xr.Dataset, reader: Reader) -> dict[str, int]:
-    """Return the bytes of the longest text of each variable of all cases."""
-    widths = netcdf.text_widths(header) | netcdf.text_widths(labels)
-    for name, width in netcdf.widths_of_files(reader.files()).items():
-        widths[name] = max(width, widths.get(name, 0))
-    return widths
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
@@ -192,20 +188,12 @@ class Reader:
             for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
                 if here.size and (batch := int(batches[here[0]])) >= 0:
                     start = int(rows[here].min())
-                    part = self._rows(batch, start, int(rows[here].max()) + 1, found)
+                    part = netcdf.read(self._file(batch), found, slice(start, int(rows[here].max()) + 1))
                     _copy(found, part, rows[here] - start, here, column)
             _writable(found, "numerics")[:, column] = code
         found["key"] = np.array([self.keys[number] for number in cases.tolist()], object)
         filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
         return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
-
-    def histories(self) -> list[str]:
-        """Return the distinct histories of the batches."""
-        found = dict[str, None]()
-        for path in self.files():
-            with netCDF4.Dataset(path) as file:
-                found[getattr(file, "history", "")] = None
-        return list(found)
 
     def files(self) -> list[Path]:
         """Return the batches, which are verified."""
@@ -219,11 +207,6 @@ class Reader:
             self._verified.add(batch)
         return file
 
-    def _rows(self, batch: int, start: int, end: int, names: Collection[str]) -> xr.Dataset:
-        """Return a range of cases of a batch in memory, with these variables."""
-        with dataset.reading(self._file(batch)) as data:
-            return data.drop_vars(data.variables.keys() - names).isel(case=slice(start, end)).load()
-
 
 def _writable(arrays: dict[str, NDArray[Any]], name: str) -> NDArray[Any]:
     """Return an array to write to, in place of a view of the blank case."""
@@ -232,15 +215,14 @@ def _writable(arrays: dict[str, NDArray[Any]], name: str) -> NDArray[Any]:
     return arrays[name]
 
 
-def _copy(found: dict[str, NDArray[Any]], part: xr.Dataset, there: Indices, rows: Indices, column: int) -> None:
+def _copy(
+    found: dict[str, NDArray[Any]], part: Mapping[str, Values], there: Indices, rows: Indices, column: int
+) -> None:
     """Copy curves of a method and the parameters of their cases from rows of a batch to these rows."""
-    for name in found.keys() & part.variables.keys():
-        dims, values, here = part.variables[name].dims, part.variables[name].values[there], rows
+    for name, (dims, read) in part.items():
+        values, here = read[there], rows
         if values.dtype.kind == "f" and np.isnan(values).all():
             continue
-        if values.dtype.kind in "OUT":  # stores each distinct text once
-            known: dict[str, str] = {}
-            values = np.array([known.setdefault(text, text) for text in values.ravel()], object).reshape(values.shape)
         target = _writable(found, name)
         if "solution_method" in dims:
             values = values[:, 0]
