@@ -1,14 +1,14 @@
 """The infinite series: fixed point of one scale, by Newton's method on all rows of its table.
 
 docs/layer.md, "The whole series", derives the formulas. With J = d ln TW/d ln W from the sensitivities of each wave
-(`weier.methods.layer.wave.closure_sensitivity`), Newton's method solves ln W - ln TW = 0, and (I - J)^-1 bounds the
-relative errors of the table by its deviation from T of itself, measured in the middle of every cell.
+(`weier.methods.layer.wave.closure_sensitivity`) and linear interpolation, damped Newton steps solve ln W - ln TW = 0,
+and (I - J)^-1 bounds the relative errors of the table by its deviation from T of itself, measured in the middle of
+every cell.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import scipy  # its modules are imported on first use, a tenth of a second each
@@ -33,11 +33,9 @@ from weier.methods.layer.wave import closure_sensitivity
 
 TABLE_FRACTION = 0.5  # of the accuracy for the table; the rest is for the residuals of the waves
 MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
-MAX_GUESS_STEP = 0.1  # change of ln W in a Newton step at which a guess is accepted
-MAX_NEWTON_STEPS = 40  # 3 to 12 are usual
-MAX_DAMPED_STEPS = 400  # 10 to 60 are usual
-MAX_STEP = 10.0  # largest change of ln W in a Newton step
-MAX_DAMPED_STEP = 0.5  # largest change of ln W in a damped step
+MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
+MAX_STEPS = 400  # 10 to 60 are usual
+MAX_STEP = 0.5  # largest change of ln W in a step
 # damping factors beta that are tried, from Newton's method (1) to a fixed-point step (0)
 DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0
 # fraction of the correction that is tried next if a wave has no solution, and its lower limit
@@ -45,30 +43,17 @@ PART_AGAIN, MIN_PART = 0.25, 1e-3
 RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
 MIN_RESIDUAL = 1e-13  # rounding
 
-Solver = Callable[[Model, Rows, float], tuple[Rows, Array]]  # of rows near the fixed point, up to a last step
-
 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """Return the waves of the infinite series of a D and gamma, whatever the m, on a table between these positions.
-
-    If Newton's method fails, damped steps start again from the initial guess.
-    """
+    """Return the waves of the infinite series of a D and gamma, on a table between these positions."""
     # at heavy loads errors of ln W and residuals of waves add up over this number of scales
     gain = np.array([model.infinite_amplitude])
     needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), MIN_RESIDUAL))
     limit = _limit(model, gain)
-    try:
-        return _refined(model, bottom, top, limit, _newton)
-    except ConvergenceError:
-        return _refined(model, bottom, top, limit, _damped_newton)
-
-
-def _refined(model: Model, bottom: float, top: float, limit: float, solve: Solver) -> ComplianceTable:
-    """Return a table of the fixed point, refined to its accuracy."""
-    rows = _guess(model, lattice(bottom, top), solve)
+    rows = _guess(model, lattice(bottom, top))
     for _ in range(MAX_HALVINGS):
-        rows, size = solve(model, rows, math.sqrt(limit))
+        rows, size = _damped_newton(model, rows, math.sqrt(limit))
         over_scales = np.linalg.inv(np.eye(len(size)) - size)
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
@@ -99,7 +84,7 @@ def _scale(model: Model, rows: Rows) -> Scale:
     return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
 
 
-def _guess(model: Model, position: Array, solve: Solver) -> Rows:
+def _guess(model: Model, position: Array) -> Rows:
     """Return a table near the fixed point: Archard's estimate at heavy loads, then row by row to lighter loads.
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
@@ -107,42 +92,23 @@ def _guess(model: Model, position: Array, solve: Solver) -> Rows:
     heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
     unknown = np.empty((heavy.size, 0))
-    rows, _ = solve(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+    rows, _ = _damped_newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
     for one in position[position < heavy[0]][::-1]:
         rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
     return rows
-
-
-def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
-    """Return the rows at the fixed point and the Jacobian bound J, shape (rows, rows).
-
-    The last step is at most the limit, and the remaining error is of second order in it.
-    """
-    spline = _spline(rows)
-    for _ in range(MAX_NEWTON_STEPS):
-        scale = _scale(model, rows)
-        image = scale.rows(rows.position, rows.state if rows.state.size else None)
-        derivative, size = _sensitivity(image, scale, spline)
-        step = np.linalg.solve(np.eye(len(size)) - derivative, image.log_compliance - rows.log_compliance)
-        change = float(np.max(np.abs(step)))
-        log_W = rows.log_compliance + np.clip(step, -MAX_STEP, MAX_STEP)
-        log_W = np.minimum(log_W, math.log(model.infinite_amplitude))
-        rows = image._replace(log_compliance=log_W, slope=spline(rows.position, 1) @ log_W)
-        if change <= limit:
-            return rows, size
-    raise _unsettled(model, change, limit)
 
 
 def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """Solve by damped Newton steps with the J of the linear interpolant of ln W, starting from TW.
 
     J >= 0 and its rows sum to less than 1, so that (I - beta J)^-1 exists for 0 <= beta <= 1. The largest beta whose
-    step is at most `MAX_DAMPED_STEP` is taken. If a wave has no solution on the new table, the table moves towards
-    TW.
+    step is at most `MAX_STEP` is taken. If a wave has no solution on the new table, the table moves towards TW.
+    Returns the rows at the fixed point and J, once a step is at most the limit.
     """
-    spline, identity, top = _spline(rows), np.eye(rows.position.size), math.log(model.infinite_amplitude)
+    identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
+    spline = scipy.interpolate.CubicSpline(rows.position, identity)  # through ln W as a function of its rows
     image, correction, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
-    for _ in range(MAX_DAMPED_STEPS):
+    for _ in range(MAX_STEPS):
         log_W = np.minimum(image.log_compliance + part * correction, top)
         slope = image.slope + spline(rows.position, 1) @ (log_W - image.log_compliance)
         rows = image._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
@@ -156,20 +122,15 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
             continue
         if settled and part == 1:
             return rows, size
-        _, size = _sensitivity(new, scale, spline)
+        size = _sensitivity(new, scale)
         residual = new.log_compliance - log_W
         for damping in DAMPINGS:
             step = np.linalg.solve(identity - damping * size, residual)
             change = float(np.max(np.abs(step)))
-            if change <= MAX_DAMPED_STEP:
+            if change <= MAX_STEP:
                 break
         image, correction, part, settled = new, step - residual, 1.0, damping == 1 and change <= limit
     raise _unsettled(model, float(np.max(np.abs(correction))), limit)
-
-
-def _spline(rows: Rows) -> scipy.interpolate.CubicSpline:
-    """Return the cubic spline through ln W as a function of its rows."""
-    return scipy.interpolate.CubicSpline(rows.position, np.eye(rows.position.size))
 
 
 def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
@@ -180,19 +141,12 @@ def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
     )
 
 
-def _sensitivity(image: Rows, scale: Scale, basis: scipy.interpolate.CubicSpline) -> tuple[Array, Array]:
-    """Return J = d ln TW/d ln W, shape (waves, rows).
-
-    The second array bounds the effect of relative errors that are linear between the rows.
-    """
+def _sensitivity(image: Rows, scale: Scale) -> Array:
+    """Return J = d ln TW/d ln W for ln W that is linear between the rows, shape (waves, rows)."""
     loads = log_load_at(image.position)
     sensitivity, log_pressure = closure_sensitivity(
         image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance)
     )
-    position, excess = position_in(scale.closure, log_pressure)
-    linear = scipy.interpolate.make_interp_spline(basis.x, np.eye(basis.x.size), k=1)
-    derivative, size = np.empty((2, len(sensitivity), basis.x.size))
-    for i, (of_wave, at, distance) in enumerate(zip(sensitivity, position, excess, strict=True)):
-        derivative[i] = of_wave @ basis(at) + (of_wave * distance) @ basis(at, 1)
-        size[i] = np.abs(of_wave) @ linear(at)
-    return derivative, size
+    position, _ = position_in(scale.closure, log_pressure)
+    linear = scipy.interpolate.make_interp_spline(image.position, np.eye(image.position.size), k=1)
+    return np.stack([np.abs(of_wave) @ linear(at) for of_wave, at in zip(sensitivity, position, strict=True)])
