@@ -7,6 +7,7 @@ half a second.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from functools import cache
@@ -126,8 +127,9 @@ def listed(name: str, text: str, unit: str) -> list[float]:
     if not ranged:
         return values
     first, last, count = *values[:2], float(parts[2][1])
-    if not (2 <= count <= MAX_LISTED and count == int(count) and first > 0 and last > 0):
-        raise ValueError(f"{name} must be positive, and at most {MAX_LISTED} numbers, got {text!r:.80}")
+    within = 2 <= count <= MAX_LISTED and count == int(count)
+    if not (within and min(first, last) > 0 and max(first, last) < math.inf):
+        raise ValueError(f"{name} must be 2 to {MAX_LISTED} positive numbers, got {text!r:.80}")
     return [float(value) for value in np.geomspace(first, last, int(count))]
 
 

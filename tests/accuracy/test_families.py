@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -32,18 +30,6 @@ def test_draws_are_series_within_limits(family, monkeypatch):
         assert np.all(np.diff(draw.loads) > 0)
         assert draw.loads[0] > 0
         assert bem.checked_points(draw.profile, draw.settings.get("points"), draw.settings.get("points_per_wave"))
-
-
-def test_a_file_gives_the_same_draws(one_draw, tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(families, "draw_one", lambda random, family: one_draw)
-    first = list(families.draws(tmp_path / "kept", ["usual"], np.random.default_rng(0), 3))
-    assert len(first) == 2
-    monkeypatch.setattr(families, "draw_one", None)
-    for draw in families.draws(tmp_path / "kept", ["usual"], np.random.default_rng(0), 4):
-        assert (draw.profile, draw.settings) == (one_draw.profile, one_draw.settings)
-        for name in families.ARRAYS:
-            np.testing.assert_array_equal(getattr(draw, name), getattr(one_draw, name))
-    assert list(families.draws(tmp_path / "kept", ["rational gamma"], np.random.default_rng(0), 0)) == []
 
 
 def test_an_error_beyond_what_is_stated_is_found(one_draw):

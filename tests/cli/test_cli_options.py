@@ -11,11 +11,11 @@ SOLVE = ["solve", *PROFILE]
 
 
 WRONG_USAGE = [
-    ([*SOLVE, "--loads", "1:-0.1:5"], "mean_pressure must be positive, got -0.1"),
+    ([*SOLVE, "--loads", "1:-0.1:5"], "loads must be 2 to 10000 positive numbers, got '1:-0.1:5'"),
     ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
-    ([*SOLVE, "--loads", "1:2"], 'loads must read "0.1,1" or "first:last:count", got \'1:2\''),
+    ([*SOLVE, "--loads", "1:2"], 'loads must read "1,10 p_0*" or "first:last:count p_0*", got \'1:2\''),
     ([*SOLVE, "--loads", ""], "loads must read"),
-    ([*SOLVE, "--loads", "1:2:99999999999"], "must lie in [2, 10000], got 99999999999"),
+    ([*SOLVE, "--loads", "1:2:99999999999"], "loads must be 2 to 10000 positive numbers"),
     ([*SOLVE, "--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
     ([*SOLVE, "--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
     ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),

@@ -1,14 +1,13 @@
 """Coverage of stated errors on families of hard series, against contact patches at a tight tolerance.
 
 `python -m weier.accuracy.coverage` draws new series, prints the number of errors above the stated error and the
-largest ratio for each family and method, and lists the worst. With a file, exact curves are solved once.
+largest ratio for each family and method, and lists the worst.
 """
 
 from __future__ import annotations
 
 import secrets
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
@@ -137,11 +136,8 @@ def report(found: Found, worst: int) -> None:
 @click.option("--count", default=6000, help="Loads that are compared.")
 @click.option("--seed", type=int, help="Seed of the draws; another one each time by default.")
 @click.option("--families", default=",".join(FAMILIES), help="Families to draw from, with commas.")
-@click.option(
-    "--file", type=click.Path(dir_okay=False, path_type=Path), help="Where draws and exact curves are kept."
-)
 @click.option("--worst", default=20, help="Exceeded statements to print.")
-def main(count: int, seed: int | None, families: str, file: Path | None, worst: int) -> None:
+def main(count: int, seed: int | None, families: str, worst: int) -> None:
     """Compare methods with tight contact patches on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
@@ -154,7 +150,7 @@ def main(count: int, seed: int | None, families: str, file: Path | None, worst: 
     click.echo(f"seed {seed}", err=True)
     found: Found = []
     try:
-        for draw in draws(file, names, np.random.default_rng(seed), count):
+        for draw in draws(names, np.random.default_rng(seed), count):
             found.append((draw, judge_all(draw)))
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)

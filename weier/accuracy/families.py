@@ -1,16 +1,14 @@
-"""Families of hard series with their exact curves by contact patches, newly drawn or read from a file.
+"""Families of hard series with their exact curves by contact patches.
 
 A family is made of features: of the series, its phases, its loads, and the settings of boundary elements.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from fractions import Fraction
 from itertools import cycle
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
@@ -25,7 +23,6 @@ MAX_WAVES = 1000  # per period: at most a third of a second per load by contact 
 LOADS = 8  # loads per series
 # tolerances of the patches, also on the reflected profile; the first one that can be met is used
 REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
-ARRAYS = ("loads", "exact", "uncertainty")  # fields of a draw that are arrays
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
@@ -245,29 +242,11 @@ def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patc
     return patches.curve(profile, [load], loosest)
 
 
-def draws(path: Path | None, names: list[str], random: Generator, count: int) -> Iterator[Draw]:
-    """Yield draws of the families: first those in the file, then new ones, which are added to it."""
-    kept = [_from_line(line) for line in path.read_text().splitlines()] if path and path.exists() else []
-    kept = [draw for draw in kept if draw.family in names]
-    yield from kept
-    missing = count - sum(draw.loads.size for draw in kept)
+def draws(names: list[str], random: Generator, count: int) -> Iterator[Draw]:
+    """Yield draws of the families in turn, with at least this number of loads."""
     for name in cycle(names):
-        if missing <= 0:
+        if count <= 0:
             return
         fresh = draw_one(random, name)
-        missing -= fresh.loads.size
-        if path:
-            with path.open("a") as file:
-                file.write(_as_line(fresh) + "\n")
+        count -= fresh.loads.size
         yield fresh
-
-
-def _as_line(draw: Draw) -> str:
-    D, gamma, m, phases = draw.profile.D, draw.profile.gamma, draw.profile.m, draw.profile.phases
-    arrays = {name: getattr(draw, name).tolist() for name in ARRAYS}
-    return json.dumps({**draw._asdict(), "profile": [D, str(gamma), m, phases], **arrays})
-
-
-def _from_line(line: str) -> Draw:
-    kept = json.loads(line)
-    return Draw(**{**kept, "profile": Profile(*kept["profile"]), **{name: np.array(kept[name]) for name in ARRAYS}})

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from weier import units
 from weier.checks import checked_numbers, checked_workers, nearest
@@ -16,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, defaults, described, methods_with
 from weier.scene.yaml import parse_yaml
-from weier.surface.loads import MAX_LOADS, positive_loads
+from weier.surface.loads import positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
 from weier.surface.measured.instruments import AXES
 from weier.surface.measured.layout import SEPARATORS
@@ -33,19 +32,7 @@ STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 def parse_loads(text: str) -> Array:
     """Return mean pressures in the order given, from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
-    try:
-        if ":" not in text:
-            return positive_loads([float(part) for part in text.split(",")])
-        first, last, count = text.split(":")
-        ends, number = (float(first), float(last)), int(count)
-    except ValueError as error:
-        if "mean_pressure" in str(error):
-            raise
-        raise ValueError(f'loads must read "0.1,1" or "first:last:count", got {text!r:.80}') from None
-    if not 2 <= number <= MAX_LOADS:
-        raise ValueError(f"the count of loads must lie in [2, {MAX_LOADS}], got {number}")
-    positive_loads(ends)
-    return positive_loads(np.geomspace(*ends, number))
+    return positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE))
 
 
 def parse_phases(text: str) -> float | list[float]:

@@ -112,7 +112,7 @@ def _solve(
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row per load.")
-@click.option("--force", is_flag=True, help="Overwrite --output even if it holds another profile.")
+@click.option("--force", is_flag=True, help="Overwrite --output if it exists.")
 @click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
 @click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
 @click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
@@ -155,8 +155,8 @@ def solve(
 
     wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
     request = _request(wanted=wanted, **options)
-    if output is not None and not force:
-        result.check_same_profile(output, request.profile)
+    if output is not None and output.exists() and not force:
+        raise ValueError(f"{output} exists: name another file, or overwrite it by --force")
     stop = None
     try:
         data = _solve((), request, methods, tolerance, settings, workers, max_seconds)

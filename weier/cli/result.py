@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
 import xarray as xr
 
 from weier import units
@@ -20,8 +17,6 @@ from weier.data.provenance import NORMALISED
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.pipeline import single
-from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import BODIES
 
 # The numbers that describe a profile.
@@ -87,50 +82,6 @@ def _plain(values: Array) -> Any:
     plain[~np.isfinite(values)] = None
     plain[np.isposinf(values)] = "inf"
     return plain.tolist()
-
-
-def check_same_profile(path: Path, profile: Mapping[str, Any]) -> None:
-    """Refuse to overwrite a file that is not of this profile."""
-    if not path.exists():
-        return
-    surface = single.surface_of(profile)
-    labels = surface.labels
-    own = {
-        "phases": np.asarray(surface.listed_phases, float).tolist(),
-        "trace_digest": labels.get("trace_digest", ""),
-    }
-    own |= {name: labels[name] for name in PARAMETERS}
-    try:
-        found = _labels_of(path)
-    except Exception:  # a file of anything
-        found = {}
-    if any(not _alike(own[name], found.get(name)) for name in own):
-        raise ValueError(f"{path} exists and is not of this profile: name another file, or overwrite it by --force")
-
-
-def _labels_of(path: Path) -> dict[str, Any]:
-    """Return what identifies the profile of a file that `write` wrote."""
-    if path.suffix == ".json":
-        found = json.loads(path.read_text(encoding="utf-8"))
-        return found | {"m": math.inf if found["m"] == "inf" else found["m"]}
-    if path.suffix == ".csv":
-        row = {heading.partition(" (")[0]: value for heading, value in pd.read_csv(path).iloc[0].items()}
-    else:
-        with dataset.reading(path) as data:
-            row = data.weier.table().iloc[0].to_dict()
-    return row | {"phases": json.loads(row["phases"])}
-
-
-def _alike(own: Any, other: Any) -> bool:
-    """Return whether two labels are equal; texts keep fewer digits, and missing ones are NaN, None or empty."""
-    if isinstance(own, list):
-        known = [value for value in own if math.isfinite(value)]
-        found = [value for value in other if value is not None] if isinstance(other, list) else None
-        return found is not None and len(known) == len(found) and np.allclose(known, found)
-    if isinstance(own, str) or other is None or isinstance(other, str):
-        missing = own == "" or own != own
-        return own == other or (missing and (other is None or other != other))
-    return bool(np.isclose(own, other, equal_nan=True))
 
 
 def check_solved(data: xr.Dataset) -> None:
