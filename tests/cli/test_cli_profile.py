@@ -398,13 +398,13 @@ def test_what_is_solved_is_written_where_a_solution_is_stopped(run, tmp_path, mo
     found = pd.read_csv(path)
     assert 2 < len(found) < 40
     monkeypatch.setattr(single, "solve_batch", own)
-    assert run(*options)[0] == 0
+    assert run(*options, "--force")[0] == 0
     whole = pd.read_csv(path)
     assert len(whole) == 40
     own = [name for name in found if "_lower" not in name and "_upper" not in name]  # which follow from all loads
     pd.testing.assert_frame_equal(whole[own].iloc[: len(found)], found[own])
     monkeypatch.setattr(single, "LONG", 100.0)
-    assert run(*options)[0] == 0
+    assert run(*options, "--force")[0] == 0
     pd.testing.assert_frame_equal(pd.read_csv(path).drop(columns="work"), whole.drop(columns="work"))
 
 
