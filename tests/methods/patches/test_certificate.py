@@ -95,8 +95,9 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     assert state.dual == (load > 1)
 
     def certified(wrong):
-        (residual, width), negative = contact_residual(wrong, series), find_negative_intervals(wrong)
-        return certify(wrong, residual, width, minima_outside(wrong, series, 0.0), negative, series, 1e-3, 0.0).error
+        minima, negative = minima_outside(wrong, series, 0.0), find_negative_intervals(wrong)
+        violations = *contact_residual(wrong, series), *wrong.kind.overlaps_and_tensions(minima, negative)
+        return certify(wrong, *violations, series, 1e-3, 0.0).error
 
     assert certified(state) < 1e-12
     if not state.dual:  # the residual of gaps is a pressure
@@ -147,7 +148,7 @@ def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths
     minima = np.zeros(1, MINIMUM)
     minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
     nothing = find_negative_intervals(state)
-    found = certify(state, np.array([sigma]), np.array([0.3 * r]), minima, nothing, series, 1e-3, 0.0)
+    found = certify(state, np.array([sigma]), np.array([0.3 * r]), nothing, minima, series, 1e-3, 0.0)
     assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9)
     reach = np.sqrt(2 * depth / curvature)
     expected = bound_by(

@@ -20,8 +20,8 @@ from weier.methods.patches.edge_iteration import (
 )
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import Bounds, regular_part
-from weier.methods.patches.segments import from_crests, make_segments
-from weier.methods.patches.surface import surface_of
+from weier.methods.patches.segments import make_segments
+from weier.methods.patches.surface import from_crests, surface_of
 
 STAGE = StageLimits(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
 

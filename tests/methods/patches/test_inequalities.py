@@ -9,8 +9,10 @@ from tests.methods.patches.westergaard_states import WAVES, OneWave
 from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
+from weier.methods.patches import segments as segments_module
 from weier.methods.patches.certificate import SAMPLED_FACTOR, contact_residual, sample_points
 from weier.methods.patches.edge_iteration import ContactProblem, StageLimits, make_guess, take_step
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import Bounds, field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
 from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
@@ -44,8 +46,8 @@ def test_intervals_of_tension(period, part):
     assert well["segment"].tolist() == [0]
     assert [well["start"][0], well["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
     # Samples are 1/24 pi apart in the angle, so that the lowest is less deep than the minimum by a twentieth at most.
-    assert well["lowest"][0] == pytest.approx(-0.01 * np.sqrt(1 - 0.09), rel=0.05)
-    assert well["relative"][0] == pytest.approx(well["lowest"][0] / (1.3**2 - 0.01), rel=1e-9)
+    assert well["value"][0] == pytest.approx(-0.01 * np.sqrt(1 - 0.09), rel=0.05)
+    assert well["relative"][0] == pytest.approx(well["value"][0] / (1.3**2 - 0.01), rel=1e-9)
     # A crack of half-width b under the tension sigma opens by 2 pi b sigma.
     assert well["height"][0] == pytest.approx(2 * np.pi * 0.1 * r * 0.01 * np.sqrt(1 - 0.09), rel=1e-9)
     at_end = find_negative_intervals(state_of(lambda t: 0.8 - t, period, r))
@@ -77,7 +79,7 @@ def test_overlaps_in_gaps(period, part):
     assert [found["start"][0], found["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
     overlap = r * (1 - 0.09) ** 1.5 * depth
     assert found["height"][0] == pytest.approx(overlap, rel=1e-9)
-    assert found["lowest"][0] == pytest.approx(-overlap, rel=0.05)
+    assert found["value"][0] == pytest.approx(-overlap, rel=0.05)
     minima = minima_of_gaps(state)
     minimum = minima[np.argmin(minima["value"])]
     assert minimum["interval"] == 0
@@ -167,7 +169,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])
         for factor, expected in ((1.01, 0), (0.99, 1)):
-            monkeypatch.setattr(inequalities, "MAX_THINNESS", factor * thinness.max())
+            monkeypatch.setattr(segments_module, "GAPS", GAPS._replace(thin_outside=factor * thinness.max()))
             assert len(find_missing(problem, step, 0.0, 0.0)[0]) == expected
 
 

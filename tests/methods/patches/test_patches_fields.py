@@ -9,9 +9,9 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
-from weier.methods.patches.kind import CAUCHY, POTENTIAL
-from weier.methods.patches.segments import ContactState, from_crests, make_segments
-from weier.methods.patches.surface import evaluate_series, make_series, nearest_crests
+from weier.methods.patches.kind import CAUCHY, GAP, POTENTIAL, PRESSURE
+from weier.methods.patches.segments import ContactState, make_segments
+from weier.methods.patches.surface import evaluate_series, from_crests, make_series, nearest_crests
 
 LONG_PERIOD = Profile(1.5, "5/2", 4, (0.0, 1.0, 2.0, 3.0))
 
@@ -164,11 +164,9 @@ def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     x = wave.crest + np.concatenate([inside, outside])
     pressure = np.concatenate([wave.pressure(inside), np.zeros(6)])
     gap = np.concatenate([np.zeros(5), wave.gap(outside)])
-    of_pressure = fields.pressures_or_gaps(state, series, x, False)
+    of_pressure = fields.pressures_or_gaps(state, series, x, PRESSURE)
     np.testing.assert_allclose(of_pressure, pressure, rtol=0, atol=1e-10 / min(a, half - a))
-    np.testing.assert_allclose(
-        fields.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
-    )
+    np.testing.assert_allclose(fields.pressures_or_gaps(state, series, x, GAP), gap, rtol=0, atol=1e-11 * wave.period)
     crest, y = nearest_crests(series, x)
     by_sums = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
     atol = 1e-10 / min(a, half - a) if dual else 1e-10

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches import inequalities, stages, thin_gaps
+from weier.methods.patches import segments, stages
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.solver import make_solution, solve_state
 from weier.methods.patches.start import Starts, gaps_guess
 from weier.methods.patches.thin_gaps import find_thin_gaps
@@ -107,19 +109,23 @@ def test_what_is_no_thin_gap_is_left():
         assert cracks.contact.size == 0
 
 
+def limit(monkeypatch, thinness):
+    """Change the limit of thin gaps for contacts and for gaps."""
+    monkeypatch.setattr(segments, "CONTACTS", CONTACTS._replace(thin_inside=thinness))
+    monkeypatch.setattr(segments, "GAPS", GAPS._replace(thin_outside=thinness))
+
+
 @pytest.mark.parametrize("below", [1e-6, 1e-7, 1e-9])
 @pytest.mark.parametrize(("profile", "merger", "dual"), [(MERGING, MERGER, False), (HEAVY, HEAVY_MERGER, True)])
 def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, below, monkeypatch):
     """Separate contacts, and gaps with a segment for the thin one, to what the edge nearby changes."""
     load = merger * (1 - below)
     starts = Starts(profile, 1e-10)
-    for module in (inequalities, stages, thin_gaps):
-        monkeypatch.setattr(module, "MAX_THINNESS", 1e-2 if dual else 1e-3)
+    limit(monkeypatch, 1e-2 if dual else 1e-3)
     thin, _ = solve_state(starts, load)
     assert thin.dual == dual
     contacts = make_solution(starts.surface, thin, load)
-    for module in (inequalities, stages, thin_gaps):
-        monkeypatch.setattr(module, "MAX_THINNESS", 0.0)
+    limit(monkeypatch, 0.0)
     guess = thin if dual else gaps_guess(starts.surface, thin)
     assert guess.dual
     gaps, _ = stages.solve_in_stages(starts.surface, guess, 1e-12)

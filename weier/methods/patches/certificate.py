@@ -9,24 +9,15 @@ docs/patches.md, "The bound on the compliance" and "The error of the resistance"
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
-from weier.methods.patches.gaps import NEW_GAP_WIDTH
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.segments import (
-    ContactState,
-    Segments,
-    Sides,
-    at_contacts,
-    contacts_of,
-    distances_between,
-    segment_strengths,
-)
-from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, nearest_crests
+from weier.methods.patches.kind import GAP, NEW_GAP_WIDTH
+from weier.methods.patches.segments import ContactState, Segments, segment_strengths
+from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Sides, distances_between, nearest_crests
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller), a
@@ -94,18 +85,13 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
     return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
 
 
-def _indentation(state: ContactState, series: CosineSeries) -> float:
-    """Return the indentation from first contact, in g_0; for gaps (dual) the larger compliance sum g_n - d."""
-    heights = np.abs(series.amplitude) * 2 * np.pi / series.wavenumber  # of tensions: p_n* is k_n g_n
-    return float(heights.sum()) + state.approach if state.dual else state.approach
+def imbalance(state: ContactState, period: float) -> tuple[float, float]:
+    """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, in g_0.
 
-
-def carried_load(state: ContactState, period: float) -> float:
-    """Return the mean pressure carried by contacts, (pi/2) sum r a_0/L; for gaps, the load itself."""
-    if state.dual:
-        return state.load
-    force = state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
-    return float(0.5 * np.pi * force.sum()) / period
+    Both follow from the integrals of the density, (pi/2) r a_0: the force of a contact, the closure error of a gap.
+    """
+    integral = 0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
+    return state.kind.imbalance(integral, state.load, period)
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
@@ -162,8 +148,8 @@ def certify(
     state: ContactState,
     residual: Array,
     residual_width: Array,
-    minima: Records,
-    negative: Records,
+    overlaps: Records,
+    tensions: Records,
     series: CosineSeries,
     tolerance: float,
     margin: float,
@@ -171,71 +157,50 @@ def certify(
     """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual of contacts is a gap, so that eps comes from the complement, and
-    sigma from the pressures on segments. The residual of gaps (dual) is a pressure, so that sigma comes from the
-    complement, and eps from the overlap in segments and from their closure error.
+    contacts or a pressure in gaps. The residual is one or the other (`Kind.gap_and_pressures`).
 
     residual, residual_width : the largest on each segment and its width, of `contact_residual`
-    minima : all negative minima of the gap between contacts or, dual, of the pressure between gaps, as `MINIMUM`; for
-        the gap, all minima below the margin
-    negative : intervals of tension on contacts or, dual, of overlap in gaps, as `NEGATIVE`
+    overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
+        the gap between contacts are those below the margin
     tolerance : relative; the residual may be `MAX_RESIDUAL` times as large
     margin : limit below which minima are given; they are searched again if the error of the gaps turns out larger
 
     ConvergenceError is raised if a violation is larger, or if the contacts do not carry the load.
     """
-    r, closure, period = state.segments.half_width, 0.0, series.period
-    height = state.kind.height_of_residual(r) * residual
-    if state.dual:
-        closure = float(np.abs(0.5 * np.pi * r * state.coefficient[state.segments.first_node[:-1]]).sum())
-    state = state._replace(residual=max(float(height.max()), closure))
-    check_violation(state, period, tolerance)
-    residual, below = SAMPLED_FACTOR * residual, minima[minima["value"] < 0]
-    if state.dual:  # residual pressures in the gaps, and tension at the minima of the pressure between them
-        gap = max(closure, -float(negative["lowest"].min(initial=0.0)))
-        reach = np.sqrt(-2 * below["value"] / np.maximum(below["curvature"], -below["value"] / period**2))
-        violated, on = np.append(residual, -below["value"]), np.append(residual_width, 2 * reach)
-    else:
-        gap = max(float(residual.max()), -float(below["value"].min(initial=0.0)))
-        violated, on = -negative["lowest"], r[negative["segment"]] * (negative["end"] - negative["start"])
+    kind, period = state.kind, series.period
+    largest = float((kind.height_of_residual(state.segments.half_width) * residual).max())
+    missing, closure = imbalance(state, period)
+    state = state._replace(residual=max(largest, closure))
+    check_violation(state, missing, period, tolerance)
+    gap, pressure, width = kind.gap_and_pressures(SAMPLED_FACTOR * residual, residual_width)
+    gap = max(gap, closure, -float(overlaps["value"].min(initial=0.0)))
+    if tensions.size > 0:
+        contacts = kind.contacts_of(state.segments.extent, period)
+        intervals = kind.tensions(contacts, tensions, period)
+        contact, middle, reach = intervals.T
+        pressure = np.append(pressure, -tensions["value"])
+        width = np.append(width, 2 * reach * contacts[2][contact.astype(np.int64)])
+        # The move of an edge may remove intervals that reach it.
+        state = state._replace(tensions=intervals[np.abs(middle) + reach < MAX_INNER])
     moved, beyond, unsure = effect_of_cracks(state, period)
     error = unsure + error_bound(
-        _indentation(state, series),
+        kind.largest_indentation(state.approach, series),
         state.load,
-        abs(carried_load(state, period) - state.load) + beyond,
+        missing + beyond,
         gap + moved,
-        violated,
-        on,
+        pressure,
+        width,
         period,
     )
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
-    height_error = error + (2 * SAMPLED_FACTOR * float(height.max()) if state.dual else 0.0)
-    tensions = _tensions_from_minima(state, minima, period) if state.dual else _tensions_from_intervals(negative)
-    state = state._replace(error=error, height_error=height_error, tensions=tensions)
+    height_error = error + 2 * SAMPLED_FACTOR * kind.residual_force * largest
+    state = state._replace(error=error, height_error=height_error)
     uncertainty = gap_uncertainty(height_error, series)
-    if state.dual:
-        minima = minima_of_gaps(state)
+    if kind.on_segments == GAP:
+        overlaps = minima_of_gaps(state)
     elif uncertainty > margin:
-        minima = minima_outside(state, series, uncertainty)
-    return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
-
-
-def _tensions_from_intervals(negative: Records) -> NDArray[np.float64]:
-    """Return intervals of tension within contacts, as `ContactState.tensions`, without those that reach an edge."""
-    if negative.size == 0:
-        return np.empty((0, 3))
-    t, b = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
-    return np.stack([negative["segment"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
-
-
-def _tensions_from_minima(state: ContactState, minima: Records, period: float) -> NDArray[np.float64]:
-    """Return the same from minima of the pressure between gaps (dual), each approximated by a parabola."""
-    found = minima[minima["value"] < 0]
-    extent = contacts_of(state.segments.extent, True, period)
-    origin, centre, r = (values[found["interval"]] for values in extent)
-    t = (found["position"] - (origin + centre)) / r
-    b = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], 1e-300)) / r
-    return np.stack([found["interval"], t, b], axis=1)[np.abs(t) + b < MAX_INNER]
+        overlaps = minima_outside(state, series, uncertainty)
+    return state._replace(narrow_gaps=overlaps[overlaps["value"] < uncertainty])
 
 
 def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, float]:
@@ -248,7 +213,7 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
     cracks = state.cracks
     if cracks.contact.size == 0:
         return 0.0, 0.0, 0.0
-    origin, centre, r = contacts_of(state.segments.extent, state.dual, period)
+    origin, centre, r = state.kind.contacts_of(state.segments.extent, period)
     of, middle = cracks.contact, origin + centre
     position = (middle[of] + cracks.middle * r[of])[:, None]
     # The distance from each crack to the right end of each contact, and to the left end of the next one.
@@ -268,11 +233,11 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
     return GAP_FACTOR * error + GAP_ROUNDING * series.total_amplitude
 
 
-def check_violation(state: ContactState, period: float, tolerance: float) -> None:
-    """Raise ConvergenceError if the residual is too large or contacts do not carry the load."""
+def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
+    """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
     scale = state.kind.scale_of_residual(state.load, state.approach, period)
     relative = state.residual / scale if scale > 0 else np.inf  # no indentation: rounding has left no digit
-    relative = max(relative, abs(carried_load(state, period) / state.load - 1))
+    relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
             f"the contacts under the mean pressure {state.load:.6g} p_0* violate their conditions by {relative:.1e}, "
@@ -301,8 +266,8 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
         return 0.0
     of, t, b = state.tensions.T
     contact = of.astype(np.int64)
-    r = contacts_of(state.segments.extent, state.dual, period)[2][contact]
-    B = at_contacts(state.tangent_strength, state.dual)[contact].mean(axis=1)
+    r = state.kind.contacts_of(state.segments.extent, period)[2][contact]
+    B = state.kind.at_contacts(state.tangent_strength)[contact].mean(axis=1)
     q = np.maximum(B * np.sqrt(2 / (r * (1 - t**2))), 1.0)
     return float(np.pi**2 / period * np.sum((NEW_GAP_WIDTH * b * r * q) ** 2))
 
@@ -318,10 +283,9 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
     cracks, segments = state.cracks, state.segments
     if cracks.contact.size == 0:
         return 0.0
-    radius = contacts_of(segments.extent, state.dual, period)[2][cracks.contact]
+    radius = state.kind.contacts_of(segments.extent, period)[2][cracks.contact]
     modes = segments.node_count / segments.half_width
-    if state.dual:
-        modes = np.maximum(modes, np.roll(modes, -1))
+    modes = state.kind.at_contacts(np.stack([modes, modes], axis=1)).max(axis=1)
     inside = (1 - cracks.middle) * (1 + cracks.middle)
     tension = state.height_error * modes[cracks.contact] / (2 * np.pi * np.sqrt(inside))
     b = cracks.half_width
@@ -345,7 +309,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     depth = gap_uncertainty(state.height_error, series) - gaps["value"]
     half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
     compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
-    origin, centre, r = contacts_of(state.segments.extent, state.dual, period)
+    origin, centre, r = state.kind.contacts_of(state.segments.extent, period)
     distance = np.abs(np.sin(np.pi / period * (gaps["position"][:, None] - (origin + centre))))
     relief = -2 * np.log(np.pi * r / period) + 4 * np.log(2 * distance)
     compliance += np.minimum(relief.min(axis=1), 0.0)
@@ -369,12 +333,12 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     contact: F = pi a^(3/2) k_1/sqrt(8).
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
-    contacts = contacts_of(state.segments.extent, state.dual, L)
+    contacts = state.kind.contacts_of(state.segments.extent, L)
     crest, _ = nearest_crests(series, contacts[0] + contacts[1])
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
     height_error = np.where(is_lower, state.height_error + EPS * series.total_amplitude, state.height_error)
     curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
-    A, B = at_contacts(A, state.dual), at_contacts(state.tangent_strength, state.dual)
+    A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
     return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)
 
 

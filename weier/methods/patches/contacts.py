@@ -15,15 +15,22 @@ T_k give the displacement T_k.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import POTENTIAL, Kind
+from weier.methods.patches.kind import (
+    MAX_THINNESS,
+    MIN_TENSION,
+    NEW_CONTACT_WIDTH,
+    NEW_GAP_WIDTH,
+    POTENTIAL,
+    PRESSURE,
+    Kind,
+)
+from weier.methods.patches.surface import Extent
 from weier.methods.punches import OFFSET
 
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
-# many loads are not solved (docs/numerics.md, "Contact patches in numbers").
-NEW_CONTACT_WIDTH = 0.5
 SHIFT = 1  # theta_i = pi (i + 1/2)/K
 
 
@@ -52,6 +59,22 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
     return force + shift * even, OFFSET * load * period - shift
 
 
+def _imbalance(integral: Array, load: float, period: float) -> tuple[float, float]:
+    """Return the difference of the mean pressure and the load; there are no gaps to close."""
+    return abs(float(integral.sum()) / period - load), 0.0
+
+
+def _tensions(contacts: Extent, negative: Records, period: float) -> NDArray[np.float64]:
+    """Return intervals of tension on contacts: index, middle and half-width in the coordinate t."""
+    middle, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
+    return np.stack([negative["segment"], middle, reach], axis=1)
+
+
+def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
+    """Return which tensions, over the largest pressure of their contact, are larger than its last coefficients."""
+    return np.asarray(tensions["relative"] < -np.maximum(tail, MIN_TENSION)[tensions["segment"]])
+
+
 CONTACTS = Kind(
     dual=False,
     right_sign=1.0,
@@ -66,13 +89,28 @@ CONTACTS = Kind(
     forcing_of_maximum=lambda series, load: 0.0,
     height_of_residual=np.ones_like,
     finest_height=lambda series: abs(float(series.amplitude[-1])),
+    rounded_width=lambda period, half_width: period,
+    share=lambda count: 1.0,
+    on_segments=PRESSURE,
     plane_outside=1.0,
     integral=POTENTIAL,
     integral_factor=lambda period: -2.0,
     constant=lambda load, approach, maximum: -approach,
+    datum=lambda largest_height: largest_height,
+    contacts_of=lambda extent, period: extent,
+    at_contacts=lambda values: values,
     new_width=NEW_CONTACT_WIDTH,
+    cut_width=NEW_GAP_WIDTH,
+    thin_inside=MAX_THINNESS,
+    thin_outside=0.0,
     limit_outside=lambda load, height, tension: height,
-    rounded_width=lambda period, half_width: period,
-    share=lambda count: 1.0,
+    height_of_negative=lambda width: np.pi * width,  # a crack of half-width b under the tension p opens by 2 pi b p
+    overlaps_and_tensions=lambda minima, negative: (minima, negative),
+    tensions=_tensions,
+    are_certain=_are_certain,
     scale_of_residual=lambda load, approach, period: approach,
+    imbalance=_imbalance,
+    gap_and_pressures=lambda residual, width: (float(residual.max()), residual[:0], width[:0]),
+    residual_force=0.0,
+    largest_indentation=lambda approach, series: approach,
 )

@@ -30,18 +30,22 @@ from weier.methods.patches.given_edges import (
 from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     MAX_NODES,
-    Extent,
     Segments,
-    Sides,
     count_nodes,
     estimate_node_count,
-    from_crests,
-    in_order,
     kind_of,
     make_segments,
     node_factors,
 )
-from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series
+from weier.methods.patches.surface import (
+    CosineSeries,
+    Extent,
+    Sides,
+    evaluate_at,
+    evaluate_series,
+    from_crests,
+    in_order,
+)
 
 # safeguards far from the solution: halving or doubling each changes the number of steps from perturbed guesses by at
 # most 9 % (docs/numerics.md, "Contact patches in numbers")  range of the factor by which the square of a width

@@ -20,11 +20,11 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.fields import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
-from weier.methods.patches.kind import CAUCHY
-from weier.methods.patches.segments import ContactState, contact_pieces, contacts_of
+from weier.methods.patches.kind import CAUCHY, GAP, PRESSURE
+from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
 from weier.methods.patches.start import Starts
-from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, nearest_crests
+from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, intervals_between, nearest_crests
 from weier.surface.waves import Waves
 
 MAX_DECADES = 1.0  # initial spacing of the loads, in decades
@@ -254,7 +254,8 @@ class _Search(NamedTuple):
         """
         minima = minima_outside(state, self.starts.surface.series(state.dual), 0.0)
         overlap = -float(minima["value"].min(initial=0.0))
-        limit = MAX_VIOLATION * state.load * (1.0 if state.dual else self.starts.surface.heights.period)
+        height = MAX_VIOLATION * state.load * self.starts.surface.heights.period
+        limit = state.kind.limit_outside(state.load, height, MAX_VIOLATION)
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
 
     def _follow(self, start: ContactState, load: float) -> ContactState:
@@ -264,7 +265,8 @@ class _Search(NamedTuple):
 
 def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:
     """Return the contacts of a state, or its gaps: from origin + left to origin + right."""
-    origin, centre, half_width = contacts_of(contact_pieces(state, period)[0], gaps, period)
+    contacts = contact_pieces(state, period)[0]
+    origin, centre, half_width = intervals_between(contacts, period) if gaps else contacts
     return origin, centre - half_width, centre + half_width
 
 
@@ -284,11 +286,11 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
     Its distance from the event's origin and its value, which may be negative.
     """
-    y = np.linspace(event.left, event.right, MINIMUM_SAMPLES + 2)[1:-1]
-    lowest = int(np.argmin(_gaps_or_pressures(state, series, event.birth, event.origin, y)))
+    y, which = np.linspace(event.left, event.right, MINIMUM_SAMPLES + 2)[1:-1], GAP if event.birth else PRESSURE
+    lowest = int(np.argmin(_gaps_or_pressures(state, series, which, event.origin, y)))
     step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(
-        lambda position: _gaps_or_pressures(state, series, event.birth, event.origin, np.full(1, position))[0],
+        lambda position: _gaps_or_pressures(state, series, which, event.origin, np.full(1, position))[0],
         bounds=(y[lowest] - step, y[lowest] + step),
         method="bounded",
         options={"xatol": POSITION_ACCURACY * step},
@@ -296,21 +298,21 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     return float(minimum.x), float(minimum.fun)
 
 
-def _gaps_or_pressures(state: ContactState, series: CosineSeries, gaps: bool, origin: float, y: Array) -> Array:
+def _gaps_or_pressures(state: ContactState, series: CosineSeries, which: int, origin: float, y: Array) -> Array:
     """Return gaps at points origin + y outside the contacts, or pressures at points on them; any may be negative.
 
     On segments they follow from the density, the pressure of contacts or (integrated) the gap in gaps; elsewhere they
     are the complementary residual.
     """
     at = np.full(y.size, origin)
-    if gaps != state.dual:
+    if which != state.kind.on_segments:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
-    return values_on_segments(state, series.period, at, y, state.dual)[1]
+    return values_on_segments(state, series.period, at, y, which == GAP)[1]
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
     """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
-    if state.dual:
+    if state.kind.on_segments == GAP:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
     integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)

@@ -13,7 +13,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
-from weier.methods.patches.kind import CAUCHY, POTENTIAL
+from weier.methods.patches.kind import GAP, POTENTIAL
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series, nearest_crests
@@ -194,7 +194,7 @@ def values_on_segments(
 ) -> tuple[Flags, Array]:
     """Return whether each point origin + y lies on a segment, and the density there or its integral, or 0.
 
-    rho is the pressure on a contact or, dual, the slope of a gap, whose integral is the gap.
+    rho is the pressure on a contact or the slope of a gap, whose integral is the gap.
     """
     inside, value = _values_on_segments(state.segments, state.coefficient, period, origin, y, integrated)
     return inside, value
@@ -263,7 +263,7 @@ def residuals_by_sums(
 ) -> Array:
     """Return `complementary_residuals`, in the time O(points + nodes): by fast sums.
 
-    Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, dual, the Cauchy
+    Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, for gaps, the Cauchy
     integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms are used.
     Points are given by origin + offset as well; relative to the centre of a segment, distances from its nodes lose no
     digits.
@@ -271,27 +271,28 @@ def residuals_by_sums(
     segments, period = state.segments, series.period
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
-    at_node, force = _node_forces(segments, state.coefficient, state.dual)
+    kind, density = state.kind, (segments, state.coefficient)
+    at_node, force = _node_forces(*density, kind.on_segments == GAP)
     tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
-    total = potential(tree, force, make_tree(origin, offset), period, state.dual)
-    known = segments, state.coefficient, state.dual
-    value[order] = _correct_near_segments(*known, force, origin, offset, period, total)
-    constant = state.kind.constant(state.load, state.approach, series.maximum)
-    return np.asarray(constant - evaluate_at(series, crest, y, 0) + state.kind.factor(period) * value)
+    total, factor = potential(tree, force, make_tree(origin, offset), period, kind.dual), kind.factor(period)
+    near = kind.integral, kind.integral_factor(period) / factor
+    value[order] = _correct_near_segments(*density, kind.dual, *near, force, origin, offset, period, total)
+    constant = kind.constant(state.load, state.approach, series.maximum)
+    return np.asarray(constant - evaluate_at(series, crest, y, 0) + factor * value)
 
 
 @kernel
-def _node_forces(segments: Segments, coefficient: Array, dual: bool) -> tuple[Array, Array]:
-    """Return the offsets of nodes, and the weight in Gauss's quadrature times the density or, dual, the gap."""
+def _node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[Array, Array]:
+    """Return the offsets of nodes, and the weight in Gauss's quadrature times the density or the gap."""
     offset, force = np.empty(coefficient.size), np.empty(coefficient.size)
     for j in range(segments.centre.size):
         start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
         node, weight = gauss_nodes(end - start)
-        a = smooth_part(coefficient[start:end], dual)
-        at_nodes = _forces_at(a, r, node, weight)
+        a = smooth_part(coefficient[start:end], is_gap)
         for q in range(end - start):
             offset[start + q] = r * node[q]
-            force[start + q] = at_nodes[q] * (r * (1 - node[q]) * (1 + node[q]) if dual else 1.0)
+            root = np.sqrt((1 - node[q]) * (1 + node[q]))
+            force[start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
     return offset, force
 
 
@@ -300,14 +301,16 @@ def _correct_near_segments(
     segments: Segments,
     coefficient: Array,
     dual: bool,
+    which: int,
+    factor: float,
     force: Array,
     origin: Array,
     offset: Array,
     period: float,
     total: Array,
 ) -> Array:
-    """Return the sums over all nodes, with closed forms where a segment is near."""
-    x, which, factor = origin + offset, CAUCHY if dual else POTENTIAL, -period / np.pi if dual else 1.0
+    """Return the sums over all nodes, with a factor times an integral in closed form where a segment is near."""
+    x = origin + offset
     for j in range(segments.centre.size):
         here = slice(segments.first_node[j], segments.first_node[j + 1])
         centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
@@ -326,11 +329,11 @@ def _correct_near_segments(
     return total
 
 
-def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
-    """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
-    crest, y = nearest_crests(series, x)
-    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
-    if is_gap != state.dual:
+def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, which: int) -> Array:
+    """Return the pressure at positions x, in p_0*, or the gap there, in g_0 (`PRESSURE`, `GAP`)."""
+    (crest, y), on_segments = nearest_crests(series, x), state.kind.on_segments
+    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, on_segments == GAP)
+    if which != on_segments:
         value = np.zeros(x.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value

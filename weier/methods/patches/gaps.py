@@ -15,13 +15,13 @@ slope has the coefficients b_n = -(n/r) c_(n-1).
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array
+from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import CAUCHY, Kind
-from weier.methods.patches.surface import CosineSeries
+from weier.methods.patches.kind import CAUCHY, GAP, MAX_THINNESS, MIN_TENSION, NEW_CONTACT_WIDTH, NEW_GAP_WIDTH, Kind
+from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between
 
-NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
 # The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
 MAX_SHARING = 5
 SHIFT = 2  # theta_i = pi (i + 1)/(K + 1)
@@ -60,6 +60,30 @@ def _finest_height(series: CosineSeries) -> float:
     return abs(float(series.amplitude[-1])) * 2 * np.pi / float(series.wavenumber[-1])
 
 
+def _largest_indentation(approach: float, series: CosineSeries) -> float:
+    """Return the compliance sum g_n - d, which is larger than the indentation; p_n* of tensions is k_n g_n."""
+    return float((np.abs(series.amplitude) * 2 * np.pi / series.wavenumber).sum()) + approach
+
+
+def _at_contacts(values: Sides) -> Sides:
+    """Return values at the edges of contacts; contact j follows gap j."""
+    return np.stack([values[:, 1], np.roll(values[:, 0], -1)], axis=1)
+
+
+def _tensions(contacts: Extent, minima: Records, period: float) -> NDArray[np.float64]:
+    """Return intervals of tension between gaps, each approximated by a parabola."""
+    origin, centre, r = (values[minima["interval"]] for values in contacts)
+    middle = (minima["position"] - (origin + centre)) / r
+    # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
+    reach = np.sqrt(-2 * minima["value"] / np.maximum(minima["curvature"], -minima["value"] / period**2)) / r
+    return np.stack([minima["interval"], middle, reach], axis=1)
+
+
+def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
+    """Return which minima of the pressure are below minus the residual, a pressure as well."""
+    return np.asarray((tensions["value"] < -max(residual, MIN_TENSION * load)) & (tensions["curvature"] > 0))
+
+
 GAPS = Kind(
     dual=True,
     right_sign=-1.0,  # the slope is negative where a gap closes
@@ -74,13 +98,28 @@ GAPS = Kind(
     forcing_of_maximum=lambda series, load: series.maximum - load,
     height_of_residual=_height_of_residual,
     finest_height=_finest_height,
+    rounded_width=lambda period, half_width: 2 * float(half_width.max()),
+    share=lambda count: min(1.0, MAX_SHARING / count),
+    on_segments=GAP,
     plane_outside=0.0,
     integral=CAUCHY,
     integral_factor=lambda period: 0.5 / (np.pi * period),
     constant=lambda load, approach, maximum: load - maximum,
+    datum=lambda largest_height: 0.0,
+    contacts_of=intervals_between,
+    at_contacts=_at_contacts,
     new_width=NEW_GAP_WIDTH,
+    cut_width=NEW_CONTACT_WIDTH,
+    thin_inside=0.0,
+    thin_outside=MAX_THINNESS,
     limit_outside=lambda load, height, tension: tension * load,
-    rounded_width=lambda period, half_width: 2 * float(half_width.max()),
-    share=lambda count: min(1.0, MAX_SHARING / count),
+    height_of_negative=np.ones_like,
+    overlaps_and_tensions=lambda minima, negative: (negative, minima),
+    tensions=_tensions,
+    are_certain=_are_certain,
     scale_of_residual=lambda load, approach, period: load * period,
+    imbalance=lambda integral, load, period: (0.0, float(np.abs(integral).sum())),
+    gap_and_pressures=lambda residual, width: (0.0, residual, width),
+    residual_force=1.0,
+    largest_indentation=_largest_indentation,
 )

@@ -28,7 +28,8 @@ from weier.methods.patches.rule import (
     scales,
     times_own,
 )
-from weier.methods.patches.segments import Segments, distances_between, kind_of
+from weier.methods.patches.segments import Segments, kind_of
+from weier.methods.patches.surface import distances_between
 from weier.methods.punches import Inverse, invert_punches, solve_forces
 from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 

@@ -30,8 +30,9 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments, distances_between
-from weier.methods.patches.surface import CosineSeries, nearest_crests
+from weier.methods.patches.kind import GAP
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments
+from weier.methods.patches.surface import CosineSeries, distances_between, nearest_crests
 
 # probes per finest wave in an interval between segments, and additional ones; an eighth of a wave from a crest, a
 # cosine differs from its parabola by 5 %
@@ -47,10 +48,6 @@ SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a
 FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
 # largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
 MAX_NEW_WIDTH = 0.4
-# largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
-# by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
-# digits, at most 500
-MAX_THINNESS = 2e-4
 # largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
 # for other functions
 MAX_FALL = 3
@@ -65,11 +62,11 @@ Brackets = tuple[Array, Array, Array, Indices]
 #
 # segment : its index
 # start, end : in its coordinate t, -1..1
-# lowest : pressure, in p_0*, or gap, in g_0
+# value : lowest pressure, in p_0*, or gap, in g_0
 # relative : the lowest value of sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment;
 #     so rounding at an end, where neither a pressure nor a gap can be large, counts for little
 # height : opening of the gap in the interval of tension or, dual, the overlap, in g_0
-NEGATIVE = record_type(("segment", np.int64, ()), ("start end lowest relative height", np.float64, ()))
+NEGATIVE = record_type(("segment", np.int64, ()), ("start end value relative height", np.float64, ()))
 
 
 def _probes(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
@@ -115,16 +112,21 @@ def _probe_points(
 
 def find_negative_intervals(state: ContactState) -> Records:
     """Return intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
-    segments = state.segments
-    return _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.dual)
+    segments, kind = state.segments, state.kind
+    is_gap = kind.on_segments == GAP
+    found = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
+    if found.size > 0:
+        width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
+        found["height"] *= kind.height_of_negative(width)
+    return found
 
 
 @kernel
-def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, dual: bool) -> Records:
-    """Return the intervals of `find_negative_intervals`."""
+def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, is_gap: bool) -> Records:
+    """Return the intervals of `find_negative_intervals`, with the value in the middle as `height`."""
     found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
     for j in range(first.size - 1):
-        r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], dual)
+        r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], is_gap)
         t, value = _sample_expansion(a)
         largest, i = np.abs(value).max(), 0
         while i < t.size:
@@ -133,14 +135,12 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, d
                 here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
                 while i < t.size and value[i] < 0:
                     here.relative = min(here.relative, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
-                    here.lowest = min(here.lowest, at_point(value[i], t[i], r, dual))
+                    here.value = min(here.value, at_point(value[i], t[i], r, is_gap))
                     i += 1
                 if i < t.size:
                     here.end = _find_zero(a, t[i - 1], t[i])
                 middle = 0.5 * (here.start + here.end)
-                here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, dual))
-                if not dual:  # a crack of half-width b under the tension p opens by 2 pi b p
-                    here.height *= np.pi * r * (here.end - here.start)
+                here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, is_gap))
                 count += 1
             i += 1
     return found[:count]
@@ -298,11 +298,10 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if kind.dual:  # thin gaps have a closed form
-        opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-        # next to long contacts, with distant edges, thin relative to the finest wave
-        scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
-        minima = minima[opening > MAX_THINNESS * scale]
+    # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
+    opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
+    scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
+    minima = minima[opening > kind.thin_outside * scale]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

@@ -5,16 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from weier.kernels.arrays import Array
-from weier.methods.patches.surface import CosineSeries
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.kernels.arrays import Array, Flags, Records
+from weier.methods.patches.surface import CosineSeries, Extent, Sides
 
 POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
+PRESSURE, GAP = 0, 1
+# largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
+# by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
+# digits, at most 500
+MAX_THINNESS = 2e-4
+MIN_TENSION = 1e-13  # tension over the largest pressure of a contact, or the load, below which it is rounding
+NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
+# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
+# many loads are not solved (docs/numerics.md, "Contact patches in numbers").
+NEW_CONTACT_WIDTH = 0.5
 
 
 class Kind(NamedTuple):
     """Contacts or gaps: the formulas that differ.
 
-    dual : whether these are gaps
+    Solution on given edges
+    dual : whether these are gaps; selects the kernel between nodes and the factors of a segment's self-influence
     right_sign : sign of psi at the right edge where it is positive at the left one
     k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
         between two segments
@@ -28,15 +42,41 @@ class Kind(NamedTuple):
     forcing_of_maximum : from series and load, the forcing where the series has its maximum
     height_of_residual : from half-widths, the height of a residual of 1
     finest_height : of the finest wave of a series, in g_0
-    plane_outside : factor of the plane between segments: 1 for the gap, 0 for the pressure
-    integral : of the density, for the values between segments, `POTENTIAL` or `CAUCHY`
-    integral_factor : its factor there, from the period
-    constant : the constant there, from load, approach and maximum of the series
-    new_width : width of a new segment over the interval that it replaces, where a parabola is negative
-    limit_outside : from load, limit of overlap and limit of tension over the load, the limit between segments
     rounded_width : from period and half-widths, the width over which residuals are rounded
     share : from the number of segments, the fraction of the tolerance for each
+
+    Fields
+    on_segments : `PRESSURE` or `GAP`, which the density on segments gives; the other one is the residual, which
+        vanishes on segments
+    plane_outside : factor of the plane between segments: 1 for the gap, 0 for the pressure
+    integral : of the density, for the residual, `POTENTIAL` or `CAUCHY`
+    integral_factor : its factor there, from the period
+    constant : the constant there, from load, approach and maximum of the series
+    datum : from the largest height, the mean gap plus the approach of a state
+    contacts_of : from the extent of segments and the period, that of contacts
+    at_contacts : from values at the edges of segments, those at the edges of contacts
+
+    Inequalities
+    new_width : width of a new segment over the interval that it replaces, where a parabola is negative
+    cut_width : the same of a new interval within a segment
+    thin_inside, thin_outside : largest half-width of a thin gap over its distance to the nearest edge, where it would
+        divide a segment or lie between two, or would be a segment of its own
+    limit_outside : from load, limit of overlap and limit of tension over the load, the limit between segments
+    height_of_negative : from the width of an interval on a segment, the height of a pressure or gap of -1 on it
+    overlaps_and_tensions : from minima of the residual, as `MINIMUM`, and negative intervals on segments, as
+        `NEGATIVE`, those of the gap and those of the pressure
+    tensions : from the extent of contacts, intervals of tension and the period, the index of each interval's contact,
+        middle and half-width in its coordinate t, shape (intervals, 3)
+    are_certain : from tensions, the last over the largest coefficients of each segment, the residual and the load,
+        whether the tension exceeds these and rounding
+
+    Certificate
     scale_of_residual : from load, approach and period, the scale of relative residuals
+    imbalance : from the integrals of the density over segments, the load and the period, the deviation of the mean
+        pressure, in p_0*, and the closure error of gaps, in g_0
+    gap_and_pressures : from the residual of each segment and its width, the largest gap, and pressures with widths
+    residual_force : the force of a residual over its height
+    largest_indentation : from approach and series, the indentation from first contact or a larger height
     """
 
     dual: bool
@@ -52,12 +92,27 @@ class Kind(NamedTuple):
     forcing_of_maximum: Callable[[CosineSeries, float], float]
     height_of_residual: Callable[[Array], Array]
     finest_height: Callable[[CosineSeries], float]
+    rounded_width: Callable[[float, Array], float]
+    share: Callable[[int], float]
+    on_segments: int
     plane_outside: float
     integral: int
     integral_factor: Callable[[float], float]
     constant: Callable[[float, float, float], float]
+    datum: Callable[[float], float]
+    contacts_of: Callable[[Extent, float], Extent]
+    at_contacts: Callable[[Sides], Sides]
     new_width: float
+    cut_width: float
+    thin_inside: float
+    thin_outside: float
     limit_outside: Callable[[float, float, float], float]
-    rounded_width: Callable[[float, Array], float]
-    share: Callable[[int], float]
+    height_of_negative: Callable[[Array], Array]
+    overlaps_and_tensions: Callable[[Records, Records], tuple[Records, Records]]
+    tensions: Callable[[Extent, Records, float], NDArray[np.float64]]
+    are_certain: Callable[[Records, Array, float, float], Flags]
     scale_of_residual: Callable[[float, float, float], float]
+    imbalance: Callable[[Array, float, float], tuple[float, float]]
+    gap_and_pressures: Callable[[Array, Array], tuple[float, Array, Array]]
+    residual_force: float
+    largest_indentation: Callable[[float, CosineSeries], float]

@@ -51,7 +51,9 @@ def run_kernels() -> None:
             make_punches(state.segments, series.period, state.dual, most=0),
             np.zeros_like(state.coefficient),
         )
-        solve_forces_on_contacts(punches, none + state.dual, guess.load, none, Bounds(1.0, 0.0, np.inf))
+        solve_forces_on_contacts(
+            punches, none + state.kind.tangent_forcing, guess.load, none, Bounds(1.0, 0.0, np.inf)
+        )
         segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
         still = np.zeros_like(segments.half_width)
         moved_expansion(segments.first_node, segments.half_width, b, b, still, still)

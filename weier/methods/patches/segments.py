@@ -18,10 +18,7 @@ from weier.kernels.jit import kernel
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.kind import Kind
-from weier.methods.patches.surface import CosineSeries, nearest_crests
-
-Extent = tuple[Array, Array, Array]  # of segments: origin, centre from there and half-width, in lambda_0
-Sides = NDArray[np.float64]  # of segments or contacts: values at the left and the right edge, shape (segments, 2)
+from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances_between
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
@@ -209,8 +206,8 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
 
     Strengths are in p_0*/lambda_0^(1/2), shape (contacts, 2).
     """
-    extent = contacts_of(state.segments.extent, state.dual, period)
-    strength, cracks = at_contacts(np.abs(segment_strengths(state)), state.dual), state.cracks
+    extent = state.kind.contacts_of(state.segments.extent, period)
+    strength, cracks = state.kind.at_contacts(np.abs(segment_strengths(state))), state.cracks
     if cracks.contact.size == 0:
         return extent, strength
     count = extent[0].size
@@ -224,46 +221,9 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
     return (origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)), strength
 
 
-def at_contacts(at_segments: Sides, dual: bool) -> Sides:
-    """Return values at the edges of contacts, shape (contacts, 2); contact j follows gap j if dual."""
-    return np.stack([at_segments[:, 1], np.roll(at_segments[:, 0], -1)], axis=1) if dual else at_segments
-
-
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Return segments, already sorted, with these numbers of nodes."""
     return Segments(crest, origin, centre, half_width, np.append(0, np.cumsum(node_count)))
-
-
-def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
-    """Return the crests nearest to positions, with the places of their images and the distances."""
-    crest, y = nearest_crests(series, middle)
-    origin = series.crest_position[crest]
-    return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
-
-
-def contacts_of(extent: Extent, dual: bool, period: float) -> Extent:
-    """Return the contacts in order, which are the segments or, dual, lie between them and follow them."""
-    if not dual:
-        return extent
-    origin, centre, half_width = extent
-    half_gap = 0.5 * distances_between(origin, centre, half_width, period)
-    return origin, centre + half_width + half_gap, half_gap
-
-
-def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
-    """Return the order of positions in [0, L), and the shift of each into that interval."""
-    turns = period * np.floor(middle / period)
-    return np.argsort(middle - turns, kind="stable"), turns
-
-
-@kernel
-def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
-    """Return the distances between segments, from right to next left end, in lambda_0."""
-    distance = np.empty(centre.size)
-    for k in range(distance.size):
-        between_origins = origin[k] - origin[k - 1] + (period if k == 0 else 0.0)
-        distance[k - 1] = between_origins + ((centre[k] - half_width[k]) - (centre[k - 1] + half_width[k - 1]))
-    return distance
 
 
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:

@@ -18,11 +18,14 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.patches.certificate import resistance_error
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.segments import ContactState, Extent, Sides, contact_pieces
+from weier.methods.patches.kind import GAP, PRESSURE
+from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_in_stages
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import (
     CosineSeries,
+    Extent,
+    Sides,
     Surface,
     evaluate_at,
     nearest_crests,
@@ -35,6 +38,7 @@ TOLERANCE = 1e-10
 # factor of the tolerance in the second attempt, after a failure or a bound above the tolerance
 TIGHTENING = 10.0
 MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
+NO_CONTACTS: Extent = np.empty(0), np.empty(0), np.empty(0)
 
 
 class PatchCurve(NamedTuple):
@@ -94,16 +98,16 @@ class Solution(NamedTuple):
         """Return pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
         if self.state is None:
             return self.mean_pressure - _series_at(self.surface.tensions, x)
-        return self._on_points(self.state, x, gaps=False)
+        return self._on_points(self.state, x, PRESSURE)
 
     def gap(self, x: ArrayLike) -> Array:
         """Return the gap, in g_0, at x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
-        return self._on_points(self.state, x, gaps=True)
+        return self._on_points(self.state, x, GAP)
 
-    def _on_points(self, state: ContactState, x: ArrayLike, gaps: bool) -> Array:
-        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), gaps)
+    def _on_points(self, state: ContactState, x: ArrayLike, which: int) -> Array:
+        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), which)
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
@@ -152,31 +156,27 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     points, edges, period, again = [], [], float(profile.period), 0
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
-        points.append((*_curve_point(starts.surface, state), steps))
+        contacts = NO_CONTACTS if state is None else contact_pieces(state, period)[0]
+        points.append((*_curve_point(starts.surface, state, contacts[2]), steps))
         again += state is not None and state.route.attempts > 1
-        edges.append(
-            np.empty(0) if state is None else _sorted_contacts(contact_pieces(state, period)[0], period)[0].ravel()
-        )
+        edges.append(_sorted_contacts(contacts, period)[0].ravel())
         count_load()
     padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
     return PatchCurve._make([*map(np.array, zip(*points, strict=True)), again, padded])
 
 
 def _curve_point(
-    surface: Surface, state: ContactState | None
+    surface: Surface, state: ContactState | None, half_width: Array
 ) -> tuple[float, float, float, float, float, float, int, float]:
     """Return h with error, indentation, R with error, contact fraction, number of contacts and residual."""
     total, series = surface.total_amplitude, surface.heights
     rounding, top = _rounding(surface), series.maximum
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
-    fraction = float(2 * state.segments.half_width.sum() / series.period)
-    base, fraction = (top, 1 - fraction) if state.dual else (0.0, fraction)
-    fraction -= float(2 * state.cracks.half_width.sum() / series.period)
-    h_error, indentation, R = state.error + rounding, base + state.approach, state.resistance
+    fraction = float(2 * half_width.sum() / series.period)
+    h_error, indentation, R = state.error + rounding, top - state.kind.datum(top) + state.approach, state.resistance
     R_error = resistance_error(state, series)
-    count = state.segments.centre.size + state.cracks.contact.size
-    return total - top + indentation, h_error, indentation, R, R_error, fraction, count, state.residual
+    return total - top + indentation, h_error, indentation, R, R_error, fraction, half_width.size, state.residual
 
 
 def _rounding(surface: Surface) -> float:
@@ -235,7 +235,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
     extent, strength = contact_pieces(state, surface.heights.period)
     edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
-    mean_gap = (0.0 if state.dual else surface.heights.maximum) - state.approach
+    mean_gap = state.kind.datum(surface.heights.maximum) - state.approach
     return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
 
 

@@ -38,7 +38,6 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.inequalities import (
     MAX_INNER,
-    MAX_THINNESS,
     find_missing,
     find_negative_intervals,
 )
@@ -48,11 +47,10 @@ from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
     end_sums,
-    kind_of,
     more_nodes,
 )
 from weier.methods.patches.surface import Surface
-from weier.methods.patches.thin_gaps import are_thin, cracks_between_gaps, cracks_on_contacts
+from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # of a load; 3 to 7 are usual, at most 20 of 213 random loads
 LEAST_TOLERANCE = 1e-12  # relative, of the residual; ten times the rounding level
@@ -144,6 +142,7 @@ def _solve_to(
     rounding = ROUNDING * load * kind.rounded_width(problem.series.period, half_width)
     target = max(TARGET * wanted, rounding)
     allowed = max(wanted, MAX_OVER_TARGET * target)
+    uncertainty = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series)
     rough, fine = _stages(problem, tolerance, target, scale)
     stage, last_move = fine if follows else rough, np.inf
     # Whether edges have moved since the last correction: the edges of added segments are guesses, so that the next
@@ -179,10 +178,8 @@ def _solve_to(
         negative = find_negative_intervals(state)
         wrong = _beyond_rounding(state, negative, stage)
         if wrong.size > 0:
-            wrong = wrong[(wrong["height"] > stage.opening) & (problem.dual | ~are_thin(wrong))]
-        margin = (
-            gap_uncertainty(allowed + MAX_TENSION * scale, problem.series) if stage.fine and not state.dual else 0.0
-        )
+            wrong = wrong[(wrong["height"] > stage.opening) & ~are_thin(wrong, kind.thin_inside)]
+        margin = kind.plane_outside * uncertainty if stage.fine else 0.0
         added, remaining, minima = _corrections(problem, step, state, stage, wrong, margin)
         if len(added) > 0 or not remaining.all():
             moved, corrections, last_height = False, corrections + 1, np.inf
@@ -204,13 +201,11 @@ def _solve_to(
                 tangent = solve_tangent(solved.punches, solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
                 state = state._replace(edge_move=step.moves.outward, route=route)
                 state = _with_resistance(state, solved, tangent, step is not solved)
-                if problem.dual:
-                    state, minima = cracks_between_gaps(
-                        state, problem.series, step.punches, tangent, minima, float(residual.max())
-                    )
-                else:
-                    state, negative = cracks_on_contacts(state, step.punches, tangent, negative, UNRESOLVED)
-                return certify(state, residual, width, minima, negative, problem.series, accepted, margin), steps
+                overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
+                state, tensions = with_cracks(
+                    state, problem.series, step.punches, tangent, tensions, float(residual.max())
+                )
+                return certify(state, residual, width, overlaps, tensions, problem.series, accepted, margin), steps
             last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             # With new nodes edges move by more than in the last step, which is not rounding.
@@ -308,9 +303,10 @@ def _corrections(
 def _thin_gaps(problem: ContactProblem, state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is less than half as high as a gap to be added."""
     r = state.segments.half_width
-    if problem.dual or gap.min() >= 2 * MAX_THINNESS * r.max():
+    thinness = problem.kind.thin_inside
+    if gap.min() >= 2 * thinness * r.max():
         return np.zeros(r.size, bool)
-    return np.asarray(gap < 2 * MAX_THINNESS * np.minimum(r, np.roll(r, -1)))
+    return np.asarray(gap < 2 * thinness * np.minimum(r, np.roll(r, -1)))
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
@@ -320,7 +316,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     """
     if negative.size == 0:
         return np.empty((0, 2))
-    width = kind_of(not state.dual).new_width
+    width = state.kind.cut_width
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
         centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j

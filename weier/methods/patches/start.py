@@ -16,20 +16,17 @@ from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import NodalSolution, in_continuum
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.contacts import NEW_CONTACT_WIDTH
+from weier.methods.patches.kind import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     CRESTS,
     GRID,
     TENSIONS,
     ContactState,
     Route,
-    contacts_of,
     estimate_node_count,
-    from_crests,
-    in_order,
     make_segments,
 )
-from weier.methods.patches.surface import CosineSeries, Surface, surface_of
+from weier.methods.patches.surface import CosineSeries, Surface, from_crests, in_order, intervals_between, surface_of
 from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
@@ -185,7 +182,7 @@ def merge_overlaps(places: Intervals, period: float) -> Intervals:
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
     """Return a guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
     guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
-    gaps = contacts_of(guess.segments.extent, True, surface.heights.period)
+    gaps = intervals_between(guess.segments.extent, surface.heights.period)
     if gaps[2].min() > 0:
         needed = estimate_node_count(guess.segments.extent, surface.heights, COMPARED_TOLERANCE).sum()
         if estimate_node_count(gaps, surface.tensions, COMPARED_TOLERANCE).sum() < MAX_NODE_RATIO * needed:
@@ -195,7 +192,7 @@ def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> Contac
 
 def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
     """Return a guess on the gaps between contacts."""
-    origin, centre, half_width = contacts_of(contacts.segments.extent, True, surface.heights.period)
+    origin, centre, half_width = intervals_between(contacts.segments.extent, surface.heights.period)
     gaps = np.stack([origin + centre, half_width])
     return _make_guess(surface.tensions, contacts.load, True, gaps)
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
@@ -18,6 +19,11 @@ from weier.surface.crests import crest_heights, find_crests
 from weier.surface.expansions import ORDER, Expansions, expand
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves
+
+# Positions on the line are counted from crests: of intervals the crest or its image, the middle from there, and the
+# half-width, in lambda_0, each of shape (intervals,).
+Extent = tuple[Array, Array, Array]
+Sides = NDArray[np.float64]  # values at the left and the right edge of each interval, shape (intervals, 2)
 
 # relative to the sum of amplitudes: crests that differ by less than the first, rounding of the phases, are equally
 # high; those that differ by less than the second are compared in extended precision, since their difference would
@@ -182,3 +188,33 @@ def _nearest_crests(crest: Array, period: float, x: Array) -> tuple[Indices, Arr
             if abs(distance) < abs(y[i]):
                 nearest[i], y[i] = neighbour, distance
     return nearest, y
+
+
+def from_crests(series: CosineSeries, middle: Array) -> tuple[Indices, Array, Array]:
+    """Return the crests nearest to positions, with the places of their images and the distances."""
+    crest, y = nearest_crests(series, middle)
+    origin = series.crest_position[crest]
+    return crest, origin + series.period * np.rint((middle - y - origin) / series.period), y
+
+
+def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
+    """Return the order of positions in [0, L), and the shift of each into that interval."""
+    turns = period * np.floor(middle / period)
+    return np.argsort(middle - turns, kind="stable"), turns
+
+
+def intervals_between(extent: Extent, period: float) -> Extent:
+    """Return the intervals on the right of each of these in order round the period."""
+    origin, centre, half_width = extent
+    half_gap = 0.5 * distances_between(origin, centre, half_width, period)
+    return origin, centre + half_width + half_gap, half_gap
+
+
+@kernel
+def distances_between(origin: Array, centre: Array, half_width: Array, period: float) -> Array:
+    """Return the distances between intervals in order, from right to next left end, in lambda_0."""
+    distance = np.empty(centre.size)
+    for k in range(distance.size):
+        between_origins = origin[k] - origin[k - 1] + (period if k == 0 else 0.0)
+        distance[k - 1] = between_origins + ((centre[k] - half_width[k]) - (centre[k - 1] + half_width[k - 1]))
+    return distance

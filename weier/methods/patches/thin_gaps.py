@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
+from weier.methods.patches.edge_iteration import UNRESOLVED
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
-from weier.methods.patches.inequalities import MAX_THINNESS
-from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails, contacts_of
+from weier.methods.patches.kind import PRESSURE
+from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 # nodes on a crack: the pressure is a parabola up to terms in b/l and its square, with l the distance to the nearest
@@ -27,8 +28,6 @@ NODES = 8
 # Newton steps for the edges; each reduces the error by b/l, and a parabola takes one
 STEPS, SETTLED = 12, 1e-6
 MAX_STEP = 4.0  # largest factor of the square of a half-width in a step; the middle moves by half of it
-
-MIN_TENSION = 1e-13  # tension over the largest pressure, or the load, below which it is rounding
 
 # A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
@@ -90,80 +89,71 @@ def find_thin_gaps(
     return Cracks(contact, t, b, length, strength, at_ends * np.sqrt(0.5 * length), volume, lift, rise), found
 
 
-def are_thin(negative: Records) -> Flags:
+def are_thin(negative: Records, thinness: float) -> Flags:
     """Return which intervals of tension on contacts, in order, give a gap that is thin relative to its distances."""
     t, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * np.sqrt(2.0) * (negative["end"] - negative["start"])
     same = negative["segment"][1:] == negative["segment"][:-1]
     apart = np.where(same, negative["start"][1:] - negative["end"][:-1], np.inf)
     nearest = np.minimum(np.minimum(np.append(np.inf, apart), np.append(apart, np.inf)), 1 - np.abs(t))
-    return np.asarray(reach < MAX_THINNESS * nearest)[: negative.size]
+    return np.asarray(reach < thinness * nearest)[: negative.size]
 
 
-def cracks_on_contacts(
-    state: ContactState, punches: Punches, tangent: Forces, negative: Records, unresolved: int
+def with_cracks(
+    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, tensions: Records, residual: float
 ) -> tuple[ContactState, Records]:
-    """Return a state of contacts with the thin gaps in its intervals of tension, and the remaining intervals.
+    """Return a state with the thin gaps in its intervals of tension, as `Kind.tensions` has them, and what remains.
 
-    Intervals whose tension the coefficients do not resolve remain as well; the last `unresolved` coefficients are 0.
+    Intervals that the residual or undecayed coefficients may cause are uncertain and remain as well.
     """
-    if negative.size == 0:
-        return state, negative
-    first, psi = state.segments.first_node, expansion(punches, tangent.force)
-    tail = coefficient_tails(state.segments, state.coefficient, unresolved)
-    is_certain = negative["relative"] < -np.maximum(tail, MIN_TENSION)[negative["segment"]]
-    some = negative[is_certain]
-    segment = np.asarray(some["segment"], np.int64)
+    if tensions.size == 0:
+        return state, tensions
+    kind, period = state.kind, series.period
+    tail = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
+    is_certain = kind.are_certain(tensions, tail, residual, state.load)
+    contacts = kind.contacts_of(state.segments.extent, period)
+    contact, t, reach = kind.tensions(contacts, tensions[is_certain], period).T
+    order = np.lexsort((t, contact))
+    contact, t, reach = np.asarray(contact[order], np.int64), t[order], reach[order]
+    on_contacts = _densities if kind.on_segments == PRESSURE else _residuals
     cracks, found = find_thin_gaps(
+        *on_contacts(state, series, punches, tangent), contact, t, reach, contacts[2][contact], period
+    )
+    approach, resistance = state.approach - float(cracks.lift.sum()), state.resistance + float(cracks.rise.sum())
+    remaining = np.concatenate([tensions[~is_certain], tensions[is_certain][order][~found]])
+    return state._replace(cracks=cracks, approach=approach, resistance=resistance), remaining
+
+
+def _densities(
+    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
+) -> tuple[OnContacts, OnContacts]:
+    """Return pressure and increment on segments that are contacts, from their expansions."""
+    first, psi = state.segments.first_node, expansion(punches, tangent.force)
+    return (
         lambda contact, t: densities_on_contacts(first, state.coefficient, contact, t, False),
         lambda contact, t: densities_on_contacts(first, psi, contact, t, True),
-        segment,
-        np.asarray(0.5 * (some["start"] + some["end"])),
-        np.asarray(0.5 * (some["end"] - some["start"])),
-        state.segments.half_width[segment],
-        punches.period,
     )
-    return _with_cracks(state, cracks), np.concatenate([negative[~is_certain], some[~found]])
 
 
-def cracks_between_gaps(
-    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, minima: Records, residual: float
-) -> tuple[ContactState, Records]:
-    """Return a state of gaps with further thin ones at minima of the pressure between them, and the minima left.
+def _residuals(
+    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
+) -> tuple[OnContacts, OnContacts]:
+    """Return pressure and increment between segments that are gaps, from the field of these."""
+    origin, middle, radius = state.kind.contacts_of(state.segments.extent, series.period)
 
-    Minima above minus the residual, a pressure in the gaps, are uncertain and remain.
-    """
-    period = series.period
-    origin, middle, radius = contacts_of(state.segments.extent, True, period)
-    is_certain = minima["value"] < -max(residual, MIN_TENSION * state.load)
-    is_certain &= minima["curvature"] > 0
-    some = minima[is_certain]
-    contact = some["interval"]
-    t = (some["position"] - (origin + middle)[contact]) / radius[contact]
-    in_order = np.lexsort((t, contact))
-    some, contact, t = some[in_order], np.asarray(contact[in_order], np.int64), np.asarray(t[in_order])
-
-    def positions(contact: Indices, t: NDArray[np.float64]) -> tuple[Array, Indices]:
-        x = ((origin + middle)[contact][:, None] + radius[contact][:, None] * t).ravel()
-        return x, np.argsort(x)
+    def positions(contact: Indices, t: NDArray[np.float64]) -> Array:
+        return np.asarray(((origin + middle)[contact][:, None] + radius[contact][:, None] * t).ravel())
 
     def pressure(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        x, _ = positions(contact, t)
+        x = positions(contact, t)
         return complementary_residuals(state, series, *nearest_crests(series, x)).reshape(t.shape)
 
     def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        x, order = positions(contact, t)
-        q = np.empty(x.size)
+        x = positions(contact, t)
+        order, q = np.argsort(x), np.empty(x.size)
         q[order] = 1 - field_of_forces(punches, tangent.force, x[order])
         return q.reshape(t.shape)
 
-    reach = np.sqrt(-2 * some["value"] / some["curvature"]) / radius[contact]
-    cracks, found = find_thin_gaps(pressure, increment, contact, t, reach, radius[contact], period)
-    return _with_cracks(state, cracks), np.concatenate([minima[~is_certain], some[~found]])
-
-
-def _with_cracks(state: ContactState, cracks: Cracks) -> ContactState:
-    approach, resistance = state.approach - float(cracks.lift.sum()), state.resistance + float(cracks.rise.sum())
-    return state._replace(cracks=cracks, approach=approach, resistance=resistance)
+    return pressure, increment
 
 
 @kernel
