@@ -26,10 +26,8 @@ studies: {one: {product: {D: 1.25, gamma: 2, m: 1}}}
 figures: {compliance: {draw: compliance, studies: [one]}}
 claims: {}
 """
-# Not from their packages, whose functions have these names.
-measurement, conditioning = (
-    import_module(f"weier.accuracy.extremes.{name}") for name in ("measurement", "conditioning")
-)
+# Not from its package, a function of which has this name.
+measurement = import_module("weier.accuracy.extremes.measurement")
 # Values of required arguments by their names; a name that is none of a file stands for one to write.
 REQUIRED = {
     "scene_file": "scene.yaml",
@@ -72,7 +70,6 @@ def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_pa
     one = Case({"D": 1.5, "gamma": 2, "m": 1}, (), {})
     few = [Comparison("one", one, np.array([0.1]), (Variant("demelio", "demelio", {}),))]
     monkeypatch.setattr(measurement, "extremes", lambda: few)
-    monkeypatch.setattr(conditioning, "MAX_DENSE", 32)
     shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(plt, "get_backend", lambda: "agg")  # a window would wait to be closed

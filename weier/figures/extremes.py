@@ -1,4 +1,4 @@
-"""The extremes: correct digits against load by every method, and condition numbers of boundary elements."""
+"""The extremes: correct digits against load by every method."""
 
 from __future__ import annotations
 
@@ -15,18 +15,11 @@ from weier.methods import registry
 from weier.surface.profile import PARAMETERS
 
 CAPTION = (
-    "Correct digits of the compliance of one profile by every method over the full range of floating-point loads, "
-    "and condition numbers of boundary elements over the number of nodes."
+    "Correct digits of the compliance of one profile by every method over the full range of floating-point loads."
 )
 COMMAND = "extremes"
 VARIABLE = "compliance_digits"
 
-# Labels of the condition numbers.
-CONDITIONS = {
-    "condition_operator": "influence matrix",
-    "condition_full": "dense, full contact",
-    "condition_half": "dense, half in contact",
-}
 POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # The labels of the axis of loads are these powers of ten.
 # Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
 NEAR, LINEAR_SCALE = 2, 1.6
@@ -34,14 +27,13 @@ OTHER_ALGORITHM = style.PURPLE  # The colour of algorithms other than the defaul
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Draw correct digits of h over all loads, and condition numbers against the number of nodes."""
+    """Draw correct digits of h over all loads."""
     (data,) = studies
     if not np.isfinite(data["compliance_digits"]).any():
         raise ValueError("there are no digits to draw in these data")
     case = data.isel(case=_widest(data))
-    figure, (digits, conditions) = style.column(title, [style.describe(case, *PARAMETERS), "boundary elements"])
-    _digits(digits, case)
-    _conditions(conditions, data)
+    figure, (axes,) = style.column(title, [style.describe(case, *PARAMETERS)])
+    _digits(axes, case)
     return figure
 
 
@@ -77,11 +69,3 @@ def _look(variant: str, name: str) -> dict[str, Any]:
     if variant != name:
         look |= {"label": f"{look['label']},{variant.removeprefix(name)}", "color": OTHER_ALGORITHM}
     return look
-
-
-def _conditions(axes: Axes, data: xr.Dataset) -> None:
-    colors = style.BLACK, style.BLUE, style.VERMILLION
-    for (name, label), color, dashes in zip(CONDITIONS.items(), colors, style.DASHES, strict=False):
-        axes.plot(data["nodes"].values, data[name].values, label=label, color=color, linestyle=dashes)
-    axes.set(xscale="log", yscale="log", xlabel="nodes $N$", ylabel="condition number")
-    axes.legend(loc="lower right")

@@ -1,7 +1,6 @@
 """The extremes as measured, and the report with their faults."""
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -34,9 +33,7 @@ def small():
 
 @pytest.fixture(scope="module")
 def measured():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(import_module("weier.accuracy.extremes.conditioning"), "MAX_DENSE", 32)
-        return extremes.measure(small())
+    return extremes.measure(small())
 
 
 def test_a_measurement_knows_what_was_run_and_how_well(measured):

@@ -12,7 +12,6 @@ from weier.accuracy import comparison, metrics
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.extremes import checks
 from weier.accuracy.extremes.cases import extremes
-from weier.accuracy.extremes.conditioning import conditioning
 from weier.accuracy.reference import find_reference, uncertainty
 from weier.accuracy.runner import Outcome, attempt
 from weier.accuracy.variants import Variant
@@ -56,8 +55,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
         As the dataset of a scene, with extremes for cases, each at its own loads, and variants for methods. `outcome`
         is the outcome at each load; `monotone`, `concave`, `within_band`, `within_stated_error`, `one_curve` and
         `without_warning` are checks of the curve; `compliance_digits` and `resistance_digits` are correct digits,
-        from 0 to 16, where a reference is known. Condition numbers of the boundary elements stand over the dimension
-        nodes.
+        from 0 to 16, where a reference is known.
 
     """
     cases = list(extremes() if cases is None else cases)
@@ -66,7 +64,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
     for name in CHECKS:
         data[name].values[:] = Check.not_measured
     comparison.fill(data, cases, _examine)
-    return data.merge(conditioning())
+    return data
 
 
 def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
