@@ -32,7 +32,7 @@ from weier.methods.settings import checked_settings
 from weier.scene.cases import NAME
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes
-from weier.scene.part import LIST, NUMBER, RANGE, OneOf, Part, Pattern, all_of, check_once
+from weier.scene.part import LIST, NUMBER, RANGE, OneOf, OneOrMore, Part, Pattern, all_of, as_list, check_once
 from weier.scene.study import MAX_CASES, check_number, check_value
 from weier.scene.yaml import number
 from weier.surface.loads import check_pascal, check_range, listed_loads
@@ -53,6 +53,7 @@ ONE_WAVE = Profile(1.5, 2, 1)
 ABSENT: Any = None  # The value of a key that a file need not have.
 NUMBERS = "a number, a range, or a list of these"
 FILES = "the name of a file, or a list of these"
+NUMBER_TYPES = int, float, str, dict, list
 SCALE = "log, linear, or {scale, from, to}"
 
 
@@ -66,22 +67,6 @@ def _check_channel(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | str):
         raise ValueError(f"this must be a text or a whole number, got {shown(value)}")
     return value
-
-
-def _as_list(value: Any) -> Any:
-    return value if isinstance(value, list) else [value]
-
-
-def _as_files(value: Any) -> Any:
-    if not isinstance(value, str | list):
-        raise ValueError(f"this must be {FILES}, got {shown(value)}")
-    return _as_list(value)
-
-
-def _as_numbers(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int | float | str | dict | list):
-        raise ValueError(f"this must be {NUMBERS}, got {shown(value)}")
-    return _as_list(value)
 
 
 def _as_whole(value: Any) -> Any:
@@ -157,58 +142,31 @@ Unit = Annotated[str, OneOf(*UNITS)]
 FileName = Annotated[str, Field(min_length=1, title="the name of a file")]
 
 NumberOrRange = Annotated[Annotated[Number, Tag(NUMBER)] | Annotated[Range, Tag(RANGE)], Discriminator(_kind)]
-Numbers = Annotated[
-    list[NumberOrRange],
-    Field(min_length=1, title=NUMBERS),
-    BeforeValidator(
-        _as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[NumberOrRange], Field(min_length=1)]
-    ),
-]
+Numbers = Annotated[list[NumberOrRange], Field(min_length=1, title=NUMBERS), OneOrMore(NUMBER_TYPES, NUMBERS)]
 LoadOrRange = Annotated[Annotated[Number, Tag(NUMBER)] | Annotated[LoadRange, Tag(RANGE)], Discriminator(_kind)]
 Phase = Annotated[
     Annotated[Number, Tag(NUMBER)] | Annotated[list[float], Tag(LIST)] | Annotated[Range, Tag(RANGE)],
     Discriminator(_kind),
 ]
 Phases = Annotated[
-    list[Phase],
-    Field(min_length=1, title=f"{NUMBERS}, or of lists"),
-    BeforeValidator(_as_numbers, json_schema_input_type=NumberOrRange | Annotated[list[Phase], Field(min_length=1)]),
+    list[Phase], Field(min_length=1, title=f"{NUMBERS}, or of lists"), OneOrMore(NUMBER_TYPES, NUMBERS)
 ]
 Sign = Annotated[str, Field(min_length=1, max_length=1, title="one sign")]
 Word = Annotated[Line, Field(title="a text")]
-Words = Annotated[
-    list[Word],
-    Field(title="a text, or a list of these"),
-    BeforeValidator(_as_list, json_schema_input_type=Word | list[Word]),
-]
+Words = Annotated[list[Word], Field(title="a text, or a list of these"), OneOrMore()]
 MissingValues = Annotated[
-    list[Number],
-    Field(min_length=1, title="a number or a text, or a list of these"),
-    BeforeValidator(_as_list, json_schema_input_type=float | str | list[float | str]),
+    list[Number], Field(min_length=1, title="a number or a text, or a list of these"), OneOrMore()
 ]
 Wavelengths = Annotated[
-    list[Number],
-    Field(min_length=1, title="a number, or a list of these"),
-    AfterValidator(check_once),
-    BeforeValidator(_as_list, json_schema_input_type=float | str | list[float | str]),
+    list[Number], Field(min_length=1, title="a number, or a list of these"), AfterValidator(check_once), OneOrMore()
 ]
 Columns = Annotated[
-    list[Position],
-    Field(min_length=1, max_length=2, title="a whole number, or two of these"),
-    BeforeValidator(_as_list, json_schema_input_type=Position | list[Position]),
+    list[Position], Field(min_length=1, max_length=2, title="a whole number, or two of these"), OneOrMore()
 ]
 FileNames = Annotated[
-    list[FileName],
-    Field(min_length=1, title=FILES),
-    AfterValidator(check_once),
-    BeforeValidator(_as_files, json_schema_input_type=FileName | list[FileName]),
+    list[FileName], Field(min_length=1, title=FILES), AfterValidator(check_once), OneOrMore((str, list), FILES)
 ]
-Parameters = Annotated[
-    list[Parameter],
-    Field(min_length=1),
-    AfterValidator(check_once),
-    BeforeValidator(_as_list, json_schema_input_type=Parameter | list[Parameter]),
-]
+Parameters = Annotated[list[Parameter], Field(min_length=1), AfterValidator(check_once), OneOrMore()]
 
 
 def distinct(values: list[Any]) -> list[Any]:
@@ -537,7 +495,7 @@ class FigureKeys(Part):
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
         """Yield a parameter is shown in one way."""
-        parts = [_as_list(values.get(key, [])) for key in ("colour", "facet", "median over")]
+        parts = [as_list(values.get(key, [])) for key in ("colour", "facet", "median over")]
         for name in set[str]().union(*(filter(lambda name: isinstance(name, str), part) for part in parts)):
             if sum(name in part for part in parts) > 1:
                 yield Mistake((), f"{name} can be the colour, the facet or one to take the median over, not two")
@@ -566,9 +524,7 @@ class FigureKeys(Part):
 LoadList = Annotated[
     list[LoadOrRange],
     Field(min_length=1, title=NUMBERS),
-    BeforeValidator(
-        _as_numbers, json_schema_input_type=LoadOrRange | Annotated[list[LoadOrRange], Field(min_length=1)]
-    ),
+    OneOrMore(NUMBER_TYPES, NUMBERS),
     AfterValidator(_loads),
 ]
 

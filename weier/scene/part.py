@@ -18,7 +18,11 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
-from pydantic_core.core_schema import CoreSchema, no_info_after_validator_function
+from pydantic_core.core_schema import (
+    CoreSchema,
+    no_info_after_validator_function,
+    no_info_before_validator_function,
+)
 
 from weier.checks import checked_word, nearest, shown, suggestion
 from weier.scene.mistakes import Mistake
@@ -147,6 +151,34 @@ class Pattern:
         if not re.fullmatch(self.pattern, text):
             raise ValueError(f"this must be {self.condition}, got {shown(text)}")
         return text
+
+
+@dataclass(frozen=True)
+class OneOrMore:
+    """A list, in place of which a single entry may stand.
+
+    types, words : the types that the value may have, and the value in words; by default any
+    """
+
+    types: tuple[type, ...] = (object,)
+    words: str = ""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self._listed, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        listed = handler(schema)
+        return {"anyOf": [listed["items"], listed]}
+
+    def _listed(self, value: Any) -> Any:
+        if not isinstance(value, self.types) or (self.words and isinstance(value, bool)):
+            raise ValueError(f"this must be {self.words}, got {shown(value)}")
+        return as_list(value)
+
+
+def as_list(value: Any) -> Any:
+    """Return a list as it is, and another value as a list of one."""
+    return value if isinstance(value, list) else [value]
 
 
 def check_once(values: list[Item]) -> list[Item]:
