@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from weier.checks import suggestion
 from weier.scene.yaml import parse_yaml
-from weier.theory.conduction import BODIES, RANGES, Bodies
-from weier.units import NONE, WITHOUT, parsed, unit_of
+from weier.theory.conduction import BODIES
+from weier.units import NONE, WITHOUT, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -27,19 +25,19 @@ def read_bodies(path: Path) -> Interface:
 
     Values may have units, as in "210 GPa".
     """
-    from weier.pipeline.interface import Interface  # xarray takes half a second
+    # each of these imports takes some tenths of a second
+    from pydantic import ValidationError
 
-    given, known = _given(path), signature(Bodies).parameters
-    needed = [name for name, value in known.items() if value.default is value.empty]
-    if strange := [name for name in given if name not in known]:
-        raise ValueError(
-            f"{path} has a key {strange[0]!r}, which is none of {', '.join(known)}{suggestion(strange[0], known)}"
-        )
-    if missing := [name for name in needed if name not in given]:
-        raise ValueError(
-            f"{path} must have {', '.join(needed)} and a modulus of each body, and lacks {', '.join(missing)}"
-        )
-    return Interface(**{name: parsed(name, value, RANGES[name][2]) for name, value in given.items()})
+    from weier.pipeline.interface import Interface
+    from weier.scene.models import InterfaceKeys
+    from weier.scene.part import mistakes_of
+
+    given = _given(path)
+    try:
+        return Interface(**InterfaceKeys.model_validate(given).values)
+    except ValidationError as error:
+        mistakes = [": ".join([*map(str, keys), text]) for keys, text in mistakes_of(error, given)]
+        raise ValueError(f"{path}: {'; '.join(mistakes)}") from None
 
 
 def _given(path: Path) -> dict[str, Any]:

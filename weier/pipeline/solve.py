@@ -141,7 +141,7 @@ def solve_under(
     if max_seconds is not None:
         max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
-    settings_of_methods = (
+    checked = (
         settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
     )
     pairs = [
@@ -151,14 +151,12 @@ def solve_under(
         if solver.takes(surface)
     ]
     for surface, _, solver in pairs:  # before anything is announced or solved
-        solver.check(surface, **settings_of_methods.get(solver.name, {}))
-    expected = sum(
-        solver.seconds(surface, own, **settings_of_methods.get(solver.name, {})) for surface, own, solver in pairs
-    )
+        solver.check(surface, **checked.get(solver.name, {}))
+    expected = sum(solver.seconds(surface, own, **checked.get(solver.name, {})) for surface, own, solver in pairs)
     with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
         if several:
-            return _solve_all(profiles, loads, loads_of, methods, settings, edges, workers)
-        curve = _solve_one(profiles[0], own_loads[0], solvers[0], settings, edges)
+            return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers)
+        curve = _solve_one(profiles[0], own_loads[0], solvers[0], checked[methods[0]], edges)
     return curve if loads_of is None else curve.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
 
 
@@ -171,13 +169,12 @@ def _list(name: str, given: Any) -> list[Any]:
 
 def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
     """Return one curve with its labels and settings, over mean_pressure."""
-    given = checked_settings(method, settings)
     method.check_applies(profile)
     start = clock()
-    solution = method.solve(profile, loads, **given)
+    solution = method.solve(profile, loads, **settings)
     values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
     labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
-    return dataset.curve(loads, values | {"seconds": clock() - start}, labels, all_settings(method, given))
+    return dataset.curve(loads, values | {"seconds": clock() - start}, labels, all_settings(method, settings))
 
 
 def _solve_all(
@@ -185,15 +182,14 @@ def _solve_all(
     loads: Array,
     loads_of: LoadsOf | None,
     methods: list[str],
-    settings: Mapping[str, Any],
+    settings: Mapping[str, Mapping[str, Any]],
     edges: bool,
     workers: int,
 ) -> xr.Dataset:
     from weier.pipeline.batch import solve_batch  # scenes, which one curve does not need
     from weier.scene.case import Case
 
-    checked = settings_by_method(methods, settings)
-    cases = tuple(Case.of(surface, tuple(methods), checked) for surface in profiles)
+    cases = tuple(Case.of(surface, tuple(methods), settings) for surface in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
     data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of)

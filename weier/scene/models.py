@@ -399,12 +399,12 @@ class InterfaceKeys(Part):
 
     def bodies(self) -> Bodies:
         """Return the two bodies."""
-        return Bodies(
-            **{
-                name: parsed(name, value, RANGES[name][2]) if isinstance(value, str) else number(name, value)
-                for name, value in self.given.items()
-            }
-        )
+        return Bodies(**self.values)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers in SI units, by the names of the keys."""
+        return {name: number(name, parsed(name, value, RANGES[name][2])) for name, value in self.given.items()}
 
 
 class AxisKeys(Part):
