@@ -1,7 +1,5 @@
 """Estimates and bounds of the infinite series by the number of terms resolved."""
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -45,7 +43,7 @@ def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
 def test_bounds_are_found_for_more_terms_than_the_estimate(monkeypatch, tmp_path):
     """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
     monkeypatch.setattr(study, "MAX_POINTS", 300)
-    monkeypatch.setattr(sys.modules["weier.methods.hybrid.truncation_bounds"], "MAX_POINTS", 2000)
+    monkeypatch.setattr(bem.error_model, "MAX_POINTS", 2000)
     data = study.measure_convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]

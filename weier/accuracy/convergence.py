@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from weier.data import dataset, variables
 from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
-from weier.methods.errors import ConvergenceError
-from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, curve
-from weier.methods.hybrid.truncation_bounds import TooManyPointsError, bounds
+from weier.methods.errors import ConvergenceError, OutOfReachError
+from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, bounds, curve
 from weier.surface.loads import checked_loads
 from weier.surface.profile import PARAMETERS, Profile
 
@@ -77,6 +76,6 @@ def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     except ConvergenceError as error:
         print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
         return {"status": Status.not_converged}
-    except TooManyPointsError:
+    except OutOfReachError:
         return {"status": Status.not_applicable}
     return {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}

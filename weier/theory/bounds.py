@@ -176,7 +176,7 @@ def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, er
     """Return bounds on both curves of the infinite series, by the names of their variables.
 
     They follow from the compliance of the terms of a profile, in g_0, and the bound on its error at each load, in
-    g_0. `weier.methods.hybrid.truncation_bounds.bounds` explains which part of them is proved and which is measured.
+    g_0. docs/hybrid.md, "Bounds", explains which part of them is proved and which is measured.
     """
     total, tail = profile.total_amplitude, profile.tail_amplitude
     lower, upper = complete_bounds(compliance, tail, total + tail, error)

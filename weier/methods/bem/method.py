@@ -8,6 +8,7 @@ from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
 from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, BemCurve, check_words, checked_points, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
+from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points
 from weier.surface.waves import Waves
@@ -38,14 +39,14 @@ def _grid_within(
 ) -> tuple[int, float]:
     """Return the least number of points whose bound is within a tolerance, in g_0, and the residual in this bound.
 
-    ValueError is raised if points are given, too, or if too many are needed.
+    ValueError is raised if points are given, too; OutOfReachError if too many are needed.
     """
     if points is not None or points_per_wave is not None:
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
     found = points_within(profile, tolerance)
     most = min(error_model.MAX_POINTS, error_model.MAX_SOLVED_POINTS_PER_WAVE * profile.waves_per_period[-1])
     if found > most:
-        raise ValueError(
+        raise OutOfReachError(
             f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than {most}: "
             'take a larger tolerance or the method "patches"'
         )

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from weier.kernels.arrays import Array
-from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, curve
-from weier.methods.hybrid.truncation_bounds import check_infinite
+from weier.methods.hybrid.solver import POINTS_PER_WAVE, HybridCurve, check_infinite, curve
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 

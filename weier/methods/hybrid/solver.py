@@ -1,10 +1,12 @@
 """Estimate of the infinite series from its first terms, with bounds.
 
 The formulas are those of docs/hybrid.md: "The equations" and "Bounds"; "Error and limits" has the grid.
+docs/closed_forms.md, "Bounds on the terms left out", proves the bounds.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,20 +14,22 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
-from weier.methods.bem import checked_points
+from weier.methods import bem
 from weier.methods.bem.error_model import fewest_points
 from weier.methods.errors import NotApplicableError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
-from weier.methods.hybrid.truncation_bounds import bounds, check_infinite
+from weier.methods.progress import reporting_to
 from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
+from weier.theory.bounds import complete_bounds
 from weier.theory.halfplane import influence_coefficients
 
 # least number of points per finest resolved wave: the error is within 9e-4 of its amplitude, since the layer smooths
 # the contact edges
 POINTS_PER_WAVE = 32
-MESH_FRACTION = 0.1  # error of the mesh over the amplitude of the tail
+MESH_FRACTION = 0.1  # error of the mesh, and that of the bounds, over the amplitude of the tail
+MAX_TOLERANCE = 1.0  # g_0: the tail of a gamma close to 1 is many times as high
 MAX_POINTS = 2**14  # More points take minutes.
 MIN_LOAD = 1e-6  # p_0*; lighter loads displace the surface by less than the residual
 
@@ -83,7 +87,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     """
     check_infinite(profile)
     kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
-    points = checked_points(kept, points or default_points(kept))
+    points = bem.checked_points(kept, points or default_points(kept))
     if points > MAX_POINTS:
         raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
     outside = (loads < MIN_LOAD) | (loads > MAX_LOAD)
@@ -103,3 +107,37 @@ def default_points(kept: Profile) -> int:
     finest = kept.waves_per_period[-1]
     needed = fewest_points(kept, MESH_FRACTION * kept.tail_amplitude)
     return max(POINTS_PER_WAVE * finest, min(needed, MAX_POINTS // finest * finest))
+
+
+def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:
+    """Return bounds on the compliance of the infinite series, from its first terms by boundary elements.
+
+    The parameters are those of `curve`.
+
+    Returns
+    -------
+    lower, upper : ndarray, shape (loads,)
+        In g_0, from 0 to full contact, h = sum g_n.
+
+    Raises
+    ------
+    ValueError
+        If the series is finite; OutOfReachError if the terms take too many points.
+    ConvergenceError
+        If boundary elements miss their tolerance.
+    """
+    check_infinite(profile)
+    kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
+    tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
+    with reporting_to():  # These loads are a part of others.
+        solved = bem.METHOD.solve(kept, loads, tolerance=tolerance, with_resistance=False, staircase="kept")
+    return complete_bounds(solved.compliance, kept.tail_amplitude, profile.total_amplitude, solved.compliance_error)
+
+
+def check_infinite(profile: Profile) -> None:
+    """Refuse a finite series."""
+    if math.isfinite(profile.m):
+        raise NotApplicableError(
+            f"terms are resolved on a layer for the infinite series, m = inf, got m = {profile.m}: take a method for "
+            "finite series"
+        )

@@ -6,7 +6,7 @@ import numpy as np
 
 from weier import Profile
 from weier.methods import bem, hybrid, patches
-from weier.methods.hybrid.truncation_bounds import MESH_FRACTION
+from weier.methods.hybrid.solver import MESH_FRACTION
 from weier.surface.profile import RandomPhases
 
 
@@ -21,7 +21,7 @@ class OnePlace(RandomPhases):
 def test_bounds_hold_for_crests_between_two_nodes():
     """The infinite series with all its crests at that place touches at h = 0, and no bound lies below."""
     kept = Profile(1.25, 5, 2)
-    points = bem.error_model.fewest_points(kept, MESH_FRACTION * kept.tail_amplitude)
+    points = bem.points_of(kept, tolerance=MESH_FRACTION * kept.tail_amplitude)
     lower, upper = hybrid.bounds(Profile(1.25, 5, math.inf, OnePlace(points)), [1e-9, 1.0], 2)
     exact = patches.curve(Profile(1.25, 5, 4, OnePlace(points)), np.array([1e-9, 1.0])).compliance
     assert np.all(lower <= exact)
