@@ -29,9 +29,12 @@ from weier.methods.patches.kind import (
     Kind,
 )
 from weier.methods.patches.surface import Extent
-from weier.methods.punches import OFFSET
+from weier.methods.punches import OFFSET, Inverse, invert_punches
+from weier.theory.halfplane import displacement_of_punch
 
-SHIFT = 1  # theta_i = pi (i + 1/2)/K
+# of the self-influence: shift of theta_i = pi (i + 1/2)/K, sign of X(i + j + shift), power of k in the sum, and the
+# factor of the kernel that the sum over all nodes contains
+RULE = 1, 1.0, -1, 1.0
 
 
 @kernel
@@ -47,6 +50,12 @@ def contact_scales(r: float, angles: int, period: float) -> tuple[float, float]:
 
 
 @kernel
+def contact_waves(angle: Array) -> Array:
+    """Return the values of T_k at nodes, from k times their angles."""
+    return np.cos(angle)
+
+
+@kernel
 def contact_degree(n: int, r: float) -> float:
     """Return b_n over the sum of T_n f."""
     return (1 if n == 0 else 2) / (np.pi * r)
@@ -57,6 +66,12 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
     """Return the forces that carry the load with a uniform displacement, and the plane."""
     shift = (load * period - force.sum()) / even.sum()
     return force + shift * even, OFFSET * load * period - shift
+
+
+def _invert_punches(half_width: Array, middle: Array, period: float) -> Inverse:
+    """Return the inverse of the influence of contacts as flat punches."""
+    compliance = displacement_of_punch(half_width, period)
+    return invert_punches(np.arange(compliance.size), middle, compliance, period)
 
 
 def _imbalance(integral: Array, load: float, period: float) -> tuple[float, float]:
@@ -86,6 +101,8 @@ CONTACTS = Kind(
     on_diagonal=OFFSET,
     close=_close,
     factor=lambda period: -2.0,
+    invert_punches=_invert_punches,
+    plane_of=lambda total, multiplier, period: multiplier,
     forcing_of_maximum=lambda series, load: 0.0,
     height_of_residual=np.ones_like,
     finest_height=lambda series: abs(float(series.amplitude[-1])),

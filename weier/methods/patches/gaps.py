@@ -24,7 +24,9 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals
 
 # The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
 MAX_SHARING = 5
-SHIFT = 2  # theta_i = pi (i + 1)/(K + 1)
+# of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), power of n in the sum, and
+# the factor of the kernel that the sum over all nodes contains
+RULE = 2, -1.0, 1, 0.25
 
 
 @kernel
@@ -37,6 +39,12 @@ def gap_node(r: float, sine: float, period: float) -> tuple[float, float, float]
 def gap_scales(r: float, angles: int, period: float) -> tuple[float, float]:
     """Return the factors of the self-influence of a segment and of its inverse."""
     return (period / (np.pi * r)) ** 2, 2 * (np.pi * r / angles) ** 2
+
+
+@kernel
+def gap_waves(angle: Array) -> Array:
+    """Return sin(k theta) at nodes, from k times their angles."""
+    return np.sin(angle)
 
 
 @kernel
@@ -95,6 +103,8 @@ GAPS = Kind(
     on_diagonal=0.0,
     close=_close,
     factor=lambda period: -0.5 / period**2,
+    invert_punches=lambda half_width, middle, period: None,
+    plane_of=lambda total, multiplier, period: total / period,
     forcing_of_maximum=lambda series, load: series.maximum - load,
     height_of_residual=_height_of_residual,
     finest_height=_finest_height,

@@ -30,8 +30,8 @@ from weier.methods.patches.rule import (
 )
 from weier.methods.patches.segments import Segments, kind_of
 from weier.methods.patches.surface import distances_between
-from weier.methods.punches import Inverse, invert_punches, solve_forces
-from weier.theory.halfplane import displacement_of_punch, replace_by_influence
+from weier.methods.punches import Inverse, solve_forces
+from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 280 to 354 it takes 0.7 times as long as conjugate gradients
 # with fast sums, with 470 to 560 it takes 1.0 to 1.2 times as long
@@ -186,7 +186,7 @@ def displacement(punches: Punches, force: Array) -> Array:
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
-    """Apply the preconditioner: contacts interact as flat punches, gaps not at all."""
+    """Apply the preconditioner: segments interact as flat punches, or not at all."""
     assert punches.rule is not None
     segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
     scale = rule.inverse_left, rule.inverse_scale
@@ -235,29 +235,27 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
 def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Array, bounds: Bounds) -> Forces:
     """Solve by conjugate gradients with fast sums.
 
-    The sum of the forces is preserved by subtracting `shift` times M^-1 1 from each preconditioned residual M^-1 r; d
-    changes by `shift`. Forces and heights are scaled by the load, since products at light loads would underflow.
+    The sum of the forces of contacts is preserved by subtracting `shift` times M^-1 1 from each preconditioned
+    residual M^-1 r; d changes by `shift`. Forces and heights are scaled by the load, since products at light loads
+    would underflow.
     """
-    dual, total = punches.dual, load * punches.period
-    unit = total if not dual else 1.0
-    forcing, total, start, bounds = forcing / unit, total / unit, start / unit, bounds.over(unit)
-    force, inverse, even = start, None, np.zeros(start.size)  # `even` is M^-1 1
-    half_width = punches.segments.half_width
-    scale = punches.at_nodes(punches.kind.height_of_residual(half_width))
-    if not dual:
-        compliance = displacement_of_punch(half_width, punches.period)
-        inverse = invert_punches(np.arange(compliance.size), punches.segments.middle, compliance, punches.period)
-        even = _precondition(punches, inverse, np.ones(start.size))  # forces that displace all contacts by about 1
-        force = start + even * ((total - start.sum()) / even.sum())
+    kind, segments, unit = punches.kind, punches.segments, load * punches.period
+    forcing, force, bounds = forcing / unit, start / unit, bounds.over(unit)
+    inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
+    scale = punches.at_nodes(kind.height_of_residual(segments.half_width))
+    even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
+    if inverse is not None:
+        even = _precondition(punches, inverse, np.ones(start.size))
+        per_force = 1 / float(even.sum())
+        force = force + even * ((1 - force.sum()) * per_force)
     residual = forcing - displacement(punches, force)
     plane, energy, direction, enough, size = 0.0, 1.0, np.zeros(start.size), -1.0, np.inf
     for step in range(MAX_STEPS + 1):
         change = _precondition(punches, inverse, residual)
-        if not dual:
-            shift = float(change.sum() / even.sum())
-            change -= shift * even
-            residual -= shift
-            plane += shift
+        shift = float(change.sum()) * per_force
+        change -= shift * even
+        residual -= shift
+        plane += shift
         size = float(np.abs(scale * residual).max())
         enough = max(bounds.least, min(bounds.most, bounds.reduction * size)) if enough < 0 else enough
         if size <= enough or step == MAX_STEPS:
@@ -268,8 +266,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Arr
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    plane = float(force.sum()) / punches.period if dual else unit * plane
-    return Forces(unit * force, plane, unit * size, step)
+    return Forces(unit * force, unit * kind.plane_of(float(force.sum()), plane, punches.period), unit * size, step)
 
 
 def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:

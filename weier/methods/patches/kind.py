@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.surface import CosineSeries, Extent, Sides
+from weier.methods.punches import Inverse
 
 POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 PRESSURE, GAP = 0, 1
@@ -39,6 +40,9 @@ class Kind(NamedTuple):
     on_diagonal : constant added to all influences to make them positive definite
     close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
     factor : of sums over all forces, from the period
+    invert_punches : from half-widths, middles and period, the inverse of the influence of flat punches, by which
+        contacts interact in the preconditioner; None for gaps, which carry no load
+    plane_of : from the sum of the forces, the Lagrange multiplier of the load and the period, the plane
     forcing_of_maximum : from series and load, the forcing where the series has its maximum
     height_of_residual : from half-widths, the height of a residual of 1
     finest_height : of the finest wave of a series, in g_0
@@ -89,6 +93,8 @@ class Kind(NamedTuple):
     on_diagonal: float
     close: Callable[[Array, Array, float, float], tuple[Array, float]]
     factor: Callable[[float], float]
+    invert_punches: Callable[[Array, Array, float], Inverse | None]
+    plane_of: Callable[[float, float, float], float]
     forcing_of_maximum: Callable[[CosineSeries, float], float]
     height_of_residual: Callable[[Array], Array]
     finest_height: Callable[[CosineSeries], float]

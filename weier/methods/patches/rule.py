@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches import contacts, gaps
-from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales
-from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales
+from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales, contact_waves
+from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales, gap_waves
 from weier.theory.halfplane import replace_by_influence
 
 Table = NDArray[np.float64]
-SHIFT_OF_CONTACTS, SHIFT_OF_GAPS = contacts.SHIFT, gaps.SHIFT
+OF_CONTACTS, OF_GAPS = contacts.RULE, gaps.RULE
 
 
 class Rule(NamedTuple):
@@ -52,52 +52,68 @@ class Rule(NamedTuple):
     inverse_scale: Array
 
 
-@kernel
-def shift_of(dual: bool) -> int:
-    """Return 1 for contacts, and 2 for gaps."""
-    return SHIFT_OF_GAPS if dual else SHIFT_OF_CONTACTS
+# Compiled code cannot call the functions of `Kind`: these five choose those of contacts or of gaps (dual); no other
+# formula distinguishes the two.
 
 
 @kernel
-def hankel_sign(dual: bool) -> float:
-    """Return the sign of X(i + j + shift)."""
-    return -1.0 if dual else 1.0
+def rule_of(dual: bool) -> tuple[int, float, int, float]:
+    """Return `RULE`: the shift, the sign of X(i + j + shift), the power in its sum, and the factor of the kernel."""
+    return OF_GAPS if dual else OF_CONTACTS
+
+
+@kernel
+def _node(r: float, sine: float, period: float, dual: bool) -> tuple[float, float, float]:
+    return gap_node(r, sine, period) if dual else contact_node(r, sine, period)
+
+
+@kernel
+def _scales(r: float, angles: int, period: float, dual: bool) -> tuple[float, float]:
+    return gap_scales(r, angles, period) if dual else contact_scales(r, angles, period)
+
+
+@kernel
+def _degree(n: int, r: float, dual: bool) -> float:
+    return gap_degree(n, r) if dual else contact_degree(n, r)
+
+
+@kernel
+def _waves(angle: Array, dual: bool) -> Array:
+    return gap_waves(angle) if dual else contact_waves(angle)
 
 
 @kernel
 def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array, Array, Array]:
     """Return the offset of each node from the middle of its segment, `left`, `at_node` and `inverse_left`."""
-    nodes, shift = first_node[-1], shift_of(dual)
+    nodes, (shift, _, _, _) = first_node[-1], rule_of(dual)
     offset, left, at_node, inverse_left = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
     for j in range(r.size):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
             offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
-            node = gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
-            left[q], at_node[q], inverse_left[q] = node
+            left[q], at_node[q], inverse_left[q] = _node(r[j], sine, period, dual)
     return offset, left, at_node, inverse_left
 
 
 @kernel
 def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array]:
     """Return the factors of the self-influence of each segment and of its inverse."""
-    own, inverse = np.empty(r.size), np.empty(r.size)
+    own, inverse, (shift, _, _, _) = np.empty(r.size), np.empty(r.size), rule_of(dual)
     for j in range(r.size):
-        N = first_node[j + 1] - first_node[j] + shift_of(dual) - 1
-        own[j], inverse[j] = gap_scales(r[j], N, period) if dual else contact_scales(r[j], N, period)
+        own[j], inverse[j] = _scales(r[j], first_node[j + 1] - first_node[j] + shift - 1, period, dual)
     return own, inverse
 
 
 @kernel
-def _cosine_sum(angles: int, q: int, is_rising: bool, cosine: Array) -> float:
-    """Return sum_n n cos(pi n q/N) or, not rising, sum_n cos(pi n q/N)/n, n = 1..N-1, from a turn of cos(pi q/N).
+def _cosine_sum(angles: int, q: int, power: int, cosine: Array) -> float:
+    """Return sum_n n^power cos(pi n q/N), n = 1..N-1, for the power 1 or -1, from a turn of cos(pi q/N).
 
     The first is N (N-1)/2 at q = 0, else -N/2 for even q and N/2 - 1/[2 sin^2(pi q/2N)] for odd q: the derivative of
     the sum of sin(n x), which is [cos(x/2) - cos((N - 1/2) x)]/[2 sin(x/2)].
     """
     N, total, index = angles, 0.0, 0
-    if is_rising:
+    if power > 0:
         if q == 0:
             return 0.5 * N * (N - 1)
         return -0.5 * N if q % 2 == 0 else 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * q) ** 2
@@ -116,8 +132,8 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
     q/2N)].
     """
-    n, previous_K = first_node.size - 1, -1
-    table, factor = np.empty(2 * first_node[-1] + n), 0.25 if dual else 1.0
+    n, previous_K, (shift, _, power, factor) = first_node.size - 1, -1, rule_of(dual)
+    table, power = np.empty(2 * first_node[-1] + n), -power if inverse else power
     for j in range(n):
         K, start = first_node[j + 1] - first_node[j], 2 * first_node[j] + j
         here = table[start : start + 2 * K + 1]
@@ -125,14 +141,14 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
             for q in range(2 * K + 1):
                 here[q] = table[start - 2 * K - 1 + q]
             continue
-        N, previous_K = K + shift_of(dual) - 1, K
+        N, previous_K = K + shift - 1, K
         cosine, at_nodes = np.cos(np.pi / N * np.arange(2 * N)), np.arange(N + 1.0)
         replace_by_influence(at_nodes, 2.0 * N, dual)
         for q in range(2 * K + 1):
             if q > N:  # X is even about N
                 here[q] = here[2 * N - q]
             else:
-                total = _cosine_sum(N, q, dual != inverse, cosine)
+                total = _cosine_sum(N, q, power, cosine)
                 here[q] = total if inverse else -total - factor * at_nodes[q]
     return table
 
@@ -142,7 +158,7 @@ def times_own(
     first_node: Indices, table: Array, left: Array, scale: Array, dual: bool, f: Array, result: Array
 ) -> None:
     """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
-    sign, shift = hankel_sign(dual), shift_of(dual)
+    shift, sign, _, _ = rule_of(dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
@@ -156,7 +172,7 @@ def times_own(
 @kernel
 def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, matrix: Table) -> None:
     """Add the self-influence of each segment to the upper triangle of a matrix of all nodes."""
-    sign, shift = hankel_sign(dual), shift_of(dual)
+    shift, sign, _, _ = rule_of(dual)
     _, left, at_node, _ = factors_at_nodes(first_node, r, period, dual)
     table, (scale, _) = own_tables(first_node, dual, False), scales(first_node, r, period, dual)
     for j in range(first_node.size - 1):
@@ -169,33 +185,26 @@ def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, mat
 
 
 @kernel
-def _waves(nodes: int, dual: bool) -> tuple[Array, int]:
-    """Return cos(pi q/2N) or, dual, sin(pi q/2N), of a whole turn and each with all its digits, and N."""
-    N = nodes + shift_of(dual) - 1
-    angle = np.pi / (2 * N) * np.arange(4 * N)
-    wave = np.sin(angle) if dual else np.cos(angle)
-    return wave, N
-
-
-@kernel
 def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool) -> Array:
     """Return the coefficients of psi in T_n, segment by segment, shape (nodes,).
 
-    b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, dual, sin of n (pi - theta_i).
+    b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
+    whole turn that has all its digits.
     """
-    b = np.zeros(force.size)
+    b, (shift, _, _, _) = np.zeros(force.size), rule_of(dual)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
-        wave, N = _waves(last - first, dual)
+        N = last - first + shift - 1
+        wave = _waves(np.pi / (2 * N) * np.arange(4 * N), dual)
         for i in range(first, last):
-            f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift_of(dual)
+            f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
                 b[n] += f * wave[index]
                 index += step
                 if index >= 4 * N:
                     index -= 4 * N
         for n in range(last - first):
-            b[first + n] *= gap_degree(n, r[j]) if dual else contact_degree(n, r[j])
+            b[first + n] *= _degree(n, r[j], dual)
     return b
 
 
@@ -208,16 +217,18 @@ def forces_of(
     Coefficients of a degree too high for the nodes are omitted.
     """
     force, (_, left, _, _) = np.zeros(first_node[-1]), factors_at_nodes(first_node, r, period, dual)
+    shift, _, _, _ = rule_of(dual)
     for j in range(r.size):
         if origin[j] < 0:
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
-        wave, N = _waves(last - first, dual)
+        N = last - first + shift - 1
+        wave = _waves(np.pi / (2 * N) * np.arange(4 * N), dual)
         count = min(last - first, old_first_node[origin[j] + 1] - old)
         for i in range(first, last):
-            total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift_of(dual)
+            total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift
             for n in range(count):
-                degree = gap_degree(n, r[j]) if dual else contact_degree(n, r[j])
+                degree = _degree(n, r[j], dual)
                 if degree != 0:
                     total += (1 if n == 0 else 2) * b[old + n] / degree * wave[index]
                 index += step
