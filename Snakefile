@@ -84,7 +84,7 @@ rule claims:
         unsettled=scenes.unsettled_batches,
         outdated=scenes.outdated_data,
     output:
-        data="results/{scene}/contact.nc",
+        data=update("results/{scene}/contact.nc"),  # else Snakemake removes it first
         table=report(
             "results/{scene}/claims.md",
             caption="rules/captions/claims.rst",

@@ -6,13 +6,14 @@ import pytest
 import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
-from weier.data import dataset
+from weier.data import dataset, netcdf
 from weier.data.variables import Status
-from weier.pipeline import batch
+from weier.pipeline import batch, claims
 from weier.pipeline import gather as gathering
 from weier.pipeline.batches import Solutions
 from weier.pipeline.curves import numerics
 from weier.pipeline.gather import gather, read_study
+from weier.pipeline.products import made_of
 
 WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
 OF_ONE = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
@@ -68,7 +69,7 @@ def test_variables_that_no_method_has_take_no_memory(tmp_path):
 def without_studies(data):
     """What a batch knows of a scene's file."""
     known = [name for name in data.variables if str(name).startswith("study")]
-    return data.drop_vars([*known, "numerics"])
+    return data.drop_vars([*known, "numerics", "seconds"])
 
 
 @pytest.mark.parametrize("block", [1, 2**25])
@@ -188,3 +189,85 @@ def test_each_study_is_selected_by_name_though_its_cases_stand_in_others(tmp_pat
         assert data.isel(case=data.study_two == 1).m.values.tolist() == [2, 3]
     with dataset.open_dataset(tmp_path / "two.nc") as data, pytest.raises(ValueError, match=r"choose from one, two$"):
         data.weier.cases(study="three")
+
+
+def test_a_file_has_the_name_that_it_was_given(solutions, tmp_path):
+    gather(solutions, tmp_path / "a.nc", name="made-of-this")
+    assert netcdf.sealed_name(tmp_path / "a.nc") == "made-of-this"
+
+
+def test_the_seconds_of_each_curve_stand_beside_it_unless_bytes_are_to_be_reproducible(
+    solutions, tmp_path, monkeypatch
+):
+    gather(solutions, tmp_path / "a.nc")
+    data, batches = dataset.read(tmp_path / "a.nc"), [dataset.read(path) for path in solutions.files()]
+    assert np.all(np.isfinite(data.seconds) == (data.status == Status.solved))
+    assert np.nansum(data.seconds) == pytest.approx(sum(np.nansum(batch.seconds) for batch in batches))
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    gather(solutions, tmp_path / "b.nc")
+    assert "seconds" not in dataset.read(tmp_path / "b.nc")
+
+
+@pytest.fixture
+def titled(tmp_path, monkeypatch):
+    """The paths of data and claims, and a function that writes them for a scene of a title."""
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    data, table = tmp_path / "contact.nc", tmp_path / "claims.md"
+
+    def write(title, **others):
+        scene = scene_in(tmp_path, {**OF_ONE, "studies": {"one": WAVE}, "title": title, **others})
+        claims.write(solve_scene(scene, tmp_path / "curves"), data, table)
+
+    return data, table, write
+
+
+def test_a_changed_title_changes_attributes_alone(titled, monkeypatch):
+    data, table, write = titled
+    write("first")
+    before = dataset.read(data)
+    with monkeypatch.context() as patch:
+        patch.setattr(gathering, "Reader", None)  # no batch is read
+        write("second")
+    after = dataset.read(data)
+    xr.testing.assert_equal(after, before)
+    changed = {"title", "id", "scene", "date_issued", "date_metadata_modified"}
+    assert {name for name in after.attrs if after.attrs[name] != before.attrs[name]} - changed == set()
+    assert after.attrs["title"] == "second"
+    assert "title: second" in after.attrs["scene"]
+    assert table.read_text().startswith("# second")
+    netcdf.check_sealed(data, made_of(table))
+
+
+@pytest.mark.parametrize(
+    "others", [{"loads": [0.2, 1.0]}, {"studies": {"two": WAVE}}, {"claims": {"layer_close": ["one"]}}]
+)
+def test_other_changes_of_a_scene_write_its_data_again(titled, others):
+    data, table, write = titled
+    write("first")
+    write("first", **others)
+    found = dataset.read(data)
+    data.unlink()
+    write("first", **others)
+    xr.testing.assert_equal(found, dataset.read(data))
+    netcdf.check_sealed(data, made_of(table))
+
+
+def test_data_that_were_edited_get_no_other_title(titled):
+    data, _, write = titled
+    write("first")
+    damaged = bytearray(data.read_bytes())
+    damaged[len(damaged) // 2] ^= 1
+    data.write_bytes(damaged)
+    with pytest.raises(ValueError, match="not as weier wrote it"):
+        write("second")
+    assert data.read_bytes() == damaged
+
+
+def test_reproducible_data_are_written_as_a_whole(titled, monkeypatch):
+    data, _, write = titled
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    write("second")
+    fresh = data.read_bytes()
+    write("first")
+    write("second")
+    assert data.read_bytes() == fresh

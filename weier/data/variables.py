@@ -77,8 +77,7 @@ class Variable(NamedTuple):
     dtype, least, most, flags : its type ("O" for texts of any length) and range, or the meaning of its numbers
     comment : details beyond the long name, which labels axes
     content : the kind of its content, in the terms of ISO 19115
-    optional : whether only files of methods that return it have it; seconds, which differ from run to run, are in
-        batches only
+    optional : whether only files of methods that return it have it
     files : further files that have it, besides those of a scene
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
@@ -259,7 +258,14 @@ VARIABLES = {
         optional=True,
     ),
     "seconds": Variable(
-        RUN, "time to solve all loads", "s", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
+        RUN,
+        "time to solve all loads",
+        "s",
+        least=0,
+        content=AUXILIARY,
+        comment="It differs from run to run, and is omitted if SOURCE_DATE_EPOCH asks for reproducible bytes.",
+        files=(TRADEOFF,),
+        optional=True,
     ),
 }
 

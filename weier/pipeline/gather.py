@@ -7,6 +7,7 @@ case come from the scene, so that renaming a study solves nothing again.
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from itertools import compress
@@ -29,6 +30,7 @@ from weier.scene.cases import Layout, Scene
 from weier.surface.spectrum import fit
 
 Values = tuple[tuple[str, ...], NDArray[Any]]  # dimensions and values of a variable
+DATES_OF_VALUES = ("date_created", "date_modified")
 BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
@@ -62,14 +64,15 @@ def gather(
         As in `dataset.write`.
     """
     scene, count = solutions.scene, len(solutions.scene.distinct)
-    reader, labels = Reader(solutions, scene.layout), case_labels(scene)
+    layout = scene.layout if provenance.is_reproducible() else scene.layout.having("seconds")
+    reader, labels = Reader(solutions, layout), case_labels(scene)
     histories, widths = netcdf.texts_of_files(reader.files())
     first = in_units_of(scene, reader.read(np.arange(1)))
     header = first.merge(labels.isel(case=slice(1))).merge(more or {})
     about = provenance.attributes(scene.title, step, scene.text, histories, in_si=scene.in_si)
     header = header.assign_attrs(about)
-    for name, width in (netcdf.text_widths(header) | netcdf.text_widths(labels)).items():
-        widths[name] = max(width, widths.get(name, 0))
+    for text, width in (netcdf.text_widths(header) | netcdf.text_widths(labels)).items():
+        widths[text] = max(width, widths.get(text, 0))
     size = max(1, BLOCK_BYTES // first.nbytes)
     with replacing(path) as beside:
         with netCDF4.Dataset(beside, "w") as file:
@@ -79,6 +82,17 @@ def gather(
             for start in range(0, count, size):
                 block = np.arange(start, min(start + size, count))
                 netcdf.fill(file, in_units_of(scene, reader.read(block)), slice(start, start + len(block)))
+        netcdf.seal(beside, name)
+
+
+def describe_again(scene: Scene, path: str | Path, step: str, name: str) -> None:
+    """Give a file of `gather` the title and text of a scene that has the same cases, atomically; its values stay."""
+    netcdf.check_sealed(path)
+    with replacing(path) as beside:
+        shutil.copyfile(path, beside)
+        with netCDF4.Dataset(beside, "a") as file:
+            about = provenance.attributes(scene.title, step, scene.text, [file.history], in_si=scene.in_si)
+            file.setncatts({key: value for key, value in about.items() if key not in DATES_OF_VALUES})
         netcdf.seal(beside, name)
 
 

@@ -21,12 +21,30 @@ REGISTRY = "weier.methods.registry"
 # The code of every figure.
 FIGURE = (("weier.figures", "draw"), ("weier.pipeline.gather", "read_study"))
 LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
+HALF = 16  # digits of a digest
 MARK = re.compile(rb"made of weier:([0-9a-f]{32})")
 
 
 def inputs_of_data(solutions: Solutions) -> str:
-    """Return the digest of the inputs of the data and the claims of a scene."""
-    return _inputs(solutions, None, solutions.scene.text, [("weier.pipeline.claims", "write")])
+    """Return the digest of the inputs of the data and the claims of a scene.
+
+    Its first half is the digest of all that the variables depend on, its second half that of the scene as a text.
+    """
+    scene = solutions.scene
+    entry = [
+        list(scene.studies),
+        scene.loads.tolist(),
+        repr(scene.interface),
+        scene.in_si,
+        list(scene.claims.items()),
+    ]
+    variables = _inputs(solutions, None, entry, [("weier.pipeline.claims", "write")])
+    return variables[:HALF] + digest(scene.text)[:HALF]
+
+
+def has_variables_of(path: str | Path, inputs: str) -> bool:
+    """Return whether the data at a path have the variables of these inputs, and may have other attributes."""
+    return (made_of(path) or "")[:HALF] == inputs[:HALF]
 
 
 def inputs_of_figure(solutions: Solutions, name: str) -> str:

@@ -44,6 +44,10 @@ class Layout(NamedTuple):
     edges: int
     optional: frozenset[str] = frozenset()
 
+    def having(self, name: str) -> Layout:
+        """Return the layout with a further variable."""
+        return self._replace(optional=self.optional | {name})
+
 
 def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
     """Return the sizes and variables of the arrays for these cases alone."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from weier.checks import suggestion
 from weier.data import curves
 from weier.data.files import write_text
+from weier.data.provenance import is_reproducible
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.claim import Cases, Claim, Judgement, judge
@@ -38,15 +39,18 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
 
     """
     # The import of xarray is not needed to check the names of claims.
-    from weier.pipeline.gather import gather, read_study
-    from weier.pipeline.products import inputs_of_data, mark
+    from weier.pipeline.gather import describe_again, gather, read_study
+    from weier.pipeline.products import has_variables_of, inputs_of_data, mark
 
     # Only the studies of claims are read into memory, each once.
     study = cache(partial(read_study, solutions))
     wanted = solutions.scene.claims.items()
     judged = {claim: evaluate(claim, [study(name) for name in names]) for claim, names in wanted}
     step, inputs = "checked against the paper" if judged else "gathered", inputs_of_data(solutions)
-    gather(solutions, path, step, report.to_dataset(judged), inputs)
+    if has_variables_of(path, inputs) and not is_reproducible():
+        describe_again(solutions.scene, path, step, inputs)
+    else:
+        gather(solutions, path, step, report.to_dataset(judged), inputs)
     write_text(table, f"{report.to_markdown(solutions.scene.title, judged)}\n<!-- {mark(inputs)} -->\n")
 
 
