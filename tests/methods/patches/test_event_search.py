@@ -3,10 +3,61 @@
 import numpy as np
 import pytest
 
+from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
-from weier import Profile
+from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import event_search
+from weier.methods.patches.start import Starts
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_slopes_of_the_gap_are_those_of_westergaard(wave, dual):
+    """At both sides of the contact, and counted from another period."""
+    distance = wave.half_width + (wave.period - 2 * wave.half_width) * np.array([0.05, 0.3, 0.5, 0.8])
+    origin = np.full(4, wave.crest - wave.period)
+    found = event_search._gap_slopes(wave.state(dual), wave.series(dual), origin, distance)
+    np.testing.assert_allclose(found, wave.slope(distance), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize("dual", [False, True])
+def test_minima_of_gap_and_pressure_are_those_of_one_wave(period, dual):
+    """The gap at its right edge, and the pressure at its left one, since both are largest in the middle."""
+    wave = OneWave(period, 0.2 * period, 0.2 * period)
+    state, series, a = wave.state(dual), wave.series(dual), wave.half_width
+    for birth, left, right in ((True, 1.5 * a, 3 * a), (False, -0.5 * a, 0.4 * a)):
+        event = event_search._Event(birth, wave.crest, left, right)
+        y, value = event_search._minimum(state, series, event)
+        ends = wave.gap(np.array([left, right])) if birth else wave.pressure(np.array([left, right]))
+        assert y == pytest.approx([left, right][int(np.argmin(ends))], abs=0.1 * (right - left))
+        exact = wave.gap(np.array([y])) if birth else wave.pressure(np.array([y]))
+        assert value == pytest.approx(float(exact[0]), abs=1e-9)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_contacts_that_have_grown_are_certain_to_have_no_event_while_both_edges_are_near(period):
+    """MAX_ADVANCE of the wavelength on the left and on the right, of which each must be seen."""
+    profile = Profile(1.5, 2, 1)
+    search = event_search._Search(Starts(profile, 1e-10))
+    surface = search.starts.surface
+    heights = OneWave(period, 0.1 * period, 0.2 * period).series(False)
+    search.starts.surface = surface._replace(heights=heights, tensions=heights)
+    near, far = 0.9 * event_search.MAX_ADVANCE * period, 1.1 * event_search.MAX_ADVANCE * period
+    low = OneWave(period, 0.1 * period, 0.2 * period)
+    for left, right in ((near, near), (near, far), (far, near)):
+        r = low.half_width + 0.5 * (left + right)
+        wider = OneWave(period, r, low.crest + 0.5 * (right - left)).state(False)
+        changes, is_certain = search._changes(low.state(False), wider)
+        assert changes == []
+        assert is_certain == (left == right == near)
+
+
+def test_a_search_that_stays_uncertain_ends(monkeypatch):
+    monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False))
+    with pytest.raises(ConvergenceError, match="remain uncertain after 101 bisections"):
+        patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
 
 
 def test_events_of_symmetric_profiles_come_in_pairs():

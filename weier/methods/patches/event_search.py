@@ -39,6 +39,8 @@ LOAD_ACCURACY = 1e-12  # relative, of the roots
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
+# bisections per event: 31 lead from a decade to `MIN_INTERVAL`, at most 8 were needed by 64 random profiles
+MAX_SPLITS = 100
 SLOPE_POINTS = 12  # samples of the slope of the gap where an edge has advanced or a contact is new
 MINIMUM_SAMPLES = 32  # samples of the gap or pressure that bracket the minimum
 # accuracy of the position of such a minimum over the spacing of the samples; its value has an error of second order
@@ -159,28 +161,50 @@ class _Search(NamedTuple):
     def between(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]]:
         """Return the events between two states, each with its load.
 
+        ConvergenceError is raised if intervals remain uncertain after `MAX_SPLITS` splits per event.
+        """
+        located: list[tuple[float, _Event]] = []
+        pending, splits = [(low, high)], 0
+        while pending:
+            low, high = pending.pop()
+            found, middle = self._finish(low, high)
+            if found is not None:
+                located += found
+                continue
+            splits += 1
+            if splits > MAX_SPLITS * (1 + len(located)):
+                raise ConvergenceError(
+                    f"the changes of contacts between the mean pressures {low.load:.10g} and {high.load:.10g} p_0* "
+                    f"remain uncertain after {splits} bisections; take a smaller interval of loads"
+                )
+            between = self.state(middle)
+            pending += [(between, high), (low, between)]
+        return located
+
+    def _finish(self, low: ContactState, high: ContactState) -> tuple[list[tuple[float, _Event]] | None, float]:
+        """Return the events between two states, None if the interval must be split, and the load where it is split.
+
         Events in an interval shorter than `MIN_INTERVAL` are assigned the load of the heavier state. Other intervals
         are finished when certainly no contact has changed, or when all roots coincide and the contacts there satisfy
         the inequalities. Otherwise they are split, between the two roots farthest apart if there are any.
         """
         width = float(np.log(high.load / low.load))
         changes, is_certain = self._changes(low, high)
-        if width < MIN_INTERVAL:
-            return [(high.load, event) for event in changes]
-        if is_certain and not changes:
-            return []
         middle = float(np.sqrt(low.load) * np.sqrt(high.load))
+        if width < MIN_INTERVAL:
+            return [(high.load, event) for event in changes], middle
+        if is_certain and not changes:
+            return [], middle
         if is_certain and width < MAX_ROOT_INTERVAL and len(changes) <= MAX_ROOTS:
             located = self._locate_all(low, high, changes)
             loads = sorted(state.load for _, state in located)
             if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
                 if self._is_in_contact(located[0][1]):
-                    return [(state.load, event) for event, state in located]
+                    return [(state.load, event) for event, state in located], middle
             elif loads:
                 widest = int(np.argmax(np.diff(loads)))
                 middle = 0.5 * (loads[widest] + loads[widest + 1])
-        between = self.state(middle)
-        return self.between(low, between) + self.between(between, high)
+        return None, middle
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
         """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
