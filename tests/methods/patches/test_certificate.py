@@ -49,7 +49,7 @@ def test_the_bound_holds_for_states_that_use_up_their_tension(load, part):
         bound = bound_by(state, load, pressure=[sigma], width=[1.0])
         assert abs(state - exact) <= bound
         assert abs(state - exact) + 1e-3 <= bound_by(state, load, 1e-3, 0.0, [sigma], [1.0])
-        assert bound_by(state, load, missing=sigma) == pytest.approx(bound, rel=1e-12)
+        assert bound_by(state, load, missing=sigma) == pytest.approx(bound, rel=1e-12, abs=0)
         assert bound_by(state, load, 0.0, 0.5 * sigma, [0.2 * sigma, 0.5 * sigma], [0.4, 0.6]) <= bound * (1 + 1e-12)
     drop = one_wave(load) - one_wave(load - sigma)
     # h is nearly a straight line under a light load, so that the bound is hardly larger than the difference.
@@ -79,12 +79,12 @@ def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period,
 
 def test_each_condition_that_is_violated_counts_in_the_bound():
     assert bound_by(0.3, 0.5, 1e-5) == 1e-5
-    assert bound_by(0.3, 0.5, 1e-5, 0.0, [1e-6], [1.0]) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4)
+    assert bound_by(0.3, 0.5, 1e-5, 0.0, [1e-6], [1.0]) == pytest.approx(1e-5 + 1e-6 * 0.6, rel=1e-4, abs=0)
     moved = 2e-10 * (1 + np.log(1e9)) + 0.6 * 0.5e-10
-    assert bound_by(0.3, 0.5, pressure=[0.1], width=[1e-9], period=2.0) == pytest.approx(moved, rel=1e-6)
+    assert bound_by(0.3, 0.5, pressure=[0.1], width=[1e-9], period=2.0) == pytest.approx(moved, rel=1e-6, abs=0)
     both = bound_by(0.3, 0.5, pressure=[1e-7, 0.1], width=[1.9, 1e-9], period=2.0)
-    assert both == pytest.approx(moved + 0.6e-7, rel=1e-6)  # each in the way that gives less
-    assert bound_by(0.3, 0.5, missing=1e-6) == pytest.approx(1e-6 * 0.6, rel=1e-4)
+    assert both == pytest.approx(moved + 0.6e-7, rel=1e-6, abs=0)  # each in the way that gives less
+    assert bound_by(0.3, 0.5, missing=1e-6) == pytest.approx(1e-6 * 0.6, rel=1e-4, abs=0)
 
 
 @pytest.mark.parametrize("load", [0.5, 4.0])
@@ -114,7 +114,9 @@ def test_as_many_pressures_are_taken_off_as_give_the_least():
     moved = largest_displacement(3e-3, force, period)
     sigma = force / period + 2e-9
     expected = moved + sigma * (0.3 + moved) / (0.5 - sigma)
-    assert bound_by(0.3, 0.5, pressure=pressure, width=width, period=period) == pytest.approx(expected, rel=1e-12)
+    assert bound_by(0.3, 0.5, pressure=pressure, width=width, period=period) == pytest.approx(
+        expected, rel=1e-12, abs=0
+    )
     assert bound_by(0.3, 0.5, pressure=pressure[::-1], width=width[::-1], period=period) == pytest.approx(expected)
     assert bound_by(0.3, 0.5, pressure=pressure[:0], width=width[:0], period=period) == 0
 
@@ -133,9 +135,9 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
     force = quad(tension, right, left + period)[0]
     for dual in (False, True):
         moved, mean, doubt = effect_of_cracks(wave.state(dual)._replace(cracks=cracks), period)
-        assert mean == pytest.approx(force / period, rel=1e-9)
-        assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9)
-        assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12)
+        assert mean == pytest.approx(force / period, rel=1e-9, abs=0)
+        assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9, abs=0)
+        assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -149,14 +151,14 @@ def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths
     minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
     nothing = find_negative_intervals(state)
     found = certify(state, np.array([sigma]), np.array([0.3 * r]), nothing, minima, series, 1e-3, 0.0)
-    assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9)
+    assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9, abs=0)
     reach = np.sqrt(2 * depth / curvature)
     expected = bound_by(
         indentation, wave.load, 0.0, 0.0, [SAMPLED_FACTOR * sigma, depth], [0.3 * r, 2 * reach], period
     )
     closure = abs(0.5 * np.pi * r * state.coefficient[0])
     assert found.error == pytest.approx(expected, rel=1e-6, abs=2 * closure)
-    assert found.height_error == pytest.approx(found.error + 4 * SAMPLED_FACTOR * r * sigma, rel=1e-6)
+    assert found.height_error == pytest.approx(found.error + 4 * SAMPLED_FACTOR * r * sigma, rel=1e-6, abs=0)
     assert found.tensions[0, 2] == pytest.approx(reach / wave.half_width)
 
 
@@ -175,6 +177,11 @@ def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes, apart):
             force = r * np.abs(np.trapezoid(np.abs(polynomial(dense)), dense))
             assert SAMPLED_FACTOR * largest[0] * width[0] >= force * (1 - 1e-6)
             assert width[0] <= 2 * r
+    one = np.zeros(t.size)
+    one[2] = 1.0  # pi/(m-n-1) times the sine of its angle, over the factor of the sampled maximum
+    _, width = _largest_and_width(state.segments, first, one)
+    expected = np.pi / (t.size - nodes - 3) * np.sin(2.5 * np.pi / t.size) / SAMPLED_FACTOR
+    assert width[0] == pytest.approx(r * expected, rel=1e-12, abs=0)
     if nodes == 30:  # the last polynomial, sum k T_k, is as large as its degree squared at the right end
         assert width[0] < 0.2 * r
 
@@ -202,7 +209,7 @@ def test_edges_that_move_change_the_resistance_as_stated(wave, dual):
     """dR = (2 pi^2/L) sum B^2 delta is the derivative of -L ln sin^2(pi a/L)."""
     step = np.full((1, 2), 1e-7 * wave.period)
     left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
-    assert left_over == pytest.approx(moved(wave, step[0, 0]), rel=1e-5)
+    assert left_over == pytest.approx(moved(wave, step[0, 0]), rel=1e-5, abs=0)
 
 
 @pytest.mark.parametrize("dual", [False, True])
@@ -214,7 +221,7 @@ def test_heights_that_are_off_move_edges(wave, dual):
     chi = max(-2 * np.log(np.pi * a / wave.period), 1.0)
     move = np.sqrt(2) * HEIGHT / (np.pi * A * np.sqrt(a)) + 2 * a * HEIGHT / (chi * force)
     by_heights = stated(wave, dual, height_error=HEIGHT) - stated(wave, dual)
-    assert by_heights == pytest.approx(moved(wave, move), rel=1e-4)
+    assert by_heights == pytest.approx(moved(wave, move), rel=1e-4, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -236,7 +243,7 @@ def test_an_edge_beside_a_narrow_gap_counts_twice(period):
     chi = max(-2 * np.log(np.pi * a / period), 1.0)
     move = np.sqrt(2) * HEIGHT / (np.pi * A * np.sqrt(half_gap)) + 2 * a * HEIGHT / (chi * force)
     by_heights = stated(wave, height_error=HEIGHT) - stated(wave)
-    assert by_heights == pytest.approx(2 * moved(wave, move), rel=1e-4)
+    assert by_heights == pytest.approx(2 * moved(wave, move), rel=1e-4, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -244,10 +251,10 @@ def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
     """Four times what the loss of a contact changes, L f^2 chi, and eight times that of a gap, pi^2 b^2 q^2/L."""
     contact = OneWave(period, 1e-3 * period, 0.2 * period)
     chi = -2 * np.log(np.pi * contact.half_width / period)
-    assert stated(contact, height_error=1.0) == pytest.approx(4 * period * chi, rel=1e-4)
+    assert stated(contact, height_error=1.0) == pytest.approx(4 * period * chi, rel=1e-4, abs=0)
     gap = OneWave(period, 0.5 * period * (1 - 1e-3), 0.2 * period)
     b = 0.5e-3 * period  # q = 1 near full contact
-    assert stated(gap, height_error=1.0) == pytest.approx(8 * np.pi**2 * b**2 / period, rel=1e-3)
+    assert stated(gap, height_error=1.0) == pytest.approx(8 * np.pi**2 * b**2 / period, rel=1e-3, abs=0)
 
 
 @pytest.mark.parametrize("dual", [False, True])
@@ -259,7 +266,7 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     r = wave.half_width
     q = max(wave.tangent_strength * np.sqrt(2 / (r * (1 - 0.09))), 1.0)
     expected = 2 * np.pi**2 * 2 * (1e-4 * r * q) ** 2 / period
-    assert stated(wave, dual, tensions=tensions) - stated(wave, dual) == pytest.approx(expected, rel=1e-9)
+    assert stated(wave, dual, tensions=tensions) - stated(wave, dual) == pytest.approx(expected, rel=1e-9, abs=0)
     # The pressure of an increment is that of the flat punch, cos(pi x/L)/(sin^2(pi a/L) - sin^2(pi x/L))^(1/2).
     y = np.pi / period * 0.3 * r
     exact = np.cos(y) / np.sqrt(np.sin(wave.alpha) ** 2 - np.sin(y) ** 2)
@@ -286,11 +293,11 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     )
     state = wave.state(dual)
     by_neighbour = stated(wave, dual, cracks=cracks) - stated(wave, dual)
-    assert by_neighbour == pytest.approx(4 * rise * (b / (0.6 * wave.half_width)) ** 2, rel=1e-5)
+    assert by_neighbour == pytest.approx(4 * rise * (b / (0.6 * wave.half_width)) ** 2, rel=1e-5, abs=0)
     off = HEIGHT * state.segments.node_count[0] / (2 * np.pi * state.segments.half_width[0] * np.sqrt(1 - t * t))
     both = stated(wave, dual, cracks=cracks, height_error=HEIGHT) - stated(wave, dual, height_error=HEIGHT)
     by_tension = np.pi**2 * q**2 / period * (4 * off / curvature)
-    assert both - by_neighbour == pytest.approx(by_tension, rel=1e-5)
+    assert both - by_neighbour == pytest.approx(by_tension, rel=1e-5, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -308,7 +315,7 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     expected = (wave.resistance + 2 * np.log(2) * period) ** 2 / (chi * period)
     assert expected < wave.resistance
     born = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
-    assert born == pytest.approx(expected, rel=1e-9)
+    assert born == pytest.approx(expected, rel=1e-9, abs=0)
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
@@ -332,4 +339,4 @@ def test_rounding_widens_contacts(period):
         series = make_series(amplitude, [1, 2], phases, period)
         found = resistance_error(state, series) - TANGENT_ERROR * max(wave.resistance, 1.0)
         move = of_curvature + (of_height if is_lower else 0.0)
-        assert found == pytest.approx(4 * np.pi**2 / period * wave.tangent_strength**2 * move, rel=1e-2)
+        assert found == pytest.approx(4 * np.pi**2 / period * wave.tangent_strength**2 * move, rel=1e-2, abs=0)

@@ -97,7 +97,7 @@ def test_what_is_narrow_between_segments_gets_its_width(dual, square, other_end)
         psi.append(sign * psi_with(k_0, k_1, r, right))
     outward, closed, relative, _ = moves_of(psi, [r, r], [2 * b, 2.0], dual)
     left, right = -b + outward[0, 1], b - outward[1, 0]
-    assert 0.5 * (right - left) == pytest.approx(b * np.sqrt(square), rel=1e-12)
+    assert 0.5 * (right - left) == pytest.approx(b * np.sqrt(square), rel=1e-12, abs=0)
     assert 0.5 * (right + left) == pytest.approx(-0.5 * b * other_end, abs=1e-14)
     assert not np.any(closed)
     assert relative[0] == pytest.approx(np.abs(outward[0]).max() / b)

@@ -16,7 +16,6 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
     vanishing_at_edges,
 )
-from weier.methods.patches.rule import times_own
 from weier.methods.patches.segments import make_segments
 
 
@@ -40,7 +39,7 @@ def test_one_flat_punch_a_period(fraction, period, most):
     punches = punches_at(np.array([0.6]), np.array([0.5 * fraction * period]), 60, period, most=most)
     none = np.zeros(60)
     solved = solve_forces_on_contacts(punches, none, 1 / period, none, Bounds(1e-12, 0.0, 1.0))
-    assert -solved.plane == pytest.approx(-2 * np.log(np.sin(np.pi / 2 * fraction)), rel=1e-12)
+    assert -solved.plane == pytest.approx(-2 * np.log(np.sin(np.pi / 2 * fraction)), rel=1e-12, abs=0)
     # The pressure is cos(pi y/L)/sqrt(sin^2(pi r/L) - sin^2(pi y/L)) per load, with the mean 1 over the period.
     sine, y = np.sin(np.pi / 2 * fraction), np.pi / period * (punches.offset)
     t = (punches.offset) / punches.segments.half_width
@@ -61,7 +60,7 @@ def test_one_crack_a_period(fraction, period, most):
     gap = 2 * period * np.arcsinh(ratio)
     weight = np.pi / 61 * np.sin(np.arange(60, 0, -1) * np.pi / 61) * cracks.segments.half_width
     np.testing.assert_allclose(solved.force, weight * gap, rtol=1e-9)
-    assert solved.plane == pytest.approx(-2 * period * np.log(np.cos(np.pi / 2 * fraction)), rel=1e-12)
+    assert solved.plane == pytest.approx(-period * np.log1p(-(sine**2)), rel=1e-12, abs=0)
 
 
 @one_thread
@@ -78,7 +77,7 @@ def test_steps_do_not_grow_with_the_contacts_or_gaps(count, dual):
         assert np.abs(fresh).max() * 2 * punches.segments.half_width.min() < 1e-9 * solved.plane
     else:
         assert np.ptp(fresh) < 1e-8 * np.abs(fresh).max()
-        assert solved.force.sum() == pytest.approx(1, rel=1e-12)
+        assert solved.force.sum() == pytest.approx(1, rel=1e-12, abs=0)
 
 
 def polynomials(count, seed=0):
@@ -154,20 +153,3 @@ def test_forces_come_back_from_their_expansion(dual, period):
     of_finer = expansion(finer, transfer_forces(punches.segments, b, np.array([1, -1]), finer))
     np.testing.assert_allclose(of_finer[:10], b[10:], atol=1e-11 * np.abs(b).max())
     assert not np.any(of_finer[16:])
-
-
-@pytest.mark.parametrize("dual", [False, True])
-@pytest.mark.parametrize("period", [1.0, 9.0])
-def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
-    """The displacement T_k needs the forces k/(2K) T_k, and the pressure U_k in a gap 2 pi r^2 w_i U_k/(k+1)."""
-    nodes, r, none = 9, np.array([0.13]) * period, np.zeros(9)
-    rule = punches_at(np.array([0.4]) * period, r, nodes, period, dual, most=0).rule
-    angle = np.pi * (np.arange(nodes) + (1.0 if dual else 0.5)) / (nodes + dual)
-    weight = np.pi / (nodes + 1) * np.sin(angle) ** 2 * 2 * np.pi * r**2
-    for k in range(nodes):
-        value = np.sin((k + 1) * angle) / np.sin(angle) if dual else np.cos(k * angle)
-        force = none.copy()
-        scale = rule.inverse_left, rule.inverse_scale
-        times_own(np.array([0, nodes]), rule.inverse, *scale, dual, value, force)
-        expected = weight * value / (k + 1) if dual else k / (2 * nodes) * value
-        np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)

@@ -47,9 +47,9 @@ def test_intervals_of_tension(period, part):
     assert [well["start"][0], well["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
     # Samples are 1/24 pi apart in the angle, so that the lowest is less deep than the minimum by a twentieth at most.
     assert well["value"][0] == pytest.approx(-0.01 * np.sqrt(1 - 0.09), rel=0.05)
-    assert well["relative"][0] == pytest.approx(well["value"][0] / (1.3**2 - 0.01), rel=1e-9)
+    assert well["relative"][0] == pytest.approx(well["value"][0] / (1.3**2 - 0.01), rel=1e-9, abs=0)
     # A crack of half-width b under the tension sigma opens by 2 pi b sigma.
-    assert well["height"][0] == pytest.approx(2 * np.pi * 0.1 * r * 0.01 * np.sqrt(1 - 0.09), rel=1e-9)
+    assert well["height"][0] == pytest.approx(2 * np.pi * 0.1 * r * 0.01 * np.sqrt(1 - 0.09), rel=1e-9, abs=0)
     at_end = find_negative_intervals(state_of(lambda t: 0.8 - t, period, r))
     assert [at_end["start"][0], at_end["end"][0]] == pytest.approx([0.8, 1.0], abs=1e-11)
     both = find_negative_intervals(state_of(lambda t: ((t + 0.5) ** 2 - 0.01) * ((t - 0.5) ** 2 - 0.01), period, r))
@@ -78,7 +78,7 @@ def test_overlaps_in_gaps(period, part):
     found = find_negative_intervals(state)
     assert [found["start"][0], found["end"][0]] == pytest.approx([0.2, 0.4], abs=1e-11)
     overlap = r * (1 - 0.09) ** 1.5 * depth
-    assert found["height"][0] == pytest.approx(overlap, rel=1e-9)
+    assert found["height"][0] == pytest.approx(overlap, rel=1e-9, abs=0)
     assert found["value"][0] == pytest.approx(-overlap, rel=0.05)
     minima = minima_of_gaps(state)
     minimum = minima[np.argmin(minima["value"])]
@@ -164,7 +164,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         curvature = (below + above - 2 * here) / (1e-3 * period) ** 2
         assert here < min(below, above)
         reach = np.sqrt(-2 * here / curvature) * (np.sqrt(2) if dual else 0.5)
-        assert 0.5 * (right - left) == pytest.approx(min(reach, inequalities.MAX_NEW_WIDTH * most), rel=1e-3)
+        assert 0.5 * (right - left) == pytest.approx(min(reach, inequalities.MAX_NEW_WIDTH * most), rel=1e-3, abs=0)
     if dual:  # Gaps thinner than the limit are cracks in closed form: b^2 = 4 q_0/kappa.
         thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])

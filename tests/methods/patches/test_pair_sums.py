@@ -39,7 +39,9 @@ def test_points_that_are_closer_than_their_positions_tell():
     origin, offset = np.array([1.0, 1.0, 2.0]), np.array([1e-18, 3e-18, 0.1])
     # 1 + 1e-18 is 1 as a float; the distance of points with the same origin is that of the offsets.
     matrix = make_pair_matrix(origin, offset, 3.0, True)
-    assert pair_sums(matrix, np.array([0.0, 1.0, 0.0]))[0] == pytest.approx((3 / np.pi / 2e-18) ** 2, rel=1e-12)
+    assert pair_sums(matrix, np.array([0.0, 1.0, 0.0]))[0] == pytest.approx(
+        (3 / np.pi / 2e-18) ** 2, rel=1e-12, abs=0
+    )
 
 
 @pytest.mark.parametrize("dual", [False, True])
