@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from weier.figures import style
-from weier.theory.borodich_galanov import stiffness_curve
+from weier.theory.borodich_galanov import stiffness_bounds
 
 CAPTION = (
     "Bounds on the stiffness, hence on the conductance, of the self-similar punch of Borodich and Galanov over its "
@@ -20,15 +20,12 @@ MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis; the upper bound tends to in
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
-    """Draw both bounds on kappa = k/k_H over the roughness epsilon, by the parameter x of (B.16) and (B.19)."""
+    """Draw both bounds on kappa = k/k_H over the roughness epsilon (B.16)."""
     figure, (axes,) = style.column(title, [""])
-    # With x = 1/(2 sin t), even steps of t are fine where the bounds are steep. The bounds meet at t = pi/6.
-    lower, upper = (0.5 / np.sin(np.linspace(np.pi / 6, end, 400)) for end in (1e-6, np.pi / 3 - 1e-6))
-    for x, label, color, dash in (
-        (upper, "upper bound", style.VERMILLION, style.DASHES[0]),
-        (lower, "lower bound", style.BLUE, style.DASHES[1]),
-    ):
-        axes.plot(*stiffness_curve(x), label=label, color=color, linestyle=dash)
+    epsilon = np.linspace(0, 1, 400, endpoint=False) ** 2  # The bounds leave the smooth punch as sqrt(epsilon).
+    lower, upper = stiffness_bounds(epsilon)
+    axes.plot(epsilon, upper, label="upper bound", color=style.VERMILLION, linestyle=style.DASHES[0])
+    axes.plot(epsilon, lower, label="lower bound", color=style.BLUE, linestyle=style.DASHES[1])
     axes.axhline(1, color=style.BLACK, linewidth=0.5)
     axes.annotate("smooth punch", (0.98, 1), (0, 4), textcoords="offset points", ha="right", fontsize=8)
     axes.set(xlim=(0, 1), ylim=(0, MAX_STIFFNESS))

@@ -69,20 +69,5 @@ def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
     return common / second, common / first
 
 
-def stiffness_curve(x: ArrayLike) -> tuple[Array, Array]:
-    """Return points (epsilon, k/k_H) of Fig. 9 for roots x > 1/sqrt(3); x > 1 is the lower bound (B.16), (B.19).
-
-    Notes
-    -----
-    The difference 4 x^6 - (3 x^2 - 1)^2 in (B.19) is (x^2 - 1)^2 (4 x^2 - 1): there is no cancellation near x = 1.
-    With (B.18), 1 - epsilon = (1 + epsilon) lambda^2.
-    """
-    x = np.asarray(x, float)
-    y = (1 / x) ** 2  # (B.19) divided by x^6: a large x cannot overflow
-    ratio = (3 - y) ** 2 * y / 4  # lambda^2
-    epsilon = ((x - 1) / x * ((x + 1) / x)) ** 2 * (4 - y) / (4 + (3 - y) ** 2 * y)
-    return epsilon, ((1 + ratio) / 2) ** (1 / 3) * 2 / (3 - y)  # x lambda = (3 - y)/2
-
-
 def _checked(epsilon: ArrayLike) -> Array:
     return checked_numbers("epsilon", epsilon, "lie in [0, 1)", lambda epsilon: (epsilon >= 0) & (epsilon < 1))
