@@ -112,11 +112,6 @@ def output(name: str, *suffixes: str, default: str | None = None, required: bool
     )
 
 
-def loads_option(default: str | None, help: str) -> click.Option:
-    """Return the option for mean pressures."""
-    return click.Option(["--loads"], default=default, show_default=True, callback=_read(parse_loads), help=help)
-
-
 OF_SERIES = (
     click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
     click.Option(["--gamma"], help='Ratio of successive wavelengths: 5 or "5/2".'),
@@ -132,6 +127,7 @@ OF_SERIES = (
 )
 
 
+SETTINGS = [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
 OF_SOLUTION = (
     click.Option(
         ["--method", "methods"],
@@ -149,7 +145,7 @@ OF_SOLUTION = (
         ["--set", "settings"],
         multiple=True,
         metavar="METHOD.NAME=VALUE",
-        shell_complete=lambda context, option, text: [name for name in setting_names() if name.startswith(text)],
+        shell_complete=lambda context, option, text: [name for name in SETTINGS if name.startswith(text)],
         callback=_read(parse_settings),
         help="Setting of a method, such as bem.points=512; repeatable.",
     ),
@@ -162,11 +158,6 @@ OF_SOLUTION = (
         help="Number of processes for the curves of several methods; -1 for one per core.",
     ),
 )
-
-
-def setting_names() -> list[str]:
-    """Return the settings of all methods, as they are given before a value."""
-    return [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
 
 
 class SolvingCommand(click.Command):
@@ -196,12 +187,12 @@ class SolvingCommand(click.Command):
 UNIT = click.Choice(list(UNITS))
 
 
-def _columns(context: click.Context, option: click.Parameter, text: str | None) -> list[int] | None:
+def _columns(text: str) -> list[int]:
     """Return the numbers of columns in a text."""
     try:
-        return None if text is None else [int(column) for column in text.split(",")]
+        return [int(column) for column in text.split(",")]
     except ValueError:
-        raise click.BadParameter(f"columns are whole numbers, as in 0,2, got {text!r}") from None
+        raise ValueError(f"columns are whole numbers, as in 0,2, got {text!r}") from None
 
 
 OF_TRACE = (
@@ -241,7 +232,7 @@ OF_TRACE = (
     click.Option(["--skip"], type=int, help="Number of lines above the table of a text file."),
     click.Option(["--rows"], type=int, help="Number of rows of the table."),
     click.Option(
-        ["--columns"], callback=_columns, help='Column of heights, from 0, or "0,2" for positions and heights.'
+        ["--columns"], callback=_read(_columns), help='Column of heights, from 0, or "0,2" for positions and heights.'
     ),
     click.Option(["--valid"], type=int, help="Column with 1 or true for valid heights."),
     click.Option(["--delimiter"], help='Column separator; " " stands for blanks.'),
@@ -272,8 +263,14 @@ OF_BODIES = (
 
 def of_one_profile(default_loads: str) -> list[click.Parameter]:
     """Return the options of a profile, its loads and the methods."""
-    pressures = loads_option(default_loads, 'Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.')
-    return [*OF_SERIES, *OF_TRACE, pressures, *OF_BODIES, *OF_SOLUTION]
+    loads = click.Option(
+        ["--loads"],
+        default=default_loads,
+        show_default=True,
+        callback=_read(parse_loads),
+        help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
+    )
+    return [*OF_SERIES, *OF_TRACE, loads, *OF_BODIES, *OF_SOLUTION]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:

@@ -30,9 +30,9 @@ def test_heavy_loads_press_the_infinite_series_flat_and_leave_light_ones_as_they
     together = layer.curve(loads, D, gamma, math.inf)
     assert together.compliance[-1] == pytest.approx(tail_amplitude(0, D, gamma), rel=1e-14)
     # Finite series of nearly that amplitude, and the infinite one without the heavy loads.
-    np.testing.assert_allclose(together.compliance, layer.compliance(loads, D, gamma, 200), rtol=ACCURACY)
+    np.testing.assert_allclose(together.compliance, layer.curve(loads, D, gamma, 200).compliance, rtol=ACCURACY)
     np.testing.assert_allclose(
-        together.compliance[:2], layer.compliance(loads[:2], D, gamma, math.inf), rtol=ACCURACY
+        together.compliance[:2], layer.curve(loads[:2], D, gamma, math.inf).compliance, rtol=ACCURACY
     )
 
 
@@ -42,7 +42,7 @@ def test_damped_steps_find_the_curve_that_wave_by_wave_sums_approach():
     model = Model(D, gamma, m, midpoints(POINTS), 1e-2, 1e-8)
     finer = finer_waves(model, BOTTOM_POSITIONS[0], position_of(solver._top(model)))
     finite, _, _ = scale_on(finer, model).solve(np.log(loads))
-    added = layer.compliance(loads, D, gamma, math.inf) - finite
+    added = layer.curve(loads, D, gamma, math.inf).compliance - finite
     assert np.all(added > 0)
     assert np.all(added < tail_amplitude(m, D, gamma) + ACCURACY * finite)
 
@@ -82,7 +82,7 @@ def closure(curve, D, gamma):
 @pytest.mark.parametrize("h", [0.05, 0.5, 1.1])
 def test_two_waves_are_one_on_a_layer_of_westergaards(D, gamma, h):
     load = mean_pressure_at(h, closure(westergaard.compliance, D, gamma))
-    assert layer.compliance(load, D, gamma, 2) == pytest.approx(h, rel=ACCURACY)
+    assert layer.curve(load, D, gamma, 2).compliance == pytest.approx(h, rel=ACCURACY)
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.1, 5), (1.25, 5), (1.5, 2), (1.75, 2), (1.9, 3), (1.98, 4), *HARD])
@@ -91,11 +91,11 @@ def test_the_infinite_series_is_a_fixed_point(D, gamma):
 
     A deviation of one scale adds up to 1/(1 - gamma^(D-2)) times as much over all of them.
     """
-    log_pressure = closure(lambda xi: layer.compliance(xi, D, gamma, math.inf), D, gamma)
+    log_pressure = closure(lambda xi: layer.curve(xi, D, gamma, math.inf).compliance, D, gamma)
     loads = np.geomspace(1e-5, 3, 7)
-    h = layer.compliance(loads, D, gamma, math.inf)
+    h = layer.curve(loads, D, gamma, math.inf).compliance
     found = np.array([mean_pressure_at(one, log_pressure) for one in h])
-    slope = layer.resistance(loads, D, gamma, math.inf) * loads / h
+    slope = layer.curve(loads, D, gamma, math.inf).resistance * loads / h
     error = np.abs(np.log(found / loads)) * slope / (1 - gamma ** (D - 2))
     print(f"D = {D}, gamma = {gamma}: off by {error.max():.1e} of itself at most")
     assert error.max() < ACCURACY
@@ -116,14 +116,14 @@ ITERATED = [
 
 @pytest.mark.parametrize(("D", "gamma", "load", "h"), ITERATED)
 def test_the_infinite_series_is_where_iterating_one_scale_leads(D, gamma, load, h):
-    assert layer.compliance([load], D, gamma, math.inf) == pytest.approx(h, rel=ACCURACY)
+    assert layer.curve([load], D, gamma, math.inf).compliance == pytest.approx(h, rel=ACCURACY)
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.75, 2)])
 def test_light_loads_of_the_infinite_series_satisfy_an_integral_equation(D, gamma):
     """Where the half-plane yields nothing, P(h) = gamma^(D-1) int P(gamma^(2-D) (h - 2 pi^2 x^2)) dx."""
     xi = np.geomspace(1e-200, 1e-9, 2000)
-    log_h = np.log(layer.compliance(xi, D, gamma, math.inf))
+    log_h = np.log(layer.curve(xi, D, gamma, math.inf).compliance)
     log_load = CubicSpline(log_h, np.log(xi))
     h = np.exp(log_h[700])
     assert h < 1e-3 or D > 1.5
@@ -159,7 +159,7 @@ def test_a_fixed_point_that_is_not_reached_is_refused(monkeypatch):
 def test_so_many_scales_that_residuals_of_waves_add_up_have_smaller_ones():
     """60 000 of them. Tables of another accuracy agree, and the curve lies between Demelio's and the total height."""
     D, gamma, loads = 1.9985, 1.0108, [1e-3, 1.0, 1e3, 1e300]
-    h = layer.compliance(loads, D, gamma, math.inf)
+    h = layer.curve(loads, D, gamma, math.inf).compliance
     coarse = layer.curve(loads, D, gamma, math.inf, accuracy=1e-3, tolerance=1e-9).compliance
     np.testing.assert_allclose(coarse, h, rtol=1e-3)
     assert np.all(np.diff(h) > 0)

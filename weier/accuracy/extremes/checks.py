@@ -13,7 +13,6 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods import westergaard
-from weier.methods.method import Method
 from weier.surface.profile import Profile
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
@@ -35,11 +34,6 @@ class Noise(NamedTuple):
 ROUNDING = Noise()
 # Cubics through tables of accuracy 1e-5 and, of slopes, between their rows: methods with tables that state no error.
 OF_TABLES = {"layer": Noise(1e-6, 1e-5), "hybrid": Noise(1e-6, 1e-4)}
-
-
-def noise_of(method: Method) -> Noise:
-    """Return the noise of a method at its default settings."""
-    return OF_TABLES.get(method.name, ROUNDING)
 
 
 def monotone(h: Array, noise: float, stated: Stated) -> bool:

@@ -100,7 +100,7 @@ def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
 ) -> dict[str, Check]:
     """Return the checks of a curve at the solved loads; those of its shape need at least two loads."""
-    found, noise, total = {}, checks.noise_of(method), profile.total_amplitude
+    found, noise, total = {}, checks.OF_TABLES.get(method.name, checks.ROUNDING), profile.total_amplitude
     if p.size > 0 and method.name not in UNBOUNDED:
         found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))
     if p.size > 1:

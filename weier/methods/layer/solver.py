@@ -126,16 +126,6 @@ def curve(
     return LayerCurve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
 
 
-def compliance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Return compliance of the non-linear layer model, in g_0, of the shape of the loads in p_0*: see `curve`."""
-    return curve(mean_pressure, D, gamma, m).compliance
-
-
-def resistance(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Return the resistance dh/dp of the layer model, in g_0/p_0*, of the shape of the loads (`curve`)."""
-    return curve(mean_pressure, D, gamma, m).resistance
-
-
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
     """Return the closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
     model = Model(D, gamma, math.inf, midpoints(POINTS), ACCURACY, TOLERANCE)
