@@ -10,7 +10,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
-    StageLimits,
+    Limits,
     _changes,
     carried_along,
     edge_moves,
@@ -19,11 +19,11 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.given_edges import Bounds, regular_part
+from weier.methods.patches.given_edges import regular_part
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import from_crests, surface_of
 
-STAGE = StageLimits(True, 1e-12, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
+LIMITS = Limits(1e-12, 1e-14)
 
 
 def moves_of(psi, r, gap, dual):
@@ -134,9 +134,9 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-3, 2e-3):
         segments = displaced(exact, size * scale)
-        moved = next_guess(problem, step := take_step(problem, make_guess(problem, segments, STAGE), STAGE), STAGE)
+        moved = next_guess(problem, step := take_step(problem, make_guess(problem, segments, LIMITS), LIMITS), LIMITS)
         found = moved.punches.segments
-        assert step.unsettled == 0
+        assert step.settled
         off = abs(found.middle[0] - exact.middle[0]) + abs(found.half_width[0] - exact.half_width[0])
         errors.append(off / scale)
     assert errors[0] < 4e-6
@@ -154,9 +154,9 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     half_width = exact * (1 + error) if small == exact else 0.5 - small * (1 + error)
     problem = ContactProblem(surface_of(profile).series(dual), load, dual)
     placed = *from_crests(problem.series, np.array([middle])), np.array([half_width])
-    guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), STAGE)
-    step = take_step(problem, guess, STAGE)
-    moved = next_guess(problem, step, STAGE).punches.segments.half_width[0]
+    guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), LIMITS)
+    step = take_step(problem, guess, LIMITS)
+    moved = next_guess(problem, step, LIMITS).punches.segments.half_width[0]
     # The closed forms are those of a parabola, from which the wave differs by the square of this scale in radians.
     # Beside a narrow contact the gap's far field takes part as well, by a logarithm: the rule is of first order.
     limit = 2 * (np.pi * small) ** 2 if not (dual and load < 0.5) else 0.5 * abs(error)
@@ -173,9 +173,9 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-4, 2e-4):
         segments = displaced(exact, size * scale)
-        step = take_step(problem, make_guess(problem, segments, STAGE), STAGE)
+        step = take_step(problem, make_guess(problem, segments, LIMITS), LIMITS)
         carried = carried_along(step, 0.0)
-        solved = take_step(problem, next_guess(problem, step, STAGE, exact.node_count * 0 + step.b.size), STAGE)
+        solved = take_step(problem, next_guess(problem, step, LIMITS, exact.node_count * 0 + step.b.size), LIMITS)
         np.testing.assert_allclose(carried.punches.offset, solved.punches.offset, rtol=1e-12)
         errors.append(np.abs(carried.b - solved.b).max() / np.abs(solved.b).max())
         assert np.all(np.abs(solved.moves.outward) <= np.abs(carried.moves.outward))
@@ -192,7 +192,7 @@ def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
     exact = wave.state(dual)
     problem = ContactProblem(wave.series(dual), wave.load, dual)
-    step = take_step(problem, make_guess(problem, exact.segments, STAGE), STAGE)
+    step = take_step(problem, make_guess(problem, exact.segments, LIMITS), LIMITS)
     count = min(step.a.size, exact.coefficient.size)
     scale = np.abs(exact.coefficient).max()
     np.testing.assert_allclose(step.a[:count], exact.coefficient[:count], rtol=0, atol=1e-10 * scale)

@@ -11,9 +11,9 @@ from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
 from weier.methods.patches import segments as segments_module
 from weier.methods.patches.certificate import SAMPLED_FACTOR, contact_residual, sample_points
-from weier.methods.patches.edge_iteration import ContactProblem, StageLimits, make_guess, take_step
+from weier.methods.patches.edge_iteration import ContactProblem, Limits, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.given_edges import Bounds, field_of_forces
+from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
 from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
 from weier.methods.patches.surface import make_series, nearest_crests
@@ -148,8 +148,8 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         np.array([20]),
     )
     problem = ContactProblem(series, load, dual)
-    stage = StageLimits(True, 1e-10, Bounds(1e-10, 1e-14, 1e-10), 0.0, 0.0, 0.0)
-    step = take_step(problem, make_guess(problem, segments, stage), stage)
+    limits = Limits(1e-10, 1e-14)
+    step = take_step(problem, make_guess(problem, segments, limits), limits)
 
     def residual(x):
         total = field_of_forces(step.punches, step.forces.force, x)

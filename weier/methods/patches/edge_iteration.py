@@ -3,7 +3,7 @@
 `take_step` solves on given edges and computes their moves (`edge_moves`); `next_guess` moves the edges and transfers
 the density. Near an edge p = (k_0 + k_1 s)/sqrt(s); a move by 2 k_0/k_1 removes the singularity. Narrow contacts and
 narrow gaps have closed forms instead. For gaps (dual), the slope of the gap has the same form, with the opposite sign
-at right edges. "The stages of a load" defines when a segment has settled.
+at right edges. "The stages of a load" defines when edges have settled.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
-    Bounds,
     Forces,
     Punches,
     expansion_of,
@@ -59,9 +58,6 @@ MIN_GAP_LEFT = 0.1
 MAX_GAP_LOSS = 0.8  # largest relative loss of a tight gap in a step
 MIN_GROWTH = -0.85  # relative change of the half-width below which a contact vanishes
 SETTLED_MOVE = 0.1  # move, in half-widths, below which Newton's method converges quadratically
-MAX_UNSETTLED = (
-    0.3  # fraction of moving contacts at which the set is corrected: neighbours of a missing one never settle
-)
 UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
 NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
@@ -207,24 +203,15 @@ def evaluate_at_nodes(
     return value
 
 
-class StageLimits(NamedTuple):
-    """Accuracy of a stage, and its limits for the inequalities.
+class Limits(NamedTuple):
+    """Accuracy of a step.
 
-    fine : whether all edges must settle; otherwise the set of contacts is corrected first
     tolerance : relative tolerance that sets the number of nodes
-    bounds : of the residual on contacts with given edges
-    outside : a segment is missing where the overlap, in g_0, or (dual) the tension, in p_0*, is larger
-    inside : a segment is cut where tension over the largest pressure of the contact, or (dual) overlap over the
-        largest gap, is larger
-    opening : least height of a gap or (dual) contact to add, in g_0; the edges of lower ones cannot be determined
+    residual : of the equations on given edges, as a height, in g_0
     """
 
-    fine: bool
     tolerance: float
-    bounds: Bounds
-    outside: float
-    inside: float
-    opening: float
+    residual: float
 
 
 class Iterate(NamedTuple):
@@ -248,7 +235,7 @@ class NewtonStep(NamedTuple):
     merging : contacts whose gap on the right vanishes
     tight : contacts whose gap on the right would nearly close
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
-    unsettled : fraction of the contacts that vanish or merge, or for which the iteration has not begun to converge
+    settled : whether the iteration has begun to converge for all contacts, of which none vanishes or merges
     """
 
     punches: Punches
@@ -260,20 +247,20 @@ class NewtonStep(NamedTuple):
     merging: Flags
     tight: Flags
     singular: Array
-    unsettled: float
+    settled: bool
 
 
-def make_guess(problem: ContactProblem, segments: Segments, stage: StageLimits) -> Iterate:
+def make_guess(problem: ContactProblem, segments: Segments, limits: Limits) -> Iterate:
     """Return a guess on segments, with zero forces: estimates hardly save a step of the conjugate gradients."""
-    count = _estimate_nodes(problem, segments.extent, stage)
+    count = _estimate_nodes(problem, segments.extent, limits)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
     return Iterate(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
 
 
-def _estimate_nodes(problem: ContactProblem, extent: Extent, stage: StageLimits) -> Indices:
+def _estimate_nodes(problem: ContactProblem, extent: Extent, limits: Limits) -> Indices:
     """Return nodes of contacts in order."""
-    count = estimate_node_count(extent, problem.series, stage.tolerance)
+    count = estimate_node_count(extent, problem.series, limits.tolerance)
     return round_up_nodes(np.asarray(count + UNRESOLVED, float))
 
 
@@ -286,16 +273,16 @@ def round_up_nodes(count: Array) -> Indices:
     return rounded
 
 
-def take_step(problem: ContactProblem, guess: Iterate, stage: StageLimits) -> NewtonStep:
+def take_step(problem: ContactProblem, guess: Iterate, limits: Limits) -> NewtonStep:
     """Solve for the pressure on the contacts of a guess, and compute the moves of their edges."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, stage.bounds)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, limits.residual)
     extent, signs = (segments.first_node, segments.half_width, punches.gap), (kind.right_sign, kind.k_0_of_curvature)
     changes = _changes_of_edges(*extent, forces.force, guess.tight, punches.period, kind.dual, *signs)
-    b, a, outward, closed, relative, vanishing, merging, tight, singular, unsettled = changes
+    b, a, outward, closed, relative, vanishing, merging, tight, singular, settled = changes
     moves = EdgeMoves(outward, closed, relative)
-    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, unsettled)
+    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, settled)
 
 
 @kernel
@@ -309,17 +296,14 @@ def _changes_of_edges(
     dual: bool,
     right_sign: float,
     k_0_of_curvature: float,
-) -> tuple[Array, Array, Sides, Flags, Array, Flags, Flags, Flags, Array, float]:
+) -> tuple[Array, Array, Sides, Flags, Array, Flags, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces."""
     b = expansion_of(first_node, r, force, period, dual)
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
     vanishing, merging, tight = _changes(first_node, r, gap, force, outward, closed, was_tight)
-    unsettled = 0
-    for j in range(r.size):
-        if relative[j] >= SETTLED_MOVE or vanishing[j] or merging[j] or tight[j]:
-            unsettled += 1
-    return b, a, outward, closed, relative, vanishing, merging, tight, singular, unsettled / r.size
+    settled = relative.max() < SETTLED_MOVE and not (vanishing.any() or merging.any() or tight.any())
+    return b, a, outward, closed, relative, vanishing, merging, tight, singular, settled
 
 
 @kernel
@@ -345,12 +329,12 @@ def _changes(
 
 
 def next_guess(
-    problem: ContactProblem, step: NewtonStep, stage: StageLimits, node_count: Indices | None = None
+    problem: ContactProblem, step: NewtonStep, limits: Limits, node_count: Indices | None = None
 ) -> Iterate:
     """Return the guess after a step: edges moved, contacts removed and merged, optionally with new node counts."""
     old, series = step.punches.segments, problem.series
     more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
-    factors = node_factors(stage.tolerance), float(series.wavenumber[-1])
+    factors = node_factors(limits.tolerance), float(series.wavenumber[-1])
     centre, half_width, first_node = _moved_segments(
         *old.extent, step.moves.outward, step.punches.gap, step.tight, more, series.period, *factors
     )
@@ -361,7 +345,7 @@ def next_guess(
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
-        return rearrange(problem, step._replace(b=b), moved, remaining, merged, stage, node_count)
+        return rearrange(problem, step._replace(b=b), moved, remaining, merged, limits, node_count)
     punches = make_punches(moved, series.period, problem.dual)
     return Iterate(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
 
@@ -459,7 +443,7 @@ def rearrange(
     segments: Segments,
     remaining: Flags,
     added: NDArray[np.float64],
-    stage: StageLimits,
+    limits: Limits,
     node_count: Indices | None = None,
 ) -> Iterate:
     """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2)."""
@@ -475,7 +459,7 @@ def rearrange(
     extent = (origin - turns)[order], centre[order], half_width[order]
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
-    count = _estimate_nodes(problem, extent, stage)
+    count = _estimate_nodes(problem, extent, limits)
     if node_count is not None:
         count = np.where(origin_of >= 0, round_up_nodes(node_count[origin_of]), count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)

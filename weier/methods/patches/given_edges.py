@@ -87,22 +87,6 @@ class Forces(NamedTuple):
     even: Array | None = None
 
 
-class Bounds(NamedTuple):
-    """Limit of the residual: `reduction` times its initial value, within [least, most], in g_0.
-
-    A step of the edges needs a residual that is small relative to their moves (`reduction`); above `most` the
-    equations are not solved, and below `least` a smaller residual is useless.
-    """
-
-    reduction: float
-    least: float
-    most: float
-
-    def over(self, unit: float) -> Bounds:
-        """Return the same in a unit of height."""
-        return Bounds(self.reduction, self.least / unit, self.most / unit)
-
-
 def make_punches(segments: Segments, period: float, dual: bool = False, most: int | None = None) -> Punches:
     """Return the problem on segments, with fast sums for more than `most` unknowns.
 
@@ -197,14 +181,17 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
     return force
 
 
-def solve_forces_on_contacts(punches: Punches, forcing: Array, load: float, start: Array, bounds: Bounds) -> Forces:
+def solve_forces_on_contacts(
+    punches: Punches, forcing: Array, load: float, start: Array, residual: float, reduction: float = 0.0
+) -> Forces:
     """Solve z - A f = d and sum f = p L for f and d; of gaps, C f = forcing.
 
-    The forcing, at the nodes, is the height z, in g_0, or the tension of full contact, in p_0*.
+    The forcing, at the nodes, is the height z, in g_0, or the tension of full contact, in p_0*. Conjugate gradients
+    end at a residual, as a height, in g_0, or at `reduction` times the initial one.
     """
     if punches.matrix is None:
         return _solve_directly(punches, forcing, load)
-    return _solve_iteratively(punches, forcing, load, start, bounds)
+    return _solve_iteratively(punches, forcing, load, start, residual, reduction)
 
 
 def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
@@ -217,7 +204,7 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     if forces.even is not None:
         return Forces(*kind.close(kind.tangent_forcing * forces.even, forces.even, 1.0, punches.period))
     forcing = none + kind.tangent_forcing
-    return _solve_iteratively(punches, forcing, 1.0, none, Bounds(reduction, 0.0, np.inf))
+    return _solve_iteratively(punches, forcing, 1.0, none, 0.0, reduction)
 
 
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
@@ -232,7 +219,9 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     return Forces(*kind.close(found[:, 0], even, load, period), even=even)
 
 
-def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Array, bounds: Bounds) -> Forces:
+def _solve_iteratively(
+    punches: Punches, forcing: Array, load: float, start: Array, least: float, reduction: float
+) -> Forces:
     """Solve by conjugate gradients with fast sums.
 
     The sum of the forces of contacts is preserved by subtracting `shift` times M^-1 1 from each preconditioned
@@ -240,7 +229,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Arr
     would underflow.
     """
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
-    forcing, force, bounds = forcing / unit, start / unit, bounds.over(unit)
+    forcing, force, least = forcing / unit, start / unit, least / unit
     inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
     scale = punches.at_nodes(kind.height_of_residual(segments.half_width))
     even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
@@ -257,7 +246,7 @@ def _solve_iteratively(punches: Punches, forcing: Array, load: float, start: Arr
         residual -= shift
         plane += shift
         size = float(np.abs(scale * residual).max())
-        enough = max(bounds.least, min(bounds.most, bounds.reduction * size)) if enough < 0 else enough
+        enough = max(least, reduction * size) if enough < 0 else enough
         if size <= enough or step == MAX_STEPS:
             break
         last_energy, energy = energy, float(residual @ change)

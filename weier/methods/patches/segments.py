@@ -34,7 +34,6 @@ NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
 MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
 # factor and addend of the nodes of a segment whose coefficients have not decayed
 NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
-COARSE_TOLERANCE = 1e-3  # of the density while the set of segments is corrected
 
 
 def kind_of(dual: bool) -> Kind:

@@ -1,8 +1,8 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
-docs/patches.md, "The stages of a load", has the six stages and the reason of each limit; "Given edges", "Moves of
-edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stages 1 and 3,
-`_corrections` stages 2 and 4, `contact_residual` stage 5, and `_with_resistance`, the cracks and `certify` stage 6.
+docs/patches.md, "The stages of a load", has the four stages and the reason of each limit; "Given edges", "Moves of
+edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stage 1,
+`_corrections` stage 2, `contact_residual` stage 3, and `_with_resistance`, the cracks and `certify` stage 4.
 Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
 """
 
@@ -16,11 +16,10 @@ from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
-    MAX_UNSETTLED,
     UNRESOLVED,
     ContactProblem,
+    Limits,
     NewtonStep,
-    StageLimits,
     carried_along,
     make_guess,
     merged_intervals,
@@ -29,7 +28,6 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.given_edges import (
-    Bounds,
     Forces,
     expansion,
     regular_part,
@@ -37,12 +35,10 @@ from weier.methods.patches.given_edges import (
     vanishing_at_edges,
 )
 from weier.methods.patches.inequalities import (
-    MAX_INNER,
     find_missing,
     find_negative_intervals,
 )
 from weier.methods.patches.segments import (
-    COARSE_TOLERANCE,
     MAX_NODES,
     ContactState,
     coefficient_tails,
@@ -58,19 +54,17 @@ FOLLOWED_TOLERANCE = 1e-10  # of states between events
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 LARGEST_TOLERANCE = 1e-6
-# target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 5
+# target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 3
 # measures their sum
 TARGET = 0.01
-# largest residual in stage 5 over the target, unless rounding limits the target
+# largest residual in stage 3 over the target, unless rounding limits the target
 MAX_OVER_TARGET = 10.0
-# rough limit of residual and overlap over the scale; and over the amplitude of the finest wave, so that no contact on
-# a crest of larger overlap is missed
-ROUGH_TARGET, ROUGH_TOLERANCE = 1e-3, 1e-6
-ROUNDING = 1e-13  # of a residual over the displacement under the whole load
-REDUCTION = 1e-3  # of the residual by the conjugate gradients of a step
-# tension over the largest pressure at which a contact is cut, in rough and in fine corrections; it affects the
-# resistance to first order and the compliance to second order
-ROUGH_TENSION, MAX_TENSION = 1e-4, 1e-9
+# residual of the forces over the target: next to a new thin gap, a larger one would look like tension at its end
+SOLVED = 0.1
+ROUNDING = 1e-14  # of a residual over the displacement under the whole load
+# tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
+# compliance to second order
+MAX_TENSION = 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_LEFT_BY_NODES = 0.5  # ratio of the residuals with more and with fewer nodes above which they are rounding
@@ -86,28 +80,6 @@ MIN_ROUNDING_RATIO = 0.1  # ratio of successive moves from which they no longer 
 # that determine the edges
 MIN_OPENING = 100.0
 MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
-
-
-def _stages(
-    problem: ContactProblem, tolerance: float, target: float, scale: float
-) -> tuple[StageLimits, StageLimits]:
-    """Return the limits of the rough stages 1 and 2 and of the fine stages 3 and 4.
-
-    The rough limit is a fraction of the finest wave or of the scale, whichever is less, but at least the target. It
-    bounds both the residual and the remaining overlap; in the fine stages the target does.
-    """
-    rough = ROUGH_TOLERANCE * problem.kind.finest_height(problem.series)
-    rough, least = max(min(rough, ROUGH_TARGET * scale), target), 0.1 * target
-    rough_outside = problem.kind.limit_outside(problem.load, rough, ROUGH_TENSION)
-    fine_outside = problem.kind.limit_outside(problem.load, target, MAX_TENSION)
-    return (
-        StageLimits(False, COARSE_TOLERANCE, Bounds(REDUCTION, target, rough), rough_outside, ROUGH_TENSION, 0.0),
-        # The forces are solved to a tenth of the target even if a thousandth of the initial residual is larger: next
-        # to a new thin gap, a larger residual would look like tension at its end.
-        StageLimits(
-            True, tolerance, Bounds(REDUCTION, least, target), fine_outside, MAX_TENSION, MIN_OPENING * least
-        ),
-    )
 
 
 def solve_in_stages(
@@ -135,7 +107,7 @@ def _solve_to(
 ) -> tuple[ContactState, int]:
     """Iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
 
-    With `follows`, the set of segments is fixed: only stage 3 is used, and no inequality is tested.
+    With `follows`, the set of segments is fixed: only stage 1 is used, and no inequality is tested.
     """
     load, kind, half_width = problem.load, problem.kind, guess.segments.half_width
     wanted = tolerance * scale * kind.share(half_width.size)
@@ -143,52 +115,43 @@ def _solve_to(
     target = max(TARGET * wanted, rounding)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     uncertainty = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series)
-    rough, fine = _stages(problem, tolerance, target, scale)
-    stage, last_move = fine if follows else rough, np.inf
-    # Whether edges have moved since the last correction: the edges of added segments are guesses, so that the next
-    # correction waits for a move.
-    moved, corrections, last_height = False, 0, np.inf
+    outside = kind.limit_outside(load, target, MAX_TENSION)
+    limits, last_move = Limits(tolerance, SOLVED * target), np.inf
+    corrections, last_height = 0, np.inf
     # before nodes were added
     coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Array, Records, Records] | None = None
-    now = make_guess(problem, guess.segments, stage)
+    now = make_guess(problem, guess.segments, limits)
     for steps in range(1, MAX_STEPS + 1):
-        step = take_step(problem, now, stage)
-        is_enough, counts, solved = step.unsettled == 0 or (moved and step.unsettled < MAX_UNSETTLED), None, step
-        if stage.fine:
-            is_enough = _converged(step, target, MAX_MOVE * tolerance, last_move)
-            if not is_enough:  # Segments that have not settled keep their nodes.
-                segments = step.punches.segments
-                enough = target if step.unsettled == 0 else np.inf
-                counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
-                if _ends(step, target, tolerance, last_move) and np.array_equal(counts, segments.node_count):
-                    step, is_enough = carried_along(step, rounding), True
+        solved = step = take_step(problem, now, limits)
+        is_enough = _converged(step, target, MAX_MOVE * tolerance, last_move)
+        if not is_enough:  # Segments that have not settled keep their nodes.
+            segments = step.punches.segments
+            enough = target if step.settled else np.inf
+            counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
+            if _ends(step, target, tolerance, last_move) and np.array_equal(counts, segments.node_count):
+                step, is_enough = carried_along(step, rounding), True
         last_move = float(step.moves.relative.max())
         if follows and np.any(step.vanishing | step.merging):
             break
-        if not is_enough:  # stages 1 and 3
-            moved = True
-            now = next_guess(problem, step, stage, counts)
+        if not is_enough:  # stage 1
+            now = next_guess(problem, step, limits, counts)
             continue
-        state = contact_state(problem, step, stage.fine)
+        state = contact_state(problem, step)
         if follows:
             return state, steps
-        # Stages 2 and 4: a segment is cut where it violates its own inequality, and one is added where the other is
+        # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is
         # violated between segments. The margin is the error of the gap after certification (docs/patches.md, "The
         # bound on the compliance"): minima below it are kept, since they may be births.
         negative = find_negative_intervals(state)
-        wrong = _beyond_rounding(state, negative, stage)
+        wrong = _beyond_rounding(state, negative)
         if wrong.size > 0:
-            wrong = wrong[(wrong["height"] > stage.opening) & ~are_thin(wrong, kind.thin_inside)]
-        margin = kind.plane_outside * uncertainty if stage.fine else 0.0
-        added, remaining, minima = _corrections(problem, step, state, stage, wrong, margin)
+            wrong = wrong[(wrong["height"] > MIN_OPENING * limits.residual) & ~are_thin(wrong, kind.thin_inside)]
+        margin = kind.plane_outside * uncertainty
+        added, remaining, minima = _corrections(problem, step, state, outside, wrong, margin)
         if len(added) > 0 or not remaining.all():
-            moved, corrections, last_height = False, corrections + 1, np.inf
-            counts = state.segments.node_count if stage.fine else None
-            now = rearrange(problem, step, state.segments, remaining, added, stage, counts)
-        elif not stage.fine:
-            stage = fine
-            now = next_guess(problem, step, stage)
-        else:  # stage 5 and, if the residual is small on all segments that can have more nodes, stage 6
+            corrections, last_height = corrections + 1, np.inf
+            now = rearrange(problem, step, state.segments, remaining, added, limits, state.segments.node_count)
+        else:  # stage 3 and, if the residual is small on all segments that can have more nodes, stage 4
             residual, width = contact_residual(state, problem.series)
             height = kind.height_of_residual(state.segments.half_width) * residual
             count = state.segments.node_count
@@ -209,7 +172,7 @@ def _solve_to(
             last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
             counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
             # With new nodes edges move by more than in the last step, which is not rounding.
-            now, last_move = next_guess(problem, step, stage, counts), np.inf
+            now, last_move = next_guess(problem, step, limits, counts), np.inf
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
@@ -242,7 +205,7 @@ def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -
     """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
     is_small = move < LAST_MOVE * np.sqrt(tolerance) and move < MIN_ROUNDING_RATIO * last_move
-    return step.unsettled == 0 and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
+    return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
 
 
 @kernel
@@ -261,24 +224,19 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     return count
 
 
-def _beyond_rounding(state: ContactState, negative: Records, stage: StageLimits) -> Records:
-    """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the stage's limits.
-
-    In the rough stages, those that end at an edge are omitted, since the edge has not settled and its move may remove
-    them.
-    """
+def _beyond_rounding(state: ContactState, negative: Records) -> Records:
+    """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the limit."""
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    negative = negative[negative["relative"] < -np.maximum(unresolved, stage.inside)[negative["segment"]]]
-    return negative if stage.fine else negative[np.maximum(-negative["start"], negative["end"]) < MAX_INNER]
+    return negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION)[negative["segment"]]]
 
 
 def _corrections(
     problem: ContactProblem,
     step: NewtonStep,
     state: ContactState,
-    stage: StageLimits,
+    outside: float,
     negative: Records,
     margin: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
@@ -287,7 +245,7 @@ def _corrections(
     A segment with a negative interval is replaced by its remaining pieces. Contacts on both sides of a thin gap are
     merged.
     """
-    missing, minima = find_missing(problem, step, stage.outside, margin)
+    missing, minima = find_missing(problem, step, outside, margin)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))
@@ -329,17 +287,16 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     return np.array(pieces).reshape(-1, 2)
 
 
-def contact_state(problem: ContactProblem, step: NewtonStep, settled: bool) -> ContactState:
+def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     """Return a step as a state of contact, whose pressure vanishes at all edges; without resistance and residual.
 
-    Singular parts at edges are omitted or, if all edges have settled, distributed over the coefficients as rounding.
+    Singular parts at edges are distributed over the coefficients as rounding.
     """
-    segments, a = step.punches.segments, step.a
-    if settled:
-        a = regular_part(
-            segments.first_node, vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
-        )
-    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, a)
+    segments = step.punches.segments
+    b = vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
+    return ContactState(
+        problem.dual, problem.load, -step.forces.plane, segments, regular_part(segments.first_node, b)
+    )
 
 
 def _with_resistance(state: ContactState, solved: NewtonStep, tangent: Forces, moves: bool) -> ContactState:
