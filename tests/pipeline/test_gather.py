@@ -66,6 +66,12 @@ def test_variables_that_no_method_has_take_no_memory(tmp_path):
     assert first is second
 
 
+def test_variables_that_nobody_shows_are_not_read(solutions, waves):
+    """A figure of a hundred thousand numerical curves would take 2 GB."""
+    without = ("residual", "status", "numerics", "of another method")
+    xr.testing.assert_identical(read_study(solutions, "waves", without), waves.drop_vars(without, errors="ignore"))
+
+
 def without_studies(data):
     """What a batch knows of a scene's file."""
     known = [name for name in data.variables if str(name).startswith("study")]

@@ -107,7 +107,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
     The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
     CSV.
     """
-    from weier.figures import METADATA, VALUES, draw
+    from weier.figures import METADATA, VALUES, draw, undrawn
     from weier.pipeline.batches import Solutions
     from weier.pipeline.gather import read_study
     from weier.pipeline.products import inputs_of_figure, mark
@@ -118,7 +118,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
         for name in names or solutions.scene.figures:
             wanted = solutions.scene.figure(name)
             made_of = mark(inputs_of_figure(solutions, name))
-            studies = [study(name) for name in wanted.all_studies]
+            studies = [study(name, undrawn(wanted.draw)) for name in wanted.all_studies]
             draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), made_of)
 
 

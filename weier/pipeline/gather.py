@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from itertools import compress
 from pathlib import Path
@@ -34,11 +34,11 @@ DATES_OF_VALUES = ("date_created", "date_modified")
 BLOCK_BYTES = 2**25  # Larger blocks of cases are no faster.
 
 
-def read_study(solutions: Solutions, study: str) -> xr.Dataset:
-    """Return the cases of a study in memory; ValueError if one is not solved."""
+def read_study(solutions: Solutions, study: str, without: Collection[str] = ()) -> xr.Dataset:
+    """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
     scene = solutions.scene
     cases = scene.cases_of_study(study)
-    return Reader(solutions, scene.layout_of(study), (study,)).read(cases)
+    return Reader(solutions, scene.layout_of(study), (study,)).read(cases, without)
 
 
 def gather(
@@ -185,14 +185,15 @@ class Reader:
         self._places = {method: solutions.places(method, studies) for method in layout.methods}
         self._verified = set[int]()
 
-    def read(self, cases: Indices) -> xr.Dataset:
-        """Return some cases, by their numbers among all of the scene.
+    def read(self, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
+        """Return some cases, by their numbers among all of the scene, without some variables.
 
         Method by method: a case has the contact edges of its last method.
         """
         methods, terms, edges, optional = self.layout
         scene = self.solutions.scene
         one = dataset.blank(1, methods, scene.loads, terms, edges, optional | {"numerics"}, scene.load_unit)
+        one = one.drop_vars(without, errors="ignore")
         found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
         # Views of the blank case take no memory where there are no values.
         found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
@@ -204,7 +205,8 @@ class Reader:
                     start = int(rows[here].min())
                     part = netcdf.read(self._file(batch), found, slice(start, int(rows[here].max()) + 1))
                     _copy(found, part, rows[here] - start, here, column)
-            _writable(found, "numerics")[:, column] = code
+            if "numerics" in found:
+                _writable(found, "numerics")[:, column] = code
         found["key"] = np.array([self.keys[number] for number in cases.tolist()], object)
         filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
         return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
