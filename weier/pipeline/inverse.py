@@ -23,7 +23,8 @@ from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods import patches
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.solver import MIN_LOAD, TOLERANCE
+from weier.methods.patches.solver import MIN_LOAD
+from weier.methods.patches.start import TOLERANCE
 from weier.pipeline.solve import solve
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface

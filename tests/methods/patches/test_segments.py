@@ -97,5 +97,5 @@ def test_tails_are_the_last_of_two_coefficients_that_are_not_zero_by_themselves(
 
 
 def test_more_nodes_are_more_up_to_the_limit():
-    assert more_nodes(10) == 15
+    assert [more_nodes(count) for count in (4, 10)] == [6, 13]
     assert more_nodes(MAX_NODES - 1) == MAX_NODES

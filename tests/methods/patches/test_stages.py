@@ -12,9 +12,8 @@ from weier.methods.patches.certificate import check_violation, contact_residual,
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
-from weier.methods.patches.solver import TOLERANCE
 from weier.methods.patches.stages import follow_contacts, solve_in_stages
-from weier.methods.patches.start import Starts, contacts_guess
+from weier.methods.patches.start import TOLERANCE, Starts, contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))

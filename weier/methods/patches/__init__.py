@@ -9,8 +9,8 @@ holds contacts or gaps with their nodes and densities. A load starts from `start
 
 from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.method import METHOD, run_kernels
-from weier.methods.patches.solver import TOLERANCE, PatchCurve, Solution, curve, solve_load, solve_loads
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE
+from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
+from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE
 
 __all__ = [
     "MAX_TOLERANCE",

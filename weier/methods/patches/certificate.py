@@ -22,7 +22,8 @@ from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Sides, dist
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller), a
 # factor of 2 for m = 3n/2. On K nodes, residuals have the degree K + 2, up to decayed coefficients.
-SAMPLES_PER_DEGREE, SAMPLED_FACTOR = 1.5, 2.0
+SAMPLES_PER_DEGREE = 1.5
+SAMPLED_FACTOR = 1 / float(np.cos(0.5 * np.pi / SAMPLES_PER_DEGREE))
 DIRECT_SUMS = 40  # points at which residuals of many segments are checked without fast sums
 # If heights z' differ from z by at most e, u' - u <= (z' - z) + (d - d') <= 2 e at its maximum, so that the gaps obey
 # |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. If part of e comes from tension or load, this is an estimate.
@@ -31,13 +32,11 @@ GAP_FACTOR = 4.0
 GAP_ROUNDING = 1e-13
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
-# An edge of a narrow gap counts twice, since its estimate neglects the motion of the opposite edge.
-EDGE_FACTOR = 2.0
+# Three estimates of first order count twice: an edge of a narrow gap, which neglects the motion of the opposite
+# edge; a missing gap, which assumes parabolic tension; and the loss of a contact or gap whose edge may move by its
+# half-width, as a move by 2 half-widths of the gap, or 2 a chi of the contact.
+SAFETY_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
-CRACK_FACTOR = 2.0  # since the width of a crack assumes parabolic tension
-# If the move of an edge may exceed the half-width of its contact or gap, this many half-widths of the gap, or a chi
-# of the contact, are used. For a contact, 2 a chi at both edges is four times the effect of its loss.
-SMALL_EDGE_FACTOR = 2.0
 EPS = float(np.finfo(float).eps)
 
 
@@ -248,7 +247,7 @@ def check_violation(state: ContactState, missing: float, period: float, toleranc
 
 def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """Return an estimate of the error of the resistance in partial contact, in g_0/p_0*."""
-    by_cracks = CRACK_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
+    by_cracks = SAFETY_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
     # The next step would move the edges and change the resistance by the energy released.
     by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * np.abs(state.edge_move)))
@@ -359,6 +358,6 @@ def _releases(
             # If the move may reach this scale, the contact or gap may not exist: then the effect of its loss is
             # stated.
             if not move < scale:
-                move = SMALL_EDGE_FACTOR * (beside if is_narrow else r[j] * chi)
-            total += (EDGE_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
+                move = SAFETY_FACTOR * (beside if is_narrow else r[j] * chi)
+            total += (SAFETY_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
     return total

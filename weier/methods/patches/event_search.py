@@ -22,14 +22,13 @@ from weier.methods.patches.fields import density_integrals, residuals_one_by_one
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import CAUCHY, GAP, PRESSURE
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.solver import MIN_LOAD, TOLERANCE, check_loads, solve_state
-from weier.methods.patches.start import Starts
+from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
+from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import CosineSeries, Surface, evaluate_at, intervals_between, nearest_crests
 from weier.surface.waves import Waves
 
-MAX_DECADES = 1.0  # initial spacing of the loads, in decades
 # largest advance of an edge, in finest waves: beyond it, the edge may have passed a minimum and a maximum of the gap
-# between two of the `SLOPE_POINTS` samples of the slope
+# between two of the `SAMPLES` samples of the slope
 MAX_ADVANCE = 0.15
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
@@ -41,8 +40,9 @@ LOAD_ACCURACY = 1e-12  # relative, of the roots
 MAX_VIOLATION = 1e-7
 # bisections per event: 31 lead from a decade to `MIN_INTERVAL`, at most 8 were needed by 64 random profiles
 MAX_SPLITS = 100
-SLOPE_POINTS = 12  # samples of the slope of the gap where an edge has advanced or a contact is new
-MINIMUM_SAMPLES = 32  # samples of the gap or pressure that bracket the minimum
+# samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
+# minimum is located
+SAMPLES = 12
 # accuracy of the position of such a minimum over the spacing of the samples; its value has an error of second order
 POSITION_ACCURACY = 1e-8
 
@@ -115,13 +115,10 @@ def events(profile: Waves, low: float, high: float, tolerance: float = TOLERANCE
     search = _Search(starts)
     state = search.state(float(low))
     patch_count = state.segments.centre.size + state.cracks.contact.size
-    located: list[tuple[float, _Event]] = []
-    for load in np.geomspace(low, last, 2 + int(np.log10(last / low) / MAX_DECADES))[1:]:
-        heavier = search.state(float(load))
-        located += search.between(state, heavier)
-        state = heavier
+    heaviest = search.state(float(last))
+    located = search.between(state, heaviest)
     if high >= surface.full_contact_load:
-        located += _last_events(surface, state)
+        located += _last_events(surface, heaviest)
     return _sort_events(located, patch_count, surface)
 
 
@@ -296,11 +293,11 @@ def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, A
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
     """Return the number of minima of the gap between origin + left and origin + right, shape (intervals,)."""
-    angle = (np.arange(SLOPE_POINTS) + 0.5) * (np.pi / SLOPE_POINTS)
+    angle = (np.arange(SAMPLES) + 0.5) * (np.pi / SAMPLES)
     fraction = 0.5 * (1 - np.cos(angle))  # closer together at the ends
     y = left[:, None] + (right - left)[:, None] * fraction
-    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SLOPE_POINTS), y.ravel())).reshape(y.shape)
-    for i in range(1, SLOPE_POINTS):
+    sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SAMPLES), y.ravel())).reshape(y.shape)
+    for i in range(1, SAMPLES):
         sign[:, i] = np.where(sign[:, i] == 0, sign[:, i - 1], sign[:, i])
     return np.asarray(np.sum((sign[:, :-1] < 0) & (sign[:, 1:] > 0), axis=1))
 
@@ -310,7 +307,7 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
     Its distance from the event's origin and its value, which may be negative.
     """
-    y, which = np.linspace(event.left, event.right, MINIMUM_SAMPLES + 2)[1:-1], GAP if event.birth else PRESSURE
+    y, which = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1], GAP if event.birth else PRESSURE
     lowest = int(np.argmin(_gaps_or_pressures(state, series, which, event.origin, y)))
     step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(

@@ -23,9 +23,10 @@ from weier.theory.halfplane import replace_by_influence, take_logarithms
 # from 250 on for 71 gaps
 MIN_SUM_POINTS = 100
 MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 0.8 ms by fast sums
+LN_ROUNDING = -float(np.log(0.5 * np.finfo(float).eps))  # 36.7
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
-# pole: 1e-16 from ln(rho) = 18.5/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
-FAR_FIELD_EXPONENT = 18.5
+# pole: rounding from ln(rho) = 18.4/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
+FAR_FIELD_EXPONENT = 0.5 * LN_ROUNDING
 BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # angle between x and the centre of a segment above which it is computed from the angles of both, with a rounding
 # error of 2e-15 of it
@@ -35,8 +36,8 @@ MIN_ANGLE = 0.1
 # poles, at 1 and -1; without these, z(2k) - 1 replaces z(2k), and they converge up to 2. Terms decrease by a factor
 # of at least 4.
 MAX_POLE_DISTANCE = 0.5  # |u| from which the poles at 1 and -1 are subtracted as well
-# largest number of terms, the last being 4^-32 = 5e-20; for small |u| terms are summed down to exp(-37) = 1e-16
-SERIES_TERMS, LN_ROUNDING = 32, 37.0
+# largest number of terms; for small |u|, fewer reach rounding
+SERIES_TERMS = 3 + int(LN_ROUNDING / np.log(4.0))
 _ORDER = np.arange(1, SERIES_TERMS + 1)
 _ZETA_LESS_1 = np.array(
     [np.pi**2 / 6 - 1, np.pi**4 / 90 - 1, *(np.sum(np.arange(2.0, 1e3) ** (-2.0 * k)) for k in _ORDER[2:])]

@@ -34,14 +34,13 @@ from weier.methods.patches.kind import GAP
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, distances_between, nearest_crests
 
-# probes per finest wave in an interval between segments, and additional ones; an eighth of a wave from a crest, a
-# cosine differs from its parabola by 5 %
-PROBES_PER_WAVE, MIN_PROBES = 8, 8
+# probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
+# a cosine differs from its parabola by 5 %
+PROBES_PER_WAVE = 8
 MIN_PROBE_DISTANCE = 1e-9  # relative to the mean; closer probes differ only by rounding
 # fraction of the half-width beyond which an interval of tension counts as ending at the edge, whose move may remove
 # it
 MAX_INNER = 0.99
-SEARCH_STEPS = 40  # bisections, to 1e-12 of a bracket
 SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a segment
 # initial stencil of Newton's method on differences over the length of the bracket, and its ratio in each refinement;
 # a stencil h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
@@ -51,6 +50,7 @@ MAX_NEW_WIDTH = 0.4
 # largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
 # for other functions
 MAX_FALL = 3
+EPS = float(np.finfo(float).eps)
 
 
 Residual = Callable[[Array], Array]
@@ -91,7 +91,7 @@ def _probe_points(
         turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
     per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
     for j in range(left.size):
-        count[j] = MIN_PROBES + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
+        count[j] = PROBES_PER_WAVE + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
         total += count[j]
     point, interval, last = np.empty(total), np.empty(total, np.int64), -1
     for j in range(left.size):
@@ -173,7 +173,7 @@ def _sample_expansion(a: Array) -> tuple[Array, Array]:
 @kernel
 def _find_zero(a: Array, negative: float, positive: float) -> float:
     """Return the point between a negative and a positive value at which the sign changes, by bisection."""
-    for _ in range(SEARCH_STEPS):
+    while abs(positive - negative) > EPS:
         middle = 0.5 * (negative + positive)
         if evaluate_expansion(a, middle) < 0:
             negative = middle

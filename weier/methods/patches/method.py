@@ -17,8 +17,8 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.solver import TOLERANCE, curve
-from weier.methods.patches.start import isolated_contacts, isolated_gaps
+from weier.methods.patches.solver import curve
+from weier.methods.patches.start import TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile

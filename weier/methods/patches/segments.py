@@ -29,11 +29,10 @@ DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
 NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
 NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
 NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
-# limits of the distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the
-# coefficients of a solution show whether more nodes are needed
-MIN_DISTANCE, MAX_DISTANCE = 1e-3, 1e6
-# factor and addend of the nodes of a segment whose coefficients have not decayed
-NODE_GROWTH, MIN_ADDED_NODES = 1.3, 2
+# least distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the coefficients
+# of a solution show whether more nodes are needed
+MIN_DISTANCE = 1e-3
+NODE_GROWTH = 1.3  # factor of the nodes of a segment whose coefficients have not decayed
 
 
 def kind_of(dual: bool) -> Kind:
@@ -244,8 +243,8 @@ def count_nodes(
     distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
         r = half_width[j]
-        nearest = min(max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE), MAX_DISTANCE)
-        ln_rho = np.log1p(nearest + np.sqrt(nearest * (nearest + 2)))
+        nearest = max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE)
+        ln_rho = np.log1p(nearest + np.sqrt(nearest) * np.sqrt(nearest + 2))
         needed = least + per_radian * finest * r + per_neighbour / ln_rho
         count[j] = np.int64(min(np.ceil(needed), MAX_NODES))
     return count
@@ -268,4 +267,4 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
 @kernel
 def more_nodes(count: int) -> int:
     """Return the next larger number of nodes for a segment on which the coefficients have not decayed."""
-    return int(min(np.ceil(NODE_GROWTH * count) + MIN_ADDED_NODES, MAX_NODES))
+    return int(min(np.ceil(NODE_GROWTH * count), MAX_NODES))

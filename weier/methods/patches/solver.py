@@ -20,8 +20,8 @@ from weier.methods.patches.certificate import resistance_error
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.kind import GAP, PRESSURE
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, solve_in_stages
-from weier.methods.patches.start import Starts
+from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, solve_in_stages
+from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
     Extent,
@@ -34,9 +34,6 @@ from weier.methods.progress import count_load
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
-TOLERANCE = 1e-10
-# factor of the tolerance in the second attempt, after a failure or a bound above the tolerance
-TIGHTENING = 10.0
 MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
 NO_CONTACTS: Extent = np.empty(0), np.empty(0), np.empty(0)
 
@@ -208,7 +205,7 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
         return None, 0
     failure, best, steps = ConvergenceError(""), np.inf, 0
     first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    second = max(first / TIGHTENING, LEAST_TOLERANCE)
+    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE)
     for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
         try:
             state, more = solve_in_stages(starts.surface, starts.guess(load), relative, first)

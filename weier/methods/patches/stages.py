@@ -45,19 +45,20 @@ from weier.methods.patches.segments import (
     end_sums,
     more_nodes,
 )
+from weier.methods.patches.start import TOLERANCE
 from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # of a load; 3 to 7 are usual, at most 20 of 213 random loads
 LEAST_TOLERANCE = 1e-12  # relative, of the residual; ten times the rounding level
-FOLLOWED_TOLERANCE = 1e-10  # of states between events
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 LARGEST_TOLERANCE = 1e-6
 # target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 3
 # measures their sum
 TARGET = 0.01
-# largest residual in stage 3 over the target, unless rounding limits the target
+# largest residual in stage 3 over the target, unless rounding limits the target; so the tolerance of a second attempt
+# is divided by it
 MAX_OVER_TARGET = 10.0
 # residual of the forces over the target: next to a new thin gap, a larger one would look like tension at its end
 SOLVED = 0.1
@@ -69,8 +70,6 @@ MAX_TENSION = 1e-9
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_LEFT_BY_NODES = 0.5  # ratio of the residuals with more and with fewer nodes above which they are rounding
 MAX_TAIL = 0.3  # last coefficients over the target from which a segment needs more nodes
-# limit of the last moves over the root of the relative tolerance: their effect is of second order
-LAST_MOVE = 0.1
 # limit of the moves, in half-widths, over the tolerance: a contact whose force is below the target may take a large
 # part of a load increment
 MAX_MOVE = 1e4
@@ -177,9 +176,9 @@ def _solve_to(
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
-    """Follow the contacts of a state to another load, without births and mergers, at a fixed tight tolerance."""
+    """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
     problem = ContactProblem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, FOLLOWED_TOLERANCE, _scale(problem), FOLLOWED_TOLERANCE, follows=True)[0]
+    return _solve_to(problem, start, TOLERANCE, _scale(problem), TOLERANCE, follows=True)[0]
 
 
 def _scale(problem: ContactProblem) -> float:
@@ -204,7 +203,7 @@ def _converged(step: NewtonStep, target: float, small: float, last_move: float) 
 def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
-    is_small = move < LAST_MOVE * np.sqrt(tolerance) and move < MIN_ROUNDING_RATIO * last_move
+    is_small = move**2 < TARGET * tolerance and move < MIN_ROUNDING_RATIO * last_move
     return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
 
 

@@ -40,7 +40,10 @@ MAX_RADIANS = 0.5
 # the square, 1 %
 MAX_CROWDING = 0.1
 MAX_ISOLATED = 32  # contacts whose forces are found as line forces, by dense equations
-MAX_FORCE_STEPS, FORCE_TOLERANCE = 30, 1e-2  # 3 or 4 steps to this relative accuracy are usual
+# relative accuracy of the forces of isolated contacts and of the tangent pressure on grids, which locates the edges
+# between nodes: the errors of line forces and of the discretisation are of the same order
+GUESS_TOLERANCE = 1e-2
+MAX_FORCE_STEPS = 30  # for these forces; 3 or 4 are usual
 POINTS_PER_WAVE = (16, 32)  # per finest wave, of the grids that are tried in turn
 # number of waves from which a coarser grid is used: it misses contacts, which costs a step or two, but loads on
 # 15 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it
@@ -48,15 +51,12 @@ MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
 # residual of boundary elements for the initial guess, the smaller of a value in g_0 and a fraction of the finest
 # wave; at least the last value, since the finest waves of a smooth measured surface are rounding
 GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
-# relative residual of their tangent pressure, which locates the edges between nodes; the discretisation error is of
-# the same order
-TANGENT_TOLERANCE = 1e-2
 # ratio of the numbers of nodes up to which gaps are solved for instead of contacts, which lose no digits at light
 # loads
 MAX_NODE_RATIO = 0.7
-# tolerance for which these numbers are compared: with 1e-4, contacts were chosen at loads at which gaps are up to
-# three times as fast
-COMPARED_TOLERANCE = 1e-10
+# default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
+# chosen at loads at which gaps are up to three times as fast
+TOLERANCE = 1e-10
 
 # Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
 Intervals = NDArray[np.float64]
@@ -98,7 +98,7 @@ class Starts:
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:
         """Return the contacts of a grid; None where no gap is left, or no solution is found."""
-        solution = self._grid(per_wave).solve_discrete(load, True, TANGENT_TOLERANCE)
+        solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
         found = _nodal_contacts(solution, self.surface.heights.period / solution.contact.size)
@@ -184,8 +184,8 @@ def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> Contac
     guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
     gaps = intervals_between(guess.segments.extent, surface.heights.period)
     if gaps[2].min() > 0:
-        needed = estimate_node_count(guess.segments.extent, surface.heights, COMPARED_TOLERANCE).sum()
-        if estimate_node_count(gaps, surface.tensions, COMPARED_TOLERANCE).sum() < MAX_NODE_RATIO * needed:
+        needed = estimate_node_count(guess.segments.extent, surface.heights, TOLERANCE).sum()
+        if estimate_node_count(gaps, surface.tensions, TOLERANCE).sum() < MAX_NODE_RATIO * needed:
             return gaps_guess(surface, guess)
     return guess
 
@@ -296,7 +296,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         approach, is_settled = -found[count] - OFFSET * total, True
         for i in range(count):
             before, force[crest[i]] = force[crest[i]], max(found[i], 0.0)
-            is_settled = is_settled and abs(found[i] - before) < FORCE_TOLERANCE * before
+            is_settled = is_settled and abs(found[i] - before) < GUESS_TOLERANCE * before
         for j in range(n):
             if force[j] == 0 and offset[j] + approach > lowest:
                 gap = -approach - offset[j]
