@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from weier.methods.patches.pair_sums import LEAF_POINTS, make_pair_matrix, make_tree, pair_sums, potential
+from weier.methods.patches.pair_sums import (
+    LEAF_POINTS,
+    ORDER,
+    POINT,
+    _interpolate,
+    make_pair_matrix,
+    make_tree,
+    pair_sums,
+    potential,
+)
 
 
 def clustered_points(count, period):
@@ -63,3 +72,11 @@ def test_far_pairs_are_few():
         counts.append((matrix.far_block.size + matrix.near_block.size) / count)
     assert counts[1] < 1.2 * counts[0]  # numbers stored for each point do not grow
     assert counts[1] < 250
+
+
+@pytest.mark.parametrize("t", [*POINT, -1.0, 1.0, 0.3, np.nextafter(POINT[3], 1)])
+def test_interpolation_is_exact_for_polynomials_at_and_between_the_points(t):
+    weight = np.empty(ORDER)
+    _interpolate(t, weight)
+    for degree in range(ORDER):
+        assert weight @ np.cos(degree * np.arccos(POINT)) == pytest.approx(np.cos(degree * np.arccos(t)), abs=1e-13)

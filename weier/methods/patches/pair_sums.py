@@ -25,8 +25,8 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 # sqrt(8) = 5.83. The error relative to the smooth part of ln is at most 5.83^-17 = 1e-13. With 15 points (3e-12),
 # residuals of 2e-12 g_0 remained on periods of 100 lambda_0.
 ORDER = 17
-# The zeros of T_ORDER, and 2/ORDER times T_k there, one k a row, or 1/ORDER for k = 0.
-POINT, _, _, BASIS = gauss_rule(ORDER, of_second_kind=False)
+POINT = gauss_rule(ORDER, of_second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
+BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
 LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
 MIN_DISTANCE = 1.0  # distance of well-separated intervals over the width of the wider one
 
@@ -70,14 +70,18 @@ class PairMatrix(NamedTuple):
 
 @kernel
 def _interpolate(t: float, weight: Array) -> None:
-    """Compute the weights of the values at the Chebyshev points in the polynomial at t."""
-    t = min(max(t, -1.0), 1.0)
-    weight[:] = BASIS[0]
-    T_before, T = 1.0, t
-    for k in range(1, ORDER):
-        for q in range(ORDER):
-            weight[q] += T * BASIS[k, q]
-        T_before, T = T, 2 * t * T - T_before
+    """Compute the weights of values at the Chebyshev points in the polynomial at t: the barycentric formula."""
+    total = 0.0
+    for q in range(ORDER):
+        weight[q] = BARYCENTRIC[q] / (t - POINT[q])
+    for q in range(ORDER):
+        total += weight[q]
+        if t == POINT[q]:
+            weight[:] = 0.0
+            weight[q] = total = 1.0
+            break
+    for q in range(ORDER):
+        weight[q] /= total
 
 
 @kernel
@@ -295,17 +299,17 @@ def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
     block = np.empty((ORDER, ORDER))
     for pair in range(far.shape[0]):
-        _fill_far_block(target, far[pair, 0], source, far[pair, 1], period, dual, block)
-        for i in range(ORDER):
-            for j in range(ORDER):
-                field[far[pair, 0], i] += block[i, j] * moment[far[pair, 1], j]
+        _fill_far_block(source, far[pair, 1], target, far[pair, 0], period, dual, block)
+        for j in range(ORDER):
+            for i in range(ORDER):
+                field[far[pair, 0], i] += block[j, i] * moment[far[pair, 1], j]
     near_block = np.empty((LEAF_POINTS + 1) ** 2)
     for pair in range(near.shape[0]):
-        start, end, first, last = _fill_near_block(
-            target, near[pair, 0], source, near[pair, 1], period, dual, near_block
+        first, last, start, end = _fill_near_block(
+            source, near[pair, 1], target, near[pair, 0], period, dual, near_block
         )
-        for a in range(start, end):
-            for s in range(first, last):
-                total[a] += near_block[(a - start) * (last - first) + s - first] * f[s]
+        for s in range(first, last):
+            for a in range(start, end):
+                total[a] += near_block[(s - first) * (end - start) + a - start] * f[s]
     _add_local_fields(target, field, total)
     return total

@@ -159,14 +159,19 @@ def times_own(
 ) -> None:
     """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
     shift, sign, _, _ = rule_of(dual)
+    total, mirrored = np.empty(first_node[-1]), np.empty(2 * first_node[-1])
     for j in range(first_node.size - 1):
-        first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
-        for i in range(first, last):
-            total = 0.0
-            for k in range(first, last):
-                table_value = table[start + abs(i - k)]
-                total += (table_value + sign * table[start + i + k - 2 * first + shift]) * left[k] * f[k]
-            result[i] += scale[j] * left[i] * total
+        first, K = first_node[j], first_node[j + 1] - first_node[j]
+        X, here = table[2 * first + j : 2 * (first + K) + j + 1], total[first : first + K]
+        for q in range(K):
+            mirrored[K + q] = mirrored[K - q] = X[q]
+        here[:] = 0.0
+        for k in range(K):  # along columns, so that the compiler vectorises
+            g = left[first + k] * f[first + k]
+            for i in range(K):
+                here[i] += g * (mirrored[K - k + i] + sign * X[k + shift + i])
+        for i in range(K):
+            result[first + i] += scale[j] * left[first + i] * here[i]
 
 
 @kernel
