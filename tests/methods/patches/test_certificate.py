@@ -140,6 +140,28 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
 
 
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual):
+    """Its largest value there on the width 2 b, within 4 b/l of the force by quadrature."""
+    wave, none = OneWave(period, 0.2 * period, 0.95 * period), np.zeros(2)
+    t, b, volume = np.array([-0.3, 0.5]), np.array([2e-4, 1e-4]) * period, np.array([1e-9, 3e-9])
+    cracks = Cracks(np.zeros(2, int), t, b / wave.half_width, b, none, none, volume, volume / period, none)
+    state = wave.state(dual)._replace(cracks=cracks)
+    _, mean, _ = effect_of_cracks(state, period)
+    alone = [
+        effect_of_cracks(state._replace(cracks=Cracks(*(values[i : i + 1] for values in cracks))), period)[1]
+        for i in range(2)
+    ]
+
+    def tension(x, i):
+        return volume[i] / (2 * period**2 * np.sin(np.pi * (x - t[i] * wave.half_width) / period) ** 2)
+
+    x = t * wave.half_width
+    force = sum(quad(tension, x[i] - b[i], x[i] + b[i], (1 - i,))[0] for i in range(2))
+    assert force <= (mean - sum(alone)) * period <= force * (1 + 4 * b.sum() / (0.8 * wave.half_width))
+
+
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 @pytest.mark.parametrize("part", [0.1, 0.4])
 def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths(period, part):

@@ -206,8 +206,9 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
     """Return displacement and mean pressure of the tension outside thin gaps, and the uncertainty of the mean gap.
 
     With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which remains in all other gaps, with
-    the force int w dx/(2 pi L) [cot(pi (x-c)/L)]. It is removed as in `error_bound`, with the value at the nearest
-    edge as its maximum. If nothing else moves, the mean gap increases by the mean of w.
+    the force int w dx/(2 pi L) [cot(pi (x-c)/L)], or at most its largest value on the width of another thin gap. It
+    is removed as in `error_bound`, with the value at the nearest edge as its maximum. If nothing else moves, the mean
+    gap increases by the mean of w.
     """
     cracks = state.cracks
     if cracks.contact.size == 0:
@@ -223,6 +224,12 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
     tension = 0.5 * scale / np.sin(np.pi / period * nearest) ** 2
     cot = 1 / np.tan(np.pi / period * start) - 1 / np.tan(np.pi / period * end)
     force = 0.5 * period / np.pi * scale * cot.sum(axis=1)
+    b, apart = cracks.half_width, np.abs(position - position.T)
+    apart = np.minimum(apart, period - apart) - b[:, None] - b
+    np.fill_diagonal(apart, 0.5 * period)
+    inside = 0.5 * scale[:, None] / np.sin(np.pi / period * apart) ** 2
+    np.fill_diagonal(inside, 0.0)
+    tension, force = np.maximum(tension, inside.max(axis=1)), force + 2 * inside @ b
     moved = float(largest_displacement(tension, force, period).sum())
     return moved, float(force.sum()) / period, float(np.abs(cracks.lift - cracks.volume / period).sum())
 
