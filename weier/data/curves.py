@@ -58,7 +58,7 @@ def numerical_methods(case: xr.Dataset) -> list[str]:
 
 def numerical_method(case: xr.Dataset) -> str | None:
     """Return the most accurate numerical method that solved the case, or None."""
-    return next(iter(numerical_methods(case)), None)
+    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:
