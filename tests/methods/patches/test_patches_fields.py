@@ -16,51 +16,6 @@ from weier.methods.patches.surface import evaluate_series, from_crests, make_ser
 LONG_PERIOD = Profile(1.5, "5/2", 4, (0.0, 1.0, 2.0, 3.0))
 
 
-@pytest.mark.parametrize("load", [1e-20, 1e-32])
-def test_gap_beside_a_tiny_contact_has_all_digits(load):
-    """Hertz's gap, kappa a^2/2 (t (t^2-1)^(1/2) - ln(t + (t^2-1)^(1/2))), near and far from the contact's nodes."""
-    solution = patches.solve_load(Profile(1.25, 2, 2, (1.0, 2.0)), load)
-    state, series = solution.state, solution.surface.heights
-    segments, crest = state.segments, state.segments.crest[0]
-    assert segments.centre.size == 1
-    assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
-    curvature = -evaluate_series(series, crest, 0.0)[2]
-    for t in np.cosh(fields.FAR_FIELD_EXPONENT / (state.coefficient.size + 1)) * np.array(
-        [0.5, 0.95, 1.05, 2.0, 5.0]
-    ):
-        root = np.sqrt(t * t - 1)
-        expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
-        y = segments.centre[0] + segments.half_width[0] * t
-        gap = fields.complementary_residuals(state, series, np.array([crest]), np.array([y]))
-        assert gap == pytest.approx(expected, rel=1e-9, abs=0)
-
-
-@pytest.mark.parametrize(
-    ("profile", "fraction", "dual"), [(THREE_WAVES, 0.1, False), (LONG_PERIOD, 0.1, False), (LONG_PERIOD, 0.9, True)]
-)
-def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
-    """Far from the segments, near them, and as near as 1e-9 of their width to an edge."""
-    solution = patches.solve_load(profile, fraction * patches.solve_load(profile, 1.0).surface.full_contact_load)
-    assert solution.state.dual == dual
-    left, right = solution.edges.T
-    distance = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)
-    near = np.concatenate([left - distance, right + distance]).ravel()
-    x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
-    values = []
-    for limit in (0, 10**9):
-        monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", limit)
-        monkeypatch.setattr(fields, "MIN_SUM_POINTS", min(limit, 1))
-        values.append((solution.pressure(x), solution.gap(x)))
-    (pressure, gap), (closed_pressure, closed_gap) = values
-    force = solution.mean_pressure * profile.period
-    np.testing.assert_allclose(gap, closed_gap, rtol=0, atol=1e-12 * force)  # of polynomials of 15 points
-    ends = np.concatenate([left, right])
-    distance = np.abs((x[:, None] - ends + profile.period / 2) % profile.period - profile.period / 2).min(axis=1)
-    rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
-    assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
-    assert 20 < np.count_nonzero(gap > 0) < x.size - 20
-
-
 def states_of_two_segments(period, dual):
     """Two segments with densities of their own, the second wider than half a period."""
     counts, half_width = np.array([6, 9]), np.array([0.05, 0.3]) * period
@@ -171,3 +126,48 @@ def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     by_sums = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
     atol = 1e-10 / min(a, half - a) if dual else 1e-10
     np.testing.assert_allclose(by_sums, pressure if dual else gap, rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("load", [1e-20, 1e-32])
+def test_gap_beside_a_tiny_contact_has_all_digits(load):
+    """Hertz's gap, kappa a^2/2 (t (t^2-1)^(1/2) - ln(t + (t^2-1)^(1/2))), near and far from the contact's nodes."""
+    solution = patches.solve_load(Profile(1.25, 2, 2, (1.0, 2.0)), load)
+    state, series = solution.state, solution.surface.heights
+    segments, crest = state.segments, state.segments.crest[0]
+    assert segments.centre.size == 1
+    assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
+    curvature = -evaluate_series(series, crest, 0.0)[2]
+    for t in np.cosh(fields.FAR_FIELD_EXPONENT / (state.coefficient.size + 1)) * np.array(
+        [0.5, 0.95, 1.05, 2.0, 5.0]
+    ):
+        root = np.sqrt(t * t - 1)
+        expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
+        y = segments.centre[0] + segments.half_width[0] * t
+        gap = fields.complementary_residuals(state, series, np.array([crest]), np.array([y]))
+        assert gap == pytest.approx(expected, rel=1e-9, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("profile", "fraction", "dual"), [(THREE_WAVES, 0.1, False), (LONG_PERIOD, 0.1, False), (LONG_PERIOD, 0.9, True)]
+)
+def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
+    """Far from the segments, near them, and as near as 1e-9 of their width to an edge."""
+    solution = patches.solve_load(profile, fraction * patches.solve_load(profile, 1.0).surface.full_contact_load)
+    assert solution.state.dual == dual
+    left, right = solution.edges.T
+    distance = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)
+    near = np.concatenate([left - distance, right + distance]).ravel()
+    x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
+    values = []
+    for limit in (0, 10**9):
+        monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", limit)
+        monkeypatch.setattr(fields, "MIN_SUM_POINTS", min(limit, 1))
+        values.append((solution.pressure(x), solution.gap(x)))
+    (pressure, gap), (closed_pressure, closed_gap) = values
+    force = solution.mean_pressure * profile.period
+    np.testing.assert_allclose(gap, closed_gap, rtol=0, atol=1e-12 * force)  # of polynomials of 15 points
+    ends = np.concatenate([left, right])
+    distance = np.abs((x[:, None] - ends + profile.period / 2) % profile.period - profile.period / 2).min(axis=1)
+    rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
+    assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
+    assert 20 < np.count_nonzero(gap > 0) < x.size - 20

@@ -35,33 +35,6 @@ def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a
     assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (2, 0)
 
 
-def test_many_waves_start_from_a_rougher_grid_and_end_at_the_same_contacts(monkeypatch):
-    profile, loads, sizes = Profile(1.25, 5, 4, (0, 1, 1, 1)), [0.3, 2.0], []
-    usual, make_grid = patches.curve(profile, loads), start.Starts._make_grid
-    monkeypatch.setattr(start, "MANY_WAVES", 125)
-    monkeypatch.setattr(start.Starts, "_make_grid", lambda self, n: sizes.append(n) or make_grid(self, n))
-    rough = patches.curve(profile, loads)
-    assert sizes[0] == start.POINTS_PER_WAVE_OF_MANY < min(start.POINTS_PER_WAVE)
-    assert np.all(rough.patch_count == usual.patch_count)
-    assert np.all(abs(rough.compliance - usual.compliance) <= rough.compliance_error + usual.compliance_error)
-    assert np.all(abs(rough.resistance - usual.resistance) <= rough.resistance_error + usual.resistance_error)
-
-
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [
-        (Profile(1.331776812957171, 25, 2, (1.4759218287830584, 4.610210342717793)), 2.1840867360023095),
-        (Profile(1.9996563120900952, 5, 3, (1.8906146266840476, 2.3211360991711354, 2.6565707882292036)), 18.99409),
-    ],
-)
-def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profile, load):
-    """Few nodes hid that these need fewer: contacts took up to three times as long."""
-    for tolerance in (1e-4, 1e-10):
-        state = patches.solve_load(profile, load, tolerance).state
-        assert state is not None
-        assert state.dual
-
-
 @pytest.mark.parametrize(
     ("nodes", "runs"),
     [
@@ -102,3 +75,30 @@ def test_isolated_gaps_are_those_of_parabolas_of_tension(period):
     (half_width,), (crest,) = guess.segments.half_width, guess.segments.crest
     assert half_width == pytest.approx(2 * np.sqrt(1e-4 / series.crest_curvature[crest]), rel=1e-9, abs=0)
     assert start.isolated_gaps(series, series.maximum * 1.001) is None
+
+
+def test_many_waves_start_from_a_rougher_grid_and_end_at_the_same_contacts(monkeypatch):
+    profile, loads, sizes = Profile(1.25, 5, 4, (0, 1, 1, 1)), [0.3, 2.0], []
+    usual, make_grid = patches.curve(profile, loads), start.Starts._make_grid
+    monkeypatch.setattr(start, "MANY_WAVES", 125)
+    monkeypatch.setattr(start.Starts, "_make_grid", lambda self, n: sizes.append(n) or make_grid(self, n))
+    rough = patches.curve(profile, loads)
+    assert sizes[0] == start.POINTS_PER_WAVE_OF_MANY < min(start.POINTS_PER_WAVE)
+    assert np.all(rough.patch_count == usual.patch_count)
+    assert np.all(abs(rough.compliance - usual.compliance) <= rough.compliance_error + usual.compliance_error)
+    assert np.all(abs(rough.resistance - usual.resistance) <= rough.resistance_error + usual.resistance_error)
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        (Profile(1.331776812957171, 25, 2, (1.4759218287830584, 4.610210342717793)), 2.1840867360023095),
+        (Profile(1.9996563120900952, 5, 3, (1.8906146266840476, 2.3211360991711354, 2.6565707882292036)), 18.99409),
+    ],
+)
+def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profile, load):
+    """Few nodes hid that these need fewer: contacts took up to three times as long."""
+    for tolerance in (1e-4, 1e-10):
+        state = patches.solve_load(profile, load, tolerance).state
+        assert state is not None
+        assert state.dual
