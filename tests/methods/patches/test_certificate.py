@@ -18,6 +18,7 @@ from weier.methods.patches.certificate import (
     contact_residual,
     effect_of_cracks,
     error_bound,
+    imbalance,
     largest_displacement,
     resistance_error,
     sample_points,
@@ -105,6 +106,23 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
     moved = patches.solve_load(THREE_WAVES, load * (1 + 1e-6)).state
     deviation = abs(moved.approach - state.approach)
     assert deviation <= certified(moved._replace(load=load))
+
+
+@pytest.mark.parametrize("wave", WAVES)
+def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
+    contacts, gaps = wave.state(False), wave.state(True)
+    assert imbalance(contacts, wave.period)[0] == pytest.approx(0, abs=1e-12 * wave.load)
+    more = imbalance(contacts._replace(load=1.5 * wave.load), wave.period)
+    assert more == pytest.approx((0.5 * wave.load, 0.0), rel=1e-9, abs=0)
+    mean = np.zeros(gaps.coefficient.size)
+    mean[0] = 1e-6
+    off = gaps._replace(coefficient=gaps.coefficient + mean)
+    closure = 0.5 * np.pi * gaps.segments.half_width[0] * 1e-6  # the integral of a slope of 1e-6 (1-t^2)^(1/2)
+    assert imbalance(off, wave.period) == pytest.approx((0.0, closure), rel=1e-4)
+    nothing = np.zeros(0, MINIMUM)
+    found = certify(off, np.zeros(1), np.ones(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    assert found.residual == pytest.approx(closure, rel=1e-4)
+    assert found.error == pytest.approx(closure, rel=1e-4)
 
 
 def test_as_many_pressures_are_taken_off_as_give_the_least():

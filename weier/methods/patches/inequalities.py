@@ -195,7 +195,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
 
 
 def minima_of_gaps(state: ContactState) -> Records:
-    """Return minima of the gap within gaps (dual), as `MINIMUM`, each by the parabola through three samples."""
+    """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
     return _minima_of_gaps(segments.first_node, segments.half_width, segments.middle, state.coefficient)
 
@@ -214,10 +214,9 @@ def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficien
                 before = (value[i - 1] - value[i]) / (t[i] - t[i - 1])
                 after = (value[i + 1] - value[i]) / (t[i + 1] - t[i])
                 curvature = 2 * (before + after) / (t[i + 1] - t[i - 1])
-                slope = (after * (t[i] - t[i - 1]) - before * (t[i + 1] - t[i])) / (t[i + 1] - t[i - 1])
                 here = found[count]
                 here.interval, here.position = j, middle[j] + r * t[i]
-                here.value, here.curvature = value[i] - 0.5 * slope * slope / curvature, curvature / (r * r)
+                here.value, here.curvature = value[i], curvature / (r * r)
                 count += 1
     return found[:count]
 
