@@ -97,5 +97,7 @@ def test_tails_are_the_last_of_two_coefficients_that_are_not_zero_by_themselves(
 
 
 def test_more_nodes_are_more_up_to_the_limit():
-    assert [more_nodes(count) for count in (4, 10)] == [6, 13]
-    assert more_nodes(MAX_NODES - 1) == MAX_NODES
+    """By 1.3, rounded up to even numbers and, from 32 nodes on, to multiples of 4: few tables are needed."""
+    count = np.array([4, 10, 40, MAX_NODES - 1])
+    np.testing.assert_array_equal(more_nodes(count, np.ones(4, bool)), [6, 14, 52, MAX_NODES])
+    np.testing.assert_array_equal(more_nodes(count, count == 10), [4, 14, 40, MAX_NODES - 1])

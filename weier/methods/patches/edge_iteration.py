@@ -30,15 +30,12 @@ from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,
-    count_nodes,
     estimate_node_count,
     kind_of,
     make_segments,
-    node_factors,
 )
 from weier.methods.patches.surface import (
     CosineSeries,
-    Extent,
     Sides,
     evaluate_at,
     evaluate_series,
@@ -58,8 +55,6 @@ MIN_GAP_LEFT = 0.1
 MAX_GAP_LOSS = 0.8  # largest relative loss of a tight gap in a step
 MIN_GROWTH = -0.85  # relative change of the half-width below which a contact vanishes
 SETTLED_MOVE = 0.1  # move, in half-widths, below which Newton's method converges quadratically
-UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
-NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
 
 class EdgeMoves(NamedTuple):
@@ -252,25 +247,10 @@ class NewtonStep(NamedTuple):
 
 def make_guess(problem: ContactProblem, segments: Segments, limits: Limits) -> Iterate:
     """Return a guess on segments, with zero forces: estimates hardly save a step of the conjugate gradients."""
-    count = _estimate_nodes(problem, segments.extent, limits)
+    count = estimate_node_count(segments.extent, problem.series, limits.tolerance)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
-    return Iterate(punches, np.zeros(count.sum()), np.zeros(count.size, bool))
-
-
-def _estimate_nodes(problem: ContactProblem, extent: Extent, limits: Limits) -> Indices:
-    """Return nodes of contacts in order."""
-    count = estimate_node_count(extent, problem.series, limits.tolerance)
-    return round_up_nodes(np.asarray(count + UNRESOLVED, float))
-
-
-@kernel
-def round_up_nodes(count: Array) -> Indices:
-    """Round up the nodes of each segment (`round_up`), so that few tables are needed."""
-    rounded = np.empty(count.size, np.int64)
-    for j in range(count.size):
-        rounded[j] = round_up(count[j])
-    return rounded
+    return Iterate(punches, np.zeros(punches.offset.size), np.zeros(count.size, bool))
 
 
 def take_step(problem: ContactProblem, guess: Iterate, limits: Limits) -> NewtonStep:
@@ -328,17 +308,11 @@ def _changes(
     return vanishing, merging, tight
 
 
-def next_guess(
-    problem: ContactProblem, step: NewtonStep, limits: Limits, node_count: Indices | None = None
-) -> Iterate:
-    """Return the guess after a step: edges moved, contacts removed and merged, optionally with new node counts."""
+def next_guess(problem: ContactProblem, step: NewtonStep, limits: Limits, node_count: Indices) -> Iterate:
+    """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series = step.punches.segments, problem.series
-    more = np.zeros(old.half_width.size) if node_count is None else np.asarray(node_count, float)
-    factors = node_factors(limits.tolerance), float(series.wavenumber[-1])
-    centre, half_width, first_node = _moved_segments(
-        *old.extent, step.moves.outward, step.punches.gap, step.tight, more, series.period, *factors
-    )
-    moved, b = Segments(old.crest, old.origin, centre, half_width, first_node), step.b
+    centre, half_width = _moved_segments(old.centre, old.half_width, step.moves.outward, step.punches.gap, step.tight)
+    moved, b = make_segments(old.crest, old.origin, centre, half_width, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
         shift, growth = centre - old.centre, half_width - old.half_width
         b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
@@ -371,21 +345,11 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
 
 @kernel
 def _moved_segments(
-    origin: Array,
-    centre: Array,
-    half_width: Array,
-    outward: Sides,
-    gap: Array,
-    tight: Flags,
-    wanted: Array,
-    period: float,
-    factors: tuple[float, ...],
-    finest: float,
-) -> tuple[Array, Array, Indices]:
-    """Return centres, half-widths and first nodes of segments after the moves of their edges.
+    centre: Array, half_width: Array, outward: Sides, gap: Array, tight: Flags
+) -> tuple[Array, Array]:
+    """Return centres and half-widths of segments after the moves of their edges.
 
-    A tight gap loses at most the fraction `MAX_GAP_LOSS`. The number of nodes is as given or, if 0, follows from the
-    extent, rounded up.
+    A tight gap loses at most the fraction `MAX_GAP_LOSS`.
     """
     n, limited = half_width.size, outward.copy()
     for j in range(n):
@@ -399,20 +363,7 @@ def _moved_segments(
     for j in range(n):
         new_centre[j] = centre[j] + 0.5 * (limited[j, 1] - limited[j, 0])
         new_half_width[j] = half_width[j] + 0.5 * (limited[j, 1] + limited[j, 0])
-    count, first_node = (
-        count_nodes(origin, new_centre, new_half_width, period, finest, factors),
-        np.zeros(n + 1, np.int64),
-    )
-    for j in range(n):
-        first_node[j + 1] = first_node[j] + round_up(wanted[j] if wanted[j] > 0 else count[j] + UNRESOLVED)
-    return new_centre, new_half_width, first_node
-
-
-@kernel
-def round_up(count: float) -> int:
-    """Return the next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
-    step = 2.0 ** max(1.0, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
-    return int(min(np.ceil(count / step) * step, MAX_NODES))
+    return new_centre, new_half_width
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
@@ -444,9 +395,12 @@ def rearrange(
     remaining: Flags,
     added: NDArray[np.float64],
     limits: Limits,
-    node_count: Indices | None = None,
+    node_count: Indices,
 ) -> Iterate:
-    """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2)."""
+    """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2).
+
+    The remaining segments have the node counts given.
+    """
     series = problem.series
     crest, origin, centre = (
         np.concatenate([old[remaining], new])
@@ -459,8 +413,7 @@ def rearrange(
     extent = (origin - turns)[order], centre[order], half_width[order]
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
-    count = _estimate_nodes(problem, extent, limits)
-    if node_count is not None:
-        count = np.where(origin_of >= 0, round_up_nodes(node_count[origin_of]), count)
+    count = estimate_node_count(extent, series, limits.tolerance)
+    count = np.where(origin_of >= 0, node_count[origin_of], count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
     return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)

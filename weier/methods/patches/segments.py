@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Indices, Records, record_type
+from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
@@ -25,14 +25,16 @@ MAX_NODES = 2000
 # Nodes of a segment, by the digits of its density: K_0 + K_1 k_f r + K_2/ln(rho), where k_f r are the radians of the
 # finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
 # polynomials"). The factors were fitted to the coefficients of 558 segments.
-DIGITS = np.array([3.0, 4.0, 6.0, 8.0, 10.0, 12.0])
-NODES_AT_LEAST = np.array([4.0, 5.0, 6.0, 6.5, 7.0, 7.5])
-NODES_PER_RADIAN = np.array([1.4, 1.4, 1.45, 1.2, 1.0, 1.0])
-NODES_PER_NEIGHBOUR = np.array([0.7, 1.2, 3.0, 6.8, 10.8, 14.8])
+DIGITS = np.array([6.0, 8.0, 10.0, 12.0])
+NODES_AT_LEAST = np.array([6.0, 6.5, 7.0, 7.5])
+NODES_PER_RADIAN = np.array([1.45, 1.2, 1.0, 1.0])
+NODES_PER_NEIGHBOUR = np.array([3.0, 6.8, 10.8, 14.8])
 # least distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the coefficients
 # of a solution show whether more nodes are needed
 MIN_DISTANCE = 1e-3
+UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
 NODE_GROWTH = 1.3  # factor of the nodes of a segment whose coefficients have not decayed
+NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
 
 def kind_of(dual: bool) -> Kind:
@@ -246,8 +248,15 @@ def count_nodes(
         nearest = max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE)
         ln_rho = np.log1p(nearest + np.sqrt(nearest) * np.sqrt(nearest + 2))
         needed = least + per_radian * finest * r + per_neighbour / ln_rho
-        count[j] = np.int64(min(np.ceil(needed), MAX_NODES))
+        count[j] = _round_up(np.ceil(needed) + UNRESOLVED)
     return count
+
+
+@kernel
+def _round_up(count: float) -> int:
+    """Return the next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
+    step = 2.0 ** max(1.0, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
+    return int(min(np.ceil(count / step) * step, MAX_NODES))
 
 
 @lru_cache(maxsize=64)
@@ -265,6 +274,10 @@ def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> A
 
 
 @kernel
-def more_nodes(count: int) -> int:
-    """Return the next larger number of nodes for a segment on which the coefficients have not decayed."""
-    return int(min(np.ceil(NODE_GROWTH * count), MAX_NODES))
+def more_nodes(count: Indices, short: Flags) -> Indices:
+    """Return the numbers of nodes, the next larger ones for segments on which the coefficients have not decayed."""
+    more = count.copy()
+    for j in range(count.size):
+        if short[j]:
+            more[j] = _round_up(NODE_GROWTH * count[j])
+    return more

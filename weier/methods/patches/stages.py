@@ -16,7 +16,6 @@ from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
-    UNRESOLVED,
     ContactProblem,
     Limits,
     NewtonStep,
@@ -40,6 +39,7 @@ from weier.methods.patches.inequalities import (
 )
 from weier.methods.patches.segments import (
     MAX_NODES,
+    UNRESOLVED,
     ContactState,
     coefficient_tails,
     end_sums,
@@ -169,7 +169,7 @@ def _solve_to(
                 )
                 return certify(state, residual, width, overlaps, tensions, problem.series, accepted, margin), steps
             last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
-            counts = np.where(short, [more_nodes(few) for few in count.tolist()], count)
+            counts = more_nodes(count, short)
             # With new nodes edges move by more than in the last step, which is not rounding.
             now, last_move = next_guess(problem, step, limits, counts), np.inf
     raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
@@ -209,18 +209,17 @@ def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -
 
 @kernel
 def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
-    """Return the number of nodes of each segment, increased where the last coefficients have not decayed.
+    """Return the number of nodes of each segment, more where the last coefficients have not decayed.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) is smaller.
     The last two coefficients are used, since one of them vanishes for an even or odd density.
     """
-    count = np.empty(half_width.size, np.int64)
+    count, short = first_node[1:] - first_node[:-1], np.empty(half_width.size, np.bool_)
     for j in range(half_width.size):
-        last, count[j] = first_node[j + 1], first_node[j + 1] - first_node[j]
+        last = first_node[j + 1]
         tail = max(abs(b[last - 1]), abs(b[last - 2]))
-        if 2 * np.pi * half_width[j] * tail / count[j] > MAX_TAIL * target:
-            count[j] = more_nodes(count[j])
-    return count
+        short[j] = 2 * np.pi * half_width[j] * tail / count[j] > MAX_TAIL * target
+    return more_nodes(count, short)
 
 
 def _beyond_rounding(state: ContactState, negative: Records) -> Records:

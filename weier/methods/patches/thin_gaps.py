@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
-from weier.methods.patches.edge_iteration import UNRESOLVED
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
 from weier.methods.patches.kind import PRESSURE
-from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
+from weier.methods.patches.segments import UNRESOLVED, ContactState, Cracks, coefficient_tails
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 # nodes on a crack: the pressure is a parabola up to terms in b/l and its square, with l the distance to the nearest
