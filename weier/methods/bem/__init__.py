@@ -6,7 +6,7 @@ curve with its bounds, and `fields` the nodal values.
 """
 
 from weier.methods.bem.fields import Field, field
-from weier.methods.bem.method import METHOD, grid_within, points_of, within_few_points
+from weier.methods.bem.method import METHOD, points_of, within_few_points
 from weier.methods.bem.solver import POINTS_PER_WAVE, SOLVERS, BemCurve, checked_points, curve
 
 __all__ = [
@@ -18,7 +18,6 @@ __all__ = [
     "checked_points",
     "curve",
     "field",
-    "grid_within",
     "points_of",
     "within_few_points",
 ]

@@ -30,11 +30,11 @@ def _solve(
 ) -> BemCurve:
     residual = RESIDUAL
     if tolerance is not None:
-        points, residual = grid_within(profile, tolerance, points, points_per_wave)
+        points, residual = _grid_within(profile, tolerance, points, points_per_wave)
     return curve(profile, loads, solver, points, residual, with_resistance, staircase, points_per_wave)
 
 
-def grid_within(
+def _grid_within(
     profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
 ) -> tuple[int, float]:
     """Return the least number of points whose bound is within a tolerance, in g_0, and the residual in this bound.
@@ -76,7 +76,7 @@ def _check(
     """Refuse settings that exclude each other, or a grid that does not resolve the finest wave."""
     check_words(solver, staircase)
     if tolerance is not None:
-        points, _ = grid_within(profile, tolerance, points, points_per_wave)
+        points, _ = _grid_within(profile, tolerance, points, points_per_wave)
     check_points(checked_points(profile, points, points_per_wave), solver == "direct")
 
 

@@ -29,7 +29,7 @@ from weier.theory.halfplane import influence_coefficients
 # the contact edges
 POINTS_PER_WAVE = 32
 MESH_FRACTION = 0.1  # error of both meshes over the amplitude of the tail
-RESIDUAL_FRACTION, MAX_RESIDUAL = 0.01, 0.01  # of the bounds; with 1e-4 of the tail k = 8 does not settle
+MAX_TOLERANCE = 1.0  # g_0: the tail of a gamma close to 1 is many times as high
 MAX_POINTS = 2**14  # More points take minutes.
 MIN_LOAD = 1e-6  # p_0*; lighter loads displace the surface by less than the residual
 
@@ -127,12 +127,11 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
         If boundary elements miss their tolerance.
     """
     check_infinite(profile)
-    kept = profile.truncated(terms)
-    tail = kept.tail_amplitude
-    points, residual = bem.grid_within(kept, MESH_FRACTION * tail)[0], min(RESIDUAL_FRACTION * tail, MAX_RESIDUAL)
+    kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
+    tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
     with reporting_to():  # These loads are a part of others.
-        solved = bem.curve(kept, mean_pressure, "fft", points, residual, with_resistance=False, staircase="kept")
-    return complete_bounds(solved.compliance, tail, profile.total_amplitude, solved.compliance_error)
+        solved = bem.METHOD.solve(kept, loads, tolerance=tolerance, with_resistance=False, staircase="kept")
+    return complete_bounds(solved.compliance, kept.tail_amplitude, profile.total_amplitude, solved.compliance_error)
 
 
 def check_infinite(profile: Profile) -> None:
