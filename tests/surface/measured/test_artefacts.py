@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from weier.accuracy.artefacts import roughness, self_affine
 from weier.surface.measured.trace import Trace
 
 N = np.arange(200)
@@ -16,30 +17,10 @@ def trace(z, **more):
     return Trace(z, 1e-3, height_unit="um", **more)
 
 
-def self_affine(samples, D, random):
-    k = np.arange(1, samples // 2)
-    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
-    z = np.fft.irfft(np.append(0, wave), samples)
-    return z / z.std()
-
-
-def surfaces(random, samples=1000):
-    """Roughness of many kinds that has no jumps."""
-    x = np.arange(samples)
-    for D in (1.02, 1.3, 1.6, 1.99):
-        z = self_affine(samples, D, random)
-        yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z))
-    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
-    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
-    yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
-    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
-    yield -np.maximum.reduce(grooves)  # honed
-
-
 def test_roughness_of_many_kinds_has_no_jumps():
     random = np.random.default_rng(0)
-    count = sum(trace(z).samples == 1000 for _ in range(10) for z in surfaces(random))
-    assert count == 170
+    count = sum(trace(z).samples == 1000 for _ in range(10) for z in roughness(random))
+    assert count == 210
 
 
 @pytest.mark.parametrize("size", [1.0, 3.0])  # of the range of heights

@@ -1,0 +1,22 @@
+"""Limits of the checks of measured heights: each has room on both sides."""
+
+import pytest
+
+from weier.accuracy import artefacts
+from weier.surface.measured import artefacts as checks
+
+
+def test_roughness_is_taken_and_artefacts_are_recognised():
+    refused, missed = artefacts.wrong(2)
+    assert refused == 0
+    assert missed <= 4  # zeros among heights about zero, on rough lines
+
+
+@pytest.mark.parametrize(
+    ("limit", "factor", "side"), [("MIN_DISTINCT", 0.0, 0), ("JUMP_OUTLIER", 0.25, 0), ("JUMP_OUTLIER", 20.0, 1)]
+)
+def test_limits_beyond_their_room_are_seen(limit, factor, side):
+    usual, before = artefacts.wrong(1), getattr(checks, limit)
+    with artefacts.scaled(limit, factor):
+        assert artefacts.wrong(1)[side] > usual[side]
+    assert getattr(checks, limit) == before

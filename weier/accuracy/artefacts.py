@@ -1,0 +1,107 @@
+"""Lines that the checks of measured heights judge wrongly: `python -m weier.accuracy.artefacts`.
+
+Lines of many kinds of roughness must be taken, and the same lines with steps, spikes, dust and codes for missing
+heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on the
+one side and without missed artefacts on the other lies between the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+import numpy as np
+from numpy.random import Generator
+
+from weier import Trace
+from weier.data import markdown
+from weier.kernels.arrays import Array
+from weier.surface.measured import artefacts
+
+LIMITS = (
+    *("SENTINEL_DEVIATIONS", "SENTINEL_VOID", "MIN_DISTINCT", "OFF_LINE_DEVIATIONS"),
+    *("ABRUPT_DEVIATIONS", "FLANK_RATIO", "JUMP_FRACTION", "JUMP_OUTLIER", "JUMP_RATIO"),
+)
+STEPS, SPIKES = ((0, 1), (0, 0.4, 1)), ((0, 1, 0), (0, -1, 0), (0, 1, 0.7, 0))  # shapes, over the range of heights
+CODES = (-9999.0, 32767.0, 0.0)
+
+
+def self_affine(samples: int, D: float, random: Generator) -> Array:
+    """Return random heights of this fractal dimension with a unit deviation."""
+    k = np.arange(1, samples // 2)
+    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    z = np.fft.irfft(np.append(0, wave), samples)
+    return np.asarray(z / z.std())
+
+
+def roughness(random: Generator, samples: int = 1000) -> Iterator[Array]:
+    """Yield roughness of many kinds that has no jumps."""
+    x = np.arange(samples)
+    for D in (1.02, 1.3, 1.6, 1.99):
+        z = self_affine(samples, D, random)
+        yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z), np.round(2 * z))
+    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
+    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
+    yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
+    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
+    yield -np.maximum.reduce(grooves)  # honed
+
+
+def with_artefacts(random: Generator, samples: int = 1000) -> Iterator[tuple[Array, str]]:
+    """Yield self-affine lines with steps, spikes and codes for missing heights, each with a part of its refusal."""
+    for D in (1.05, 1.5, 1.7):
+        z = self_affine(samples, D, random)
+        at, size = int(random.integers(10, samples - 10)), random.uniform(1, 3) * np.ptp(z)
+        for shape in (*STEPS, *SPIKES):
+            spoilt = z.copy()
+            spoilt[at : at + len(shape)] += size * np.array(shape)
+            spoilt[at + len(shape) :] += size * shape[-1]
+            yield spoilt, "must not jump"
+        for code in CODES:
+            gone = random.random(samples) < 0.05
+            yield np.where(gone, code, z), "missing_value="
+
+
+def refusal(z: Array) -> str:
+    """Return the message that refuses heights, in um; empty if they are taken."""
+    try:
+        Trace(z, 5e-6 * z.size, height_unit="um")
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+@contextmanager
+def scaled(limit: str, factor: float) -> Iterator[None]:
+    """In a `with` statement, multiply a limit of the checks."""
+    usual = getattr(artefacts, limit)
+    setattr(artefacts, limit, factor * usual)
+    try:
+        yield
+    finally:
+        setattr(artefacts, limit, usual)
+
+
+def wrong(rounds: int, seed: int = 0) -> tuple[int, int]:
+    """Return the numbers of refused lines of roughness, and of artefacts that are not recognised."""
+    random = np.random.default_rng(seed)
+    refused = sum(bool(refusal(z)) for _ in range(rounds) for z in roughness(random))
+    return refused, sum(why not in refusal(z) for _ in range(rounds) for z, why in with_artefacts(random))
+
+
+@click.command(context_settings={"show_default": True})
+@click.option("--rounds", default=10, help="Lines of each kind.")
+@click.option("--factor", default=1.5, help="Factor of the limits.")
+def main(rounds: int, factor: float) -> None:
+    """Print refused lines of roughness and artefacts that are not recognised, for scaled limits."""
+    rows = [["none", "", *map(str, wrong(rounds))]]
+    for limit in LIMITS:
+        for scale in (1 / factor, factor):
+            with scaled(limit, scale):
+                rows.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
+    click.echo(markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], rows))
+
+
+if __name__ == "__main__":
+    main()
