@@ -15,7 +15,7 @@ def run() -> None:
     # collections rarer, and gc.freeze exempts all objects from the full one at the end of the interpreter. Together
     # they save 0.1 s of 0.7 s for `weier solve` by a closed form, and 0.4 s of 2 s for `weier plot` or contact
     # patches.
-    gc.set_threshold(10_000)
+    gc.set_threshold(100_000)
     atexit.register(gc.freeze)
     os.environ["MPLBACKEND"] = "agg"  # Figures go to files. Jupyter names a backend that this environment may lack.
     try:
