@@ -1,5 +1,7 @@
 # Functions for the rules; those of scenes are in weier/pipeline/workflow.py.
+import sys
 from functools import partial
+from types import SimpleNamespace
 
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
@@ -54,6 +56,24 @@ def labels_of_figure(wildcards):
     """The labels of a figure of a scene in the report of Snakemake."""
     scene, name = scenes.scene(wildcards.scene), wildcards.figure
     return {"figure": name, "caption": caption(scene, name).text}
+
+
+def in_report(scene, figure):
+    """A picture of a scene, with its place in the report of Snakemake."""
+    labels = lambda wildcards: labels_of_figure(
+        SimpleNamespace(scene=scene, figure=figure)
+    )
+    return report(
+        f"results/{scene}/figures/{figure}.png",
+        category=scene,
+        subcategory="figures",
+        labels=labels,
+    )
+
+
+def figures_are_named():
+    """Whether the command line asks for files of figures; Snakemake has no targets yet when it reads the rules."""
+    return any("/figures/" in word for word in sys.argv[1:])
 
 
 def labels_of_measurement(wildcards):

@@ -171,6 +171,8 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
 
     assert outdated() == [False, False, False, False]
     data, figure = of(), of(figure="one")
+    each = [scenes().outdated_figure(of(figure=name)) for name in ("one", "two")]
+    assert scenes().of_all_figures("test", scenes().outdated_figure)(of()) == [path for (path,) in each]
     for wanted in (data, figure):
         assert scenes().settled_batches(wanted)
         assert not scenes().unsettled_batches(wanted)

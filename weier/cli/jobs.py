@@ -102,7 +102,7 @@ def batch(description: Path, data: Path) -> None:
 @click.argument("folder", type=FILE)
 @click.argument("names", nargs=-1)
 def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
-    """Draw the figures NAMES of a scene, or all that it has.
+    """Draw the figures NAMES of a scene, or those that are missing or outdated, or all if none is.
 
     The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
     CSV.
@@ -110,16 +110,23 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
     from weier.figures import METADATA, VALUES, draw, undrawn
     from weier.pipeline.batches import Solutions
     from weier.pipeline.gather import read_study
-    from weier.pipeline.products import inputs_of_figure, mark
+    from weier.pipeline.products import inputs_of_figure, made_of, mark
 
     with job("figures", scene_file.stem, *names):
         solutions = Solutions(weier.load_scene(scene_file), batches)
-        study = cache(partial(read_study, solutions))
-        for name in names or solutions.scene.figures:
-            wanted = solutions.scene.figure(name)
-            made_of = mark(inputs_of_figure(solutions, name))
+        scene, study = solutions.scene, cache(partial(read_study, solutions))
+        inputs = {name: inputs_of_figure(solutions, name) for name in names or scene.figures}
+        outdated = [
+            name
+            for name, own in inputs.items()
+            if {made_of(folder / f"{name}.{suffix}") for suffix in METADATA} != {own}
+            or not (folder / f"{name}.{VALUES}").exists()
+        ]
+        for name in names or outdated or inputs:
+            click.echo(f"draw {scene_file.stem}: {name}", err=True)
+            wanted = scene.figure(name)
             studies = [study(name, undrawn(wanted.draw)) for name in wanted.all_studies]
-            draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), made_of)
+            draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), mark(inputs[name]))
 
 
 @click.command(hidden=True)

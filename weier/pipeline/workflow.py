@@ -17,7 +17,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache, partial
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from weier.checks import shown, suggestion
@@ -130,6 +132,15 @@ class Scenes:
         return [
             str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in (*FORMATS, VALUES)
         ]
+
+    def of_all_figures(self, name: str, files: Callable[[Any], list[str]]) -> Callable[[Any], list[str]]:
+        """Return the function of all figures of a scene from one of these functions of a figure."""
+
+        def of_scene(wildcards: Any) -> list[str]:
+            each = (files(SimpleNamespace(scene=name, figure=figure)) for figure in self.scene(name).figures)
+            return list(dict.fromkeys(chain.from_iterable(each)))
+
+        return of_scene
 
     def batches(self, wildcards: Any) -> list[str]:
         """Return the files that hold all curves of a scene."""
