@@ -14,6 +14,7 @@ from weier.methods.patches.certificate import (
     SAMPLED_FACTOR,
     TANGENT_ERROR,
     _largest_and_width,
+    _releases,
     certify,
     contact_residual,
     effect_of_cracks,
@@ -284,6 +285,21 @@ def test_an_edge_beside_a_narrow_gap_counts_twice(period):
     move = np.sqrt(2) * HEIGHT / (np.pi * A * np.sqrt(half_gap)) + 2 * a * HEIGHT / (chi * force)
     by_heights = stated(wave, height_error=HEIGHT) - stated(wave)
     assert by_heights == pytest.approx(2 * moved(wave, move), rel=1e-4, abs=0)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_an_edge_moves_by_the_gap_beside_it(period):
+    """Two contacts 0.05 L apart, and the increment at one edge only."""
+    r, A, none = np.full(2, 0.1 * period), np.full((2, 2), 3.0), np.zeros(2)
+    extent, height_error = (none, np.array([0.2, 0.45]) * period, r), np.full(2, HEIGHT)
+    force = np.pi / np.sqrt(8) * r[0] ** 1.5 * 3
+    by_force = 2 * r[0] * HEIGHT / (max(-2 * np.log(0.1 * np.pi), 1.0) * force)
+    for (j, side), half_gap in (((0, 0), 0.275), ((0, 1), 0.025), ((1, 0), 0.025), ((1, 1), 0.275)):
+        B = np.zeros((2, 2))
+        B[j, side] = 1.0
+        move = np.sqrt(2) * HEIGHT / (np.pi * 3 * np.sqrt(min(half_gap, 0.1) * period)) + by_force
+        expected = (2 if half_gap < 0.1 else 1) * move
+        assert _releases(*extent, period, A, B, height_error, 0.0) == pytest.approx(expected, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])

@@ -1,4 +1,4 @@
-"""Limits on which results do not depend, as docs/patches.md lists them: all of them at once, halved and doubled."""
+"""Limits on which results do not depend, as docs/numerics.md lists them: all of them at once, halved and doubled."""
 
 import ast
 import json
@@ -14,7 +14,7 @@ import pytest
 import weier
 
 PACKAGE = Path(weier.__file__).parent
-PAGE = PACKAGE.parent / "docs" / "patches.md"
+PAGE = PACKAGE.parent / "docs" / "numerics.md"
 # Each start, contacts and gaps, few and hundreds of them, beside a merger and through all events of a range of loads.
 SOLVE = """
 import json
@@ -43,7 +43,7 @@ print(json.dumps([found, events.mean_pressure.tolist(), events.birth.tolist()]))
 
 def limits():
     """The names of each module in the table of the page."""
-    section = PAGE.read_text(encoding="utf-8").split("## Limits without an effect\n")[1].split("\n## ")[0]
+    section = PAGE.read_text(encoding="utf-8").split("## Limits of contact patches\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", section, re.MULTILINE)
     return {module: re.findall(r"`(\w+)`", names) for module, names in rows}
 
