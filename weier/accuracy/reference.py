@@ -33,7 +33,6 @@ TOUCH_HEIGHT = 1e-12  # g_0: at such loads, only crests closer than this to the 
 AT_FULL_CONTACT = 1 + 1e-12  # full contact is certain at this multiple of its computed load
 # the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
-RESISTANCE_FACTOR = 50.0  # largest measured error of R over the tolerance of h near mergers
 SHIFT = 0.3  # lambda_0: the contact patches solve the profile shifted by this distance.
 MAX_FINER_SCALES, FINER_ACCURACY = 10, 1e-6  # more scales take minutes at this accuracy
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
@@ -142,9 +141,8 @@ def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Ar
     Close to a birth, rounding of the phases may shift the birth across the load; the stated error covers this.
     """
     total = np.full(result.compliance.size, profile.total_amplitude)
-    h, R = TOLERANCES[0], RESISTANCE_FACTOR * TOLERANCES[0]
     stated = np.nan_to_num(np.broadcast_to(reference.resistance_error, total.shape))
-    return h * total, np.maximum(R * np.maximum(result.resistance, 1), stated)
+    return TOLERANCES[0] * total, np.maximum(TOLERANCES[0] * np.maximum(result.resistance, 1), stated)
 
 
 def _single_crest(profile: Profile) -> bool:
