@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import solve_by
 from weier.methods.flattened import Remaining, remaining
-from weier.methods.method import Method, Style
+from weier.methods.method import Estimate, Method, Style
+from weier.surface.profile import Profile
 from weier.surface.series import full_contact_pressure
 
 LN2 = np.log(2)
@@ -97,11 +97,16 @@ def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array
     return total
 
 
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    series = profile.D, float(profile.gamma), profile.m
+    return Estimate(compliance(loads, *series), resistance(loads, *series))
+
+
 METHOD = Method(
     name="archard",
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
-    solve=solve_by(compliance, resistance),
+    solve=_solve,
     uses_phases=False,
     style=Style("#D55E00", (5, 1.5), "v"),
 )

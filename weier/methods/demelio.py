@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
-from weier.methods.estimate import solve_by
 from weier.methods.flattened import remaining
-from weier.methods.method import Method, Style
+from weier.methods.method import Estimate, Method, Style
+from weier.surface.profile import Profile
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -50,11 +50,16 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
+def _solve(profile: Profile, loads: Array) -> Estimate:
+    series = profile.D, float(profile.gamma), profile.m
+    return Estimate(compliance(loads, *series), resistance(loads, *series))
+
+
 METHOD = Method(
     name="demelio",
     label="Demelio",
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
-    solve=solve_by(compliance, resistance),
+    solve=_solve,
     uses_phases=False,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
 )
