@@ -3,6 +3,7 @@
 import pytest
 
 from weier.accuracy import artefacts
+from weier.surface import spectrum
 from weier.surface.measured import artefacts as checks
 
 
@@ -20,3 +21,11 @@ def test_limits_beyond_their_room_are_seen(limit, factor, side):
     with artefacts.scaled(limit, factor):
         assert artefacts.wrong(1)[side] > usual[side]
     assert getattr(checks, limit) == before
+
+
+def test_fits_to_roughness_are_seldom_doubted(monkeypatch):
+    doubted, fits = artefacts.doubted_fits(2)
+    assert doubted == 0
+    assert fits > 20
+    monkeypatch.setattr(spectrum, "DOMINANT", 0.5)
+    assert artefacts.doubted_fits(2)[0] > 10

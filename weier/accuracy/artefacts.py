@@ -7,14 +7,16 @@ one side and without missed artefacts on the other lies between the two.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import product
 
 import click
 import numpy as np
 from numpy.random import Generator
 
-from weier import Trace
+from weier import Trace, fit
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface.measured import artefacts
@@ -90,6 +92,18 @@ def wrong(rounds: int, seed: int = 0) -> tuple[int, int]:
     return refused, sum(why not in refusal(z) for _ in range(rounds) for z, why in with_artefacts(random))
 
 
+def doubted_fits(rounds: int, seed: int = 0) -> tuple[int, int]:
+    """Return the numbers of fits to roughness in which one part of the line decides, and of all fits."""
+    random, found = np.random.default_rng(seed), list[bool]()
+    for _ in range(rounds):
+        for samples, D in product((200, 1000, 4000), (1.1, 1.3, 1.5, 1.7, 1.9)):
+            with warnings.catch_warnings(record=True) as caught, suppress(ValueError):  # of lines without a power law
+                warnings.simplefilter("always")
+                fit(Trace(self_affine(samples, D, random), 5e-6 * samples, height_unit="um"))
+                found.append(any("decide on" in str(warning.message) for warning in caught))
+    return sum(found), len(found)
+
+
 @click.command(context_settings={"show_default": True})
 @click.option("--rounds", default=10, help="Lines of each kind.")
 @click.option("--factor", default=1.5, help="Factor of the limits.")
@@ -100,7 +114,9 @@ def main(rounds: int, factor: float) -> None:
         for scale in (1 / factor, factor):
             with scaled(limit, scale):
                 rows.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
+    doubted, fits = doubted_fits(rounds)
     click.echo(markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], rows))
+    click.echo(f"\n{doubted} of {fits} fits to roughness report a part of the line that decides on them")
 
 
 if __name__ == "__main__":
