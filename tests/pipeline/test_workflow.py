@@ -291,6 +291,23 @@ def test_the_cost_of_a_scene_with_a_limit_is_reported_once_and_excess_is_refused
     assert not (folder / "results").exists()
 
 
+@pytest.mark.parametrize("closed", [".", ".snakemake"])
+def test_a_folder_without_room_for_the_records_of_snakemake_is_refused(folder, monkeypatch, closed):
+    Path(closed).mkdir(exist_ok=True)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != Path(closed))
+    with pytest.raises(SystemExit, match=rf"weier: {closed} cannot be written to: .*work in a copy"):
+        scenes(runs=lambda: False)
+
+
+def test_a_dry_run_where_results_are_read_only_says_what_lists_them(folder, monkeypatch, capsys):
+    Path("results").mkdir()
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != Path("results"))
+    scenes(runs=lambda: False).batches(of())
+    assert "results cannot be written to: Snakemake refuses a dry run" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="weier: results cannot be written to: open it"):
+        scenes().batches(of())
+
+
 def test_a_run_begins_with_order(folder):
     left = folder / f"results/test/.contact.nc.{os.uname().nodename.partition('.')[0]}.999999999"
     left.parent.mkdir(parents=True)

@@ -39,7 +39,12 @@ CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
 VALUES = "csv"  # format of its values
 DATA = ("contact.nc", "claims.md")
-LOCKS = Path(".snakemake/locks")
+RECORDS = Path(".snakemake")
+LOCKS = RECORDS / "locks"
+READ_ONLY = (
+    "{} cannot be written to: Snakemake refuses a dry run if a file there is to be made again; `snakemake --summary` "
+    "lists what is missing or outdated"
+)
 LOCKED = (
     "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
     "power was lost, the lock can be removed with the --unlock argument"
@@ -90,6 +95,8 @@ class Scenes:
         self.scene, self._batches, self._report = cache(self._checked_scene), cache(self._cut_batches), cache(report)
         self.solutions, self._begin, self._inputs = cache(self._solved), cache(self.begin), cache(self._made_of)
         self.store = Store(self.results / "curves")
+        with ending_in_one_sentence():  # Snakemake writes records in a dry run, too.
+            check_writable(RECORDS if RECORDS.is_dir() else Path())
 
     def _checked_scene(self, name: str) -> Scene:
         """Return the scene of this name."""
@@ -280,6 +287,8 @@ class Scenes:
                     check_target(self.results / name / "contact.nc")
                 remove_leftovers(self.results)
                 bring_to_present(self.results, self.config)
+            elif self.results.exists() and not os.access(self.results, os.W_OK):
+                self._report(READ_ONLY.format(self.results))
             if self._prune:
                 self._remove_unused()
 
