@@ -62,7 +62,9 @@ TARGET = 0.01
 MAX_OVER_TARGET = 10.0
 # residual of the forces over the target: next to a new thin gap, a larger one would look like tension at its end
 SOLVED = 0.1
-ROUNDING = 1e-14  # of a residual over the displacement under the whole load
+# rounding of a residual over the displacement under the whole load, if that is at least 1, and over the scale: beside
+# births and mergers, singularities at edges do not fall below the latter
+ROUNDING, EDGE_ROUNDING = 1e-14, 1e-13
 # tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
 # compliance to second order
 MAX_TENSION = 1e-9
@@ -110,7 +112,8 @@ def _solve_to(
     """
     load, kind, half_width = problem.load, problem.kind, guess.segments.half_width
     wanted = tolerance * scale * kind.share(half_width.size)
-    rounding = ROUNDING * load * kind.rounded_width(problem.series.period, half_width)
+    displacement = load * kind.rounded_width(problem.series.period, half_width)
+    rounding = max(ROUNDING * displacement, EDGE_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
     allowed = max(wanted, MAX_OVER_TARGET * target)
     uncertainty = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series)
