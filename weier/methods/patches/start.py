@@ -199,62 +199,37 @@ def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Return Hertzian contacts on crests if they are small enough to interact as line forces; otherwise None."""
-    found = _hertz_contacts(series, load)
-    return _make_guess(series, load, False, found) if found.size > 0 else None
+    curvature, total = series.crest_curvature, load * series.period
+    # A lower bound on the widest contact: all crests are as sharp as the sharpest and share the load equally.
+    if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return None
+    force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
+    return _isolated(series, load, False, force)
 
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
     """Return the gaps where full contact would be in tension, if they are too small to interact."""
-    found = _gaps_in_tension(series, load)
-    return _make_guess(series, load, True, found) if found.size > 0 else None
+    most = series.maximum - load
+    # A lower bound on the widest gap: the largest tension on the sharpest crest.
+    if most <= 0 or 2 * np.sqrt(most / series.crest_curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+        return None
+    return _isolated(series, load, True, np.maximum(most + series.crest_offset, 0.0))
 
 
-@kernel
-def _hertz_contacts(series: CosineSeries, load: float) -> Intervals:
-    """Return the contacts of `isolated_contacts`; none if they are not isolated."""
-    curvature, total = series.crest_curvature, load * series.period
-    # A lower bound on the widest contact: all crests are as sharp as the sharpest and share the load equally.
-    if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return np.empty((2, 0))
-    force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
-    half_width = np.zeros(force.size)
-    for k in range(force.size):
-        if force[k] > 0:
-            half_width[k] = 2 * np.sqrt(force[k] / curvature[k])
-    return _isolated(series, half_width)
+def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> ContactState | None:
+    """Return segments on crests, of the half-widths 2 (amount/curvature)^(1/2), without nodes.
 
-
-@kernel
-def _gaps_in_tension(series: CosineSeries, load: float) -> Intervals:
-    """Return the gaps of `isolated_gaps`; none if they are not isolated."""
-    most, curvature = series.maximum - load, series.crest_curvature  # the largest tension of full contact
-    # A lower bound on the widest gap: this tension on the sharpest crest.
-    if most <= 0 or 2 * np.sqrt(most / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
-        return np.empty((2, 0))
-    half_width = np.zeros(curvature.size)
-    for k in range(curvature.size):
-        if most + series.crest_offset[k] > 0:
-            half_width[k] = 2 * np.sqrt((most + series.crest_offset[k]) / curvature[k])
-    return _isolated(series, half_width)
-
-
-@kernel
-def _isolated(series: CosineSeries, half_width: Array) -> Intervals:
-    """Return segments on the crests where the half-width is positive.
-
-    None are found if one is wider than its parabola, or so wide that they act on each other.
+    None is returned if there are none, or if one is wider than its parabola or so wide that they act on each other.
     """
-    position, found, count = series.crest_position, np.empty((2, half_width.size)), 0
-    for k in range(half_width.size):
-        if half_width[k] > 0:
-            found[0, count], found[1, count] = position[k], half_width[k]
-            count += 1
-    widest, nearest = half_width.max(), np.inf
-    for j in range(count):
-        following = found[0, j + 1] if j + 1 < count else found[0, 0] + series.period
-        nearest = min(nearest, following - found[0, j])
-    is_isolated = widest < min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * nearest)
-    return found[:, : count if is_isolated else 0]
+    crest = np.flatnonzero(amount > 0)
+    if crest.size == 0:
+        return None
+    origin, half_width = series.crest_position[crest], 2 * np.sqrt(amount[crest] / series.crest_curvature[crest])
+    nearest = np.diff(origin, append=origin[0] + series.period).min()
+    if half_width.max() >= min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * nearest):
+        return None
+    none = np.zeros(crest.size)
+    return ContactState(dual, load, 0.0, make_segments(crest, origin, none, half_width, np.zeros_like(crest)))
 
 
 @kernel
