@@ -51,9 +51,6 @@ MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
 # residual of boundary elements for the initial guess, the smaller of a value in g_0 and a fraction of the finest
 # wave; at least the last value, since the finest waves of a smooth measured surface are rounding
 GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
-# ratio of the numbers of nodes up to which gaps are solved for instead of contacts, which lose no digits at light
-# loads
-MAX_NODE_RATIO = 0.7
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
 TOLERANCE = 1e-10
@@ -180,12 +177,12 @@ def merge_overlaps(places: Intervals, period: float) -> Intervals:
 
 
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
-    """Return a guess on contacts in any order, or on the gaps between them if these need clearly fewer nodes."""
+    """Return a guess on contacts in any order, or on the gaps between them if these need fewer nodes."""
     guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
     gaps = intervals_between(guess.segments.extent, surface.heights.period)
     if gaps[2].min() > 0:
         needed = estimate_node_count(guess.segments.extent, surface.heights, TOLERANCE).sum()
-        if estimate_node_count(gaps, surface.tensions, TOLERANCE).sum() < MAX_NODE_RATIO * needed:
+        if estimate_node_count(gaps, surface.tensions, TOLERANCE).sum() < needed:
             return gaps_guess(surface, guess)
     return guess
 
