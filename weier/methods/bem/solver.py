@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_number, shown
+from weier.checks import checked_count, checked_number, checked_word, shown
 from weier.kernels.arrays import Array, Indices
 from weier.methods.bem import active_set, direct, error_model
 from weier.methods.bem.grids import full_contact_pressure
@@ -23,7 +23,7 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
-SOLVERS = "fft", "direct"
+SOLVERS, STAIRCASES = ("fft", "direct"), ("removed", "kept")
 MIN_POINTS_PER_WAVE = 3  # two points do not resolve a wave
 RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
 LARGEST_RESIDUAL = 1.0  # g_0: upper limit of the setting
@@ -170,7 +170,8 @@ def checked_points(profile: Waves, points: int | None = None, points_per_wave: i
     check_resolvable(profile)
     finest = profile.waves_per_period[-1]
     if points is None:
-        return _checked_points_per_wave(points_per_wave) * finest
+        given = POINTS_PER_WAVE if points_per_wave is None else points_per_wave
+        return checked_count("points_per_wave", given, MIN_POINTS_PER_WAVE) * finest
     if points_per_wave is not None:
         raise ValueError(
             f"points_per_wave must be left out if points are given, got {shown(points_per_wave)} with "
@@ -185,45 +186,20 @@ def checked_points(profile: Waves, points: int | None = None, points_per_wave: i
     return int(count)
 
 
-def _checked_points_per_wave(count: int | None) -> int:
-    if count is None:
-        return POINTS_PER_WAVE
-    condition = f"be a whole number of at least {MIN_POINTS_PER_WAVE} ({POINTS_PER_WAVE} is the default)"
-    return int(
-        checked_number("points_per_wave", count, condition, lambda n: n >= MIN_POINTS_PER_WAVE and n == n // 1)
-    )
-
-
 def check_words(solver: str, staircase: str) -> None:
     """Refuse an unknown solver or treatment of the staircase by a ValueError."""
-    if solver not in SOLVERS:
-        raise ValueError(f'solver must be "fft" or "direct", got {solver!r}')
-    if staircase not in ("removed", "kept"):
-        raise ValueError(f'staircase must be "removed" or "kept", got {staircase!r}')
+    checked_word("solver", solver, SOLVERS)
+    checked_word("staircase", staircase, STAIRCASES)
 
 
 def check_max_residual(max_residual: float) -> None:
-    """Refuse a largest residual, in g_0, that is not positive, or larger than any compliance.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-
-    """
+    """Refuse a largest residual, in g_0, that is not positive, or larger than any compliance, by a ValueError."""
     condition = f"be a positive length in g_0, such as 1e-10, and at most {LARGEST_RESIDUAL:g}"
     checked_number("max_residual", max_residual, condition, lambda t: 0 < t <= LARGEST_RESIDUAL)
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
-    """Refuse a solution whose residual is above the largest, in g_0, or NaN.
-
-    Raises
-    ------
-    ConvergenceError
-        With this residual.
-
-    """
+    """Refuse a solution whose residual is above the largest, in g_0, or NaN, by a ConvergenceError."""
     if not residual <= max_residual:
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
