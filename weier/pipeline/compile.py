@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from weier.surface.profile import Profile
 LOADS = np.geomspace(1e-3, 10, 16)
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)  # Two waves suffice to reach all kernels of finite series.
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # Its tail is so small that small grids suffice.
+# All kernels of boundary elements: those of either solver, and of edges on nodes.
+OF_BEM: list[dict[str, Any]] = [*({"solver": solver} for solver in bem.SOLVERS), {"staircase": "kept"}]
 
 
 def compile_kernels(methods: Collection[str] = ()) -> None:
@@ -28,8 +31,7 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
     for method in [find_method(name) for name in methods] or registry.METHODS:
         if method is patches.METHOD:
             patches.run_kernels()
-        for solver in bem.SOLVERS if method is bem.METHOD else [None]:
-            settings = {"solver": solver} if solver else {}
+        for settings in OF_BEM if method is bem.METHOD else [{}]:
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
                     method.check_applies(profile)
