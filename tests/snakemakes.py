@@ -11,12 +11,13 @@ from pathlib import Path
 from threading import Lock
 
 SERVER = """
-import json, os, sys
+import json, os, signal, sys
 from snakemake import cli
 
 for line in sys.stdin:
-    arguments, folder, environment, files = json.loads(line)
+    arguments, folder, environment, files, limit = json.loads(line)
     if not (child := os.fork()):
+        signal.alarm(limit)  # which ends a run that hangs, with the exit code -SIGALRM
         os.chdir(folder)
         os.environ.clear()
         os.environ.update(environment)
@@ -26,6 +27,7 @@ for line in sys.stdin:
         cli.main(arguments)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 """
+LIMIT = 900  # seconds of a run: the longest takes a minute on idle cores
 LOCK = Lock()  # A server has one run at a time.
 
 
@@ -45,7 +47,7 @@ def snakemake(*arguments, cwd=".", env=None):
         said = [Path(folder, name) for name in ("out", "err")]
         for path in said:
             path.touch()
-        order = arguments, str(Path(cwd).resolve()), dict(env or os.environ), [os.devnull, *map(str, said)]
+        order = arguments, str(Path(cwd).resolve()), dict(env or os.environ), [os.devnull, *map(str, said)], LIMIT
         print(json.dumps(order), file=_server().stdin, flush=True)
         code = int(_server().stdout.readline())
         return subprocess.CompletedProcess(["snakemake", *arguments], code, *(path.read_text() for path in said))
