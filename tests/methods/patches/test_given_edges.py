@@ -78,6 +78,30 @@ def test_steps_do_not_grow_with_the_contacts_or_gaps(count, dual):
         assert solved.force.sum() == pytest.approx(1, rel=1e-12, abs=0)
 
 
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_direct_and_iterative_solutions_agree(period, dual):
+    """On segments whose positions are counted from different origins."""
+    rng, count = np.random.default_rng(3), np.array([8, 5, 11, 6])
+    centre = np.array([0.1, 0.35, 0.62, 0.85]) * period
+    origin = rng.choice(centre, 4)
+    half_width = np.array([0.03, 0.1, 0.05, 0.02]) * period
+    segments = make_segments(np.zeros(4, int), origin, centre - origin, half_width, count)
+    x = np.repeat(centre, count)
+    solved = []
+    for most in (None, 0):
+        punches = make_punches(segments, period, dual, most)
+        forcing = np.cos(2 * np.pi / period * (x + punches.offset)) + dual
+        solved.append(solve_forces_on_contacts(punches, forcing, 0.7, np.zeros(x.size), 1e-13))
+    direct, iterative = solved
+    np.testing.assert_allclose(direct.force, iterative.force, atol=1e-11 * np.abs(direct.force).max())
+    assert direct.plane == pytest.approx(iterative.plane, rel=1e-10, abs=0)
+    fields = displacement(punches, direct.force) - forcing
+    assert np.ptp(fields) < 1e-9 * np.abs(forcing).max()
+    assert dual or direct.force.sum() == pytest.approx(0.7 * period, rel=1e-12, abs=0)
+
+
 def polynomials(count, seed=0):
     """Coefficients in U_k of one polynomial a segment, whose last two are 0, and (1-t^2) times it in T_k."""
     a = np.concatenate([[*np.random.default_rng(seed + size).normal(size=size - 2), 0, 0] for size in count])
