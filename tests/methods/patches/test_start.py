@@ -35,6 +35,23 @@ def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a
     assert start._contacts_between_nodes(gap_with_a_parabola(5.3, 1e-3, 0.04), contact, 1.0).shape == (2, 0)
 
 
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+@pytest.mark.parametrize(
+    ("edges", "merged"),
+    [
+        ([(0.1, 0.2), (0.15, 0.3), (0.4, 0.5)], [(0.1, 0.3), (0.4, 0.5)]),
+        ([(0.4, 0.5), (0.1, 0.35), (0.15, 0.3)], [(0.1, 0.35), (0.4, 0.5)]),  # one within the other
+        ([(0.9, 1.05), (0.02, 0.2), (0.4, 0.5)], [(0.4, 0.5), (0.9, 1.2)]),  # across the end of the period
+        ([(0.1, 0.2), (0.3, 0.4)], [(0.1, 0.2), (0.3, 0.4)]),
+    ],
+)
+def test_overlapping_intervals_are_merged(edges, merged, period):
+    (left, right), (first, last) = (period * np.transpose(values) for values in (edges, merged))
+    middle, half_width = start.merge_overlaps(np.stack([0.5 * (left + right), 0.5 * (right - left)]), period)
+    np.testing.assert_allclose(middle, 0.5 * (first + last))
+    np.testing.assert_allclose(half_width, 0.5 * (last - first))
+
+
 @pytest.mark.parametrize(
     ("nodes", "runs"),
     [

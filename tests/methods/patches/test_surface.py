@@ -6,7 +6,16 @@ import pytest
 
 from weier import Profile, Trace
 from weier.methods.patches import surface
-from weier.methods.patches.surface import evaluate_at, nearest_crests, surface_of
+from weier.methods.patches.surface import (
+    distances_between,
+    evaluate_at,
+    from_crests,
+    in_order,
+    intervals_between,
+    make_series,
+    nearest_crests,
+    surface_of,
+)
 
 ROUNDING = 8 * np.finfo(float).eps  # of sums over waves, and of polynomials
 
@@ -99,3 +108,28 @@ def test_twin_crests_are_distinguished_in_all_digits():
     with mp.workdps(40):
         left, right = (exact_crest(profile, profile.amplitude, x)[1] for x in heights.crest_position)
         np.testing.assert_allclose(heights.crest_offset, [float(left - right), 0.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_intervals_between_others_go_round_the_period(period):
+    origin, centre = np.array([0.0, 0.5, 0.5]) * period, np.array([0.1, -0.1, 0.3]) * period
+    half_width = np.array([0.05, 0.1, 0.02]) * period
+    np.testing.assert_allclose(
+        distances_between(origin, centre, half_width, period) / period, [0.15, 0.28, 0.23], rtol=1e-12
+    )
+    start, middle, r = intervals_between((origin, centre, half_width), period)
+    np.testing.assert_allclose((start + middle) / period, [0.225, 0.64, 0.935], rtol=1e-12)
+    np.testing.assert_allclose(r / period, [0.075, 0.14, 0.115], rtol=1e-12)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_positions_are_counted_from_the_image_of_the_nearest_crest(period):
+    series = make_series(np.array([1.0, 0.5]), [1, 2], np.array([0.0, 0.0]), period)  # crests at 0 and L/2
+    x = np.array([-0.1, 0.1, 0.4, 0.93, 1.6, -1.05]) * period
+    crest, origin, y = from_crests(series, x)
+    np.testing.assert_allclose(origin + y, x, atol=1e-12 * period)
+    np.testing.assert_allclose(origin / period, [0, 0, 0.5, 1, 1.5, -1], atol=1e-12)
+    np.testing.assert_allclose(series.crest_position[crest] / period, [0, 0, 0.5, 0, 0.5, 0], atol=1e-12)
+    order, turns = in_order(x, period)
+    np.testing.assert_array_equal(turns / period, [-1, 0, 0, 0, 1, -2])
+    np.testing.assert_array_equal(order, [1, 2, 4, 0, 3, 5])
