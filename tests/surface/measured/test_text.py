@@ -569,8 +569,7 @@ def test_other_encodings_need_their_names(file, name):
     [
         (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), r"old Office \(.xls\), .*: save the heights as text"),
         (b"\x1f\x8b\x08\x00", "is compressed by gzip, .*: unpack it"),
-        (b"%PDF-1.7", "is a PDF document"),
-        (b"\x89PNG\r\n\x1a\n", "is a PNG picture"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text, .*: save the heights as text"),
         (b"\x89HDF\r\n\x1a\n", "is an HDF5 or netCDF file"),
         (b"\x93NUMPY\x01\x00", "is an array of NumPy, .*: take weier.Trace of what numpy.load returns"),
         (b"1.0\n\x00\x01\x02", "is no text"),

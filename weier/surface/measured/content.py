@@ -23,31 +23,21 @@ END_OF_FILE = "\x1a"  # DOS programs end a text by this sign.
 MOST_CONTROLS = 0.01  # fraction of control characters in text; random bytes have 0.1
 BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # Control characters that no text has.
 
-# Kinds of files that are no text, by their first bytes, and the remedy for each.
-SAVE_AS_TEXT = "save the heights as text"
+# Kinds of files that are no text, by their first bytes, with the remedy for each; others are saved as text.
+SAVE_AS_TEXT, UNPACK = "save the heights as text", "unpack it"
 SIGNATURES = {
     b"\xd0\xcf\x11\xe0": ("a workbook or document of an old Office (.xls)", SAVE_AS_TEXT),
-    b"\x1f\x8b": ("compressed by gzip", "unpack it"),
-    b"BZh": ("compressed by bzip2", "unpack it"),
-    b"\xfd7zXZ": ("compressed by xz", "unpack it"),
-    b"7z\xbc\xaf": ("a 7z archive", "unpack it"),
-    b"%PDF": ("a PDF document", SAVE_AS_TEXT),
-    b"{\\rtf": ("a document of rich text", SAVE_AS_TEXT),
-    b"\x89PNG": ("a PNG picture", SAVE_AS_TEXT),
-    b"\xff\xd8\xff": ("a JPEG picture", SAVE_AS_TEXT),
-    b"II*\0": ("a TIFF picture", SAVE_AS_TEXT),
-    b"MM\0*": ("a TIFF picture", SAVE_AS_TEXT),
+    b"\x1f\x8b": ("compressed by gzip", UNPACK),
+    b"BZh": ("compressed by bzip2", UNPACK),
+    b"\xfd7zXZ": ("compressed by xz", UNPACK),
     b"\x89HDF": ("an HDF5 or netCDF file", "take its heights by xarray or h5py, and weier.Trace"),
-    b"CDF\x01": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
-    b"CDF\x02": ("a netCDF file", "take its heights by xarray, and weier.Trace"),
+    **dict.fromkeys((b"CDF\x01", b"CDF\x02"), ("a netCDF file", "take its heights by xarray, and weier.Trace")),
     b"\x93NUMPY": ("an array of NumPy", "take weier.Trace of what numpy.load returns"),
-    b"MATLAB 5.0 MAT-file": ("a file of MATLAB", SAVE_AS_TEXT),
 }
 # Kinds of zip archives by a member that only they have, and the remedy for each.
 ARCHIVES = {
     "xl/workbook.xml": ("a workbook (.xlsx)", "save its sheet as text"),
     "content.xml": ("a workbook or document of OpenDocument (.ods)", "save its sheet as text"),
-    "word/document.xml": ("a document (.docx)", SAVE_AS_TEXT),
     "main.xml": ("an X3P file of ISO 25178-72", SAVE_AS_TEXT),
 }
 
@@ -101,7 +91,7 @@ def _check_kind(path: Path, content: bytes, encoding: str | None) -> None:
         return
     known = next((kind for start, kind in SIGNATURES.items() if content.startswith(start)), None)
     if content.startswith(b"PK\x03\x04"):
-        known = ("a zip archive", "unpack it")
+        known = ("a zip archive", UNPACK)
         with suppress(zipfile.BadZipFile, OSError), zipfile.ZipFile(path) as archive:
             members = archive.namelist()
             known = next((kind for member, kind in ARCHIVES.items() if member in members), known)
