@@ -40,17 +40,6 @@ UNGROUPED = (
     "contact_edge",
 )
 
-# Backends without windows; matplotlib chooses the first of them if there is no display.
-WITHOUT_WINDOWS = {
-    "agg",
-    "cairo",
-    "pdf",
-    "pgf",
-    "ps",
-    "svg",
-    "template",
-}
-
 
 class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
@@ -141,10 +130,13 @@ def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
     """Show one figure in a window until it is closed; False if there is no display."""
     import matplotlib.pyplot as plt
     import matplotlib.style
+    from matplotlib.backends.registry import BackendFilter, backend_registry
 
     from weier.figures.style import SHEET
 
-    if plt.get_backend().lower() in WITHOUT_WINDOWS:
+    # Without a display, matplotlib chooses one of these; the function has no annotations.
+    without_windows = backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE)  # type: ignore[no-untyped-call]
+    if plt.get_backend().lower() in without_windows:
         return False
     with matplotlib.style.context(SHEET):
         drawn = _drawn(wanted, studies)

@@ -45,16 +45,7 @@ MISSING = re.compile(
 SIGNS = re.compile(r"[\W_]+")
 OF_HEIGHTS = re.compile(r"(z|y|h|heights?|values?|profile|roughness|data|depth|elevation)", re.IGNORECASE)
 OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)
-VALID = {
-    "1": True,
-    "true": True,
-    "yes": True,
-    "valid": True,
-    "0": False,
-    "false": False,
-    "no": False,
-    "invalid": False,
-}
+VALID = dict.fromkeys(("1", "true", "yes", "valid"), True) | dict.fromkeys(("0", "false", "no", "invalid"), False)
 DECIMALS = re.compile(r"[^.,]*(?:[.,](\d*).*)?")
 HEADER_NUMBERS = 5  # A count of heights is sought among this many numbers at the start of one column.
 
