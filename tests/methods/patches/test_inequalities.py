@@ -10,7 +10,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
 from weier.methods.patches import segments as segments_module
-from weier.methods.patches.certificate import SAMPLED_FACTOR, contact_residual, sample_points
+from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.edge_iteration import ContactProblem, Limits, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
@@ -111,25 +111,6 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     np.testing.assert_allclose(below["value"], value[expected], atol=1e-7)
     curvature = (2 * np.pi / period) ** 2 * (wave - 2.7 * third)
     np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
-
-
-@pytest.mark.parametrize("apart", [False, True])
-@pytest.mark.parametrize("wave", WAVES[::2])
-def test_a_residual_between_the_samples_is_no_larger_than_the_factor_allows(wave, apart):
-    """The residual of a plane that is off by e is e T_0; of an added density of the highest degrees it is sampled."""
-    state, series = wave.state(False), wave.series(False)
-    assert contact_residual(state._replace(approach=state.approach + 1e-5), series)[0][0] == pytest.approx(
-        1e-5, rel=1e-6
-    )
-    first, _, y = sample_points(state.segments, apart)
-    t = (y - state.segments.centre[0]) / state.segments.half_width[0]
-    assert first.tolist() == [0, t.size]
-    angle = np.linspace(0, np.pi, 5000)
-    for degree in range(state.coefficient.size + 3):
-        assert SAMPLED_FACTOR * np.abs(np.cos(degree * np.arccos(t))).max() >= 1
-        mixed = np.cos(degree * angle) + np.cos((degree // 2) * angle)
-        sampled = np.cos(degree * np.arccos(t)) + np.cos((degree // 2) * np.arccos(t))
-        assert np.abs(mixed).max() <= SAMPLED_FACTOR * np.abs(sampled).max()
 
 
 @one_thread

@@ -139,19 +139,6 @@ def test_a_long_period(profile, load):
     assert curve.work < 10
 
 
-@pytest.mark.parametrize("apart", [False, True])
-def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
-    random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
-    state = patches.solve_load(THREE_WAVES, 0.5).state
-    nodes, (first, _, y) = np.diff(state.segments.first_node), certificate.sample_points(state.segments, apart)
-    for j, where in enumerate(np.split(y, first[1:-1])):
-        at = (where - state.segments.centre[j]) / state.segments.half_width[j]
-        for _ in range(100):
-            coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)
-            wave = np.polynomial.Chebyshev(coefficients + 1e-9)
-            assert np.abs(wave(everywhere)).max() <= certificate.SAMPLED_FACTOR * np.abs(wave(at)).max()
-
-
 @pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])
 def test_a_gap_of_rounding_size_is_closed(below):
     """A merger of 2 contacts: the last gap between them is 4e-8 wide, and its tension 1e-12 of the load."""

@@ -33,8 +33,8 @@ from weier.methods.patches.surface import distances_between
 from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
-# largest number of unknowns of a direct solution: with 280 to 354 it takes 0.7 times as long as conjugate gradients
-# with fast sums, with 470 to 560 it takes 1.0 to 1.2 times as long
+# largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
+# conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m weier.accuracy.direct_solution`)
 MAX_DIRECT = 400
 MAX_STEPS = 300  # of conjugate gradients; 10 to 30 are usual
 MAX_PREDICTED_MOVE = 0.3  # largest move, in half-widths, for the first-order prediction of the density

@@ -1,0 +1,60 @@
+"""Processor time of direct solutions over conjugate gradients: `python -m weier.accuracy.direct_solution`.
+
+`MAX_DIRECT` of contact patches comes from this table, for contacts and gaps of random widths with 8 nodes each.
+"""
+
+from __future__ import annotations
+
+from time import process_time
+
+import click
+import numpy as np
+
+from weier.data import markdown
+from weier.kernels.blas import one_thread
+from weier.methods.patches.given_edges import Forces, make_punches, solve_forces_on_contacts, solve_tangent
+from weier.methods.patches.segments import Segments, make_segments
+
+NODES, RESIDUAL, REDUCTION = 8, 1e-12, 1e-8  # nodes of a segment, and accuracies of a load at the default tolerance
+SEGMENTS = (20, 30, 40, 50, 60, 80, 120)
+HEADER = ("unknowns", "contacts", "gaps")
+
+
+def random_segments(count: int) -> Segments:
+    """Return segments of random widths and distances in a period of 1."""
+    random, none = np.random.default_rng(count), np.zeros(count)
+    centre = (np.arange(count) + 0.5 * random.random(count)) / count
+    half_width = random.uniform(0.02, 0.24, count) / count
+    return make_segments(none.astype(np.int64), none, centre, half_width, np.full(count, NODES))
+
+
+def solve(segments: Segments, dual: bool, directly: bool) -> tuple[Forces, Forces]:
+    """Return the solution under a uniform forcing and its increment, directly or by conjugate gradients."""
+    unknowns = segments.first_node[-1]
+    punches, none = make_punches(segments, 1.0, dual, unknowns if directly else 0), np.zeros(unknowns)
+    forces = solve_forces_on_contacts(punches, none + dual, 1.0, none, RESIDUAL)
+    return forces, solve_tangent(punches, forces, REDUCTION)
+
+
+@one_thread
+def ratio(count: int, dual: bool, rounds: int) -> float:
+    """Return the least processor time of direct solutions over that of conjugate gradients."""
+    segments, seconds = random_segments(count), {True: np.inf, False: np.inf}
+    for _ in range(rounds + 1):  # The first round compiles.
+        for directly in seconds:
+            start = process_time()
+            solve(segments, dual, directly)
+            seconds[directly] = min(seconds[directly], process_time() - start)
+    return seconds[True] / seconds[False]
+
+
+@click.command(context_settings={"show_default": True})
+@click.option("--rounds", default=10, help="Solutions of each kind, of which the fastest counts.")
+def main(rounds: int) -> None:
+    """Print the ratio of processor times by the number of unknowns."""
+    rows = ([str(NODES * n), *(f"{ratio(n, dual, rounds):.2f}" for dual in (False, True))] for n in SEGMENTS)
+    click.echo(markdown.table(HEADER, rows))
+
+
+if __name__ == "__main__":
+    main()
