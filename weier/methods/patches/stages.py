@@ -125,7 +125,8 @@ def _solve_to(
     now = make_guess(problem, guess.segments, limits)
     for steps in range(1, MAX_STEPS + 1):
         solved = step = take_step(problem, now, limits)
-        is_enough = _converged(step, target, MAX_MOVE * tolerance, last_move)
+        # Edges move at least once: those of a guess of low contacts or gaps may not be seen in h, but in R.
+        is_enough = steps > 1 and _converged(step, target, MAX_MOVE * tolerance, last_move)
         if not is_enough:  # Segments that have not settled keep their nodes.
             segments = step.punches.segments
             enough = target if step.settled else np.inf
