@@ -16,13 +16,12 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import ConvergenceError, Profile
+from weier.accuracy.reference import TOLERANCES
 from weier.kernels.arrays import Array
 from weier.methods import patches
 
 MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
 LOADS = 8  # loads per series
-# tolerances of the patches, also on the reflected profile; the first one that can be met is used
-REFERENCE, TWIN = (1e-12, 1e-11, 1e-10), (1e-11, 1e-10)
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
@@ -225,7 +224,7 @@ def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
     exact, twin, uncertainty = np.full((3, 2, loads.size), np.nan)
     for number, load in enumerate(loads):
         try:
-            found, other = _solve(profile, load, REFERENCE), _solve(reflected, load, TWIN)
+            found, other = _solve(profile, load, TOLERANCES), _solve(reflected, load, TOLERANCES[1:])
         except ConvergenceError as error:
             click.echo(f"patches of {profile!r} at {load!r}: {error}", err=True)
             continue

@@ -13,7 +13,6 @@ from weier.checks import checked_number, checked_numbers
 from weier.kernels.arrays import Array, Indices
 from weier.surface.waves import Waves
 
-MAX_LOADS = 10_000  # of a scene or command, so that a typing error does not fill the memory
 LOAD_RANGE = 1e-12, 1e12  # p_0*; outside, rounding leaves few digits of the compliance
 MAX_PASCAL = 1e13  # above any modulus, in Pa
 FAR_BEYOND = 100.0  # factor above full contact from which loads are probably in Pa
@@ -76,8 +75,8 @@ def unit_doubt(profile: Waves, loads: Array) -> str:
 
 def check_count(loads: Array) -> None:
     """Refuse more loads than a scene or a command may have."""
-    if loads.size > MAX_LOADS:
-        raise ValueError(f"there must be at most {MAX_LOADS} loads, got {loads.size}")
+    if loads.size > units.MAX_LISTED:
+        raise ValueError(f"there must be at most {units.MAX_LISTED} loads, got {loads.size}")
 
 
 def check_pascal(loads: Array) -> None:

@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import position_in
-from weier.methods.layer.scales import ComplianceTable, Model, Scale, coarser_units
+from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, Scale, coarser_units
 from weier.methods.layer.tables import (
     MAX_HALVINGS,
     MAX_ROWS,
@@ -41,7 +41,6 @@ DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0
 # fraction of the correction that is tried next if a wave has no solution, and its lower limit
 PART_AGAIN, MIN_PART = 0.25, 1e-3
 RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
-MIN_RESIDUAL = 1e-13  # rounding
 
 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
@@ -49,7 +48,7 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     # at heavy loads errors of ln W and residuals of waves add up over this number of scales
     gain = np.array([model.infinite_amplitude])
     needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
-    model = model._replace(tolerance=max(min(model.tolerance, needed), MIN_RESIDUAL))
+    model = model._replace(tolerance=max(min(model.tolerance, needed), ROUNDING))
     limit = _limit(model, gain)
     rows = _guess(model, lattice(bottom, top))
     for _ in range(MAX_HALVINGS):

@@ -19,7 +19,7 @@ from weier.methods.layer.conditions import violations
 from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solve_waves
 
-ROUNDING = 1e-13  # Rounding of the freshly applied operator.
+ROUNDING = 1e-13  # of the freshly applied operator, and at the lightest loads: the least residual of a wave
 
 
 class Model(NamedTuple):

@@ -19,7 +19,7 @@ from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import infinite_waves
-from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, scale_on
+from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, finer_waves, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import Mesh, midpoints
 from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
@@ -30,7 +30,6 @@ ACCURACY = 1e-5
 TOLERANCE = 1e-10
 MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, growing as the cube
 MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the larger one few rows are added to the initial ones
-MIN_TOLERANCE = 1e-13  # rounding at the lightest loads
 RESIDUAL_FRACTION = 1e-5  # residual of the waves over the accuracy: residuals add up over the scales
 MAX_SCALES = 1000  # of a finite series that differs from the infinite one
 TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
@@ -162,7 +161,7 @@ def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
 def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     """Return the waves finer than the first, on tables that depend on no load."""
     D, gamma, m, _, accuracy, tolerance = model
-    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_FRACTION * accuracy), MIN_TOLERANCE))
+    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_FRACTION * accuracy), ROUNDING))
     if _may_be_infinite(bottom, model):
         waves = infinite_waves(model, bottom, position_of(_top(model)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
@@ -207,6 +206,6 @@ def _checked_settings(points: int, accuracy: float, tolerance: float) -> tuple[M
     points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
     within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
     accuracy = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
-    within = f"lie in [{MIN_TOLERANCE:g}, {accuracy:g}], at most the accuracy"
-    held = checked_number("tolerance", tolerance, within, lambda value: MIN_TOLERANCE <= value <= accuracy)
+    within = f"lie in [{ROUNDING:g}, {accuracy:g}], at most the accuracy"
+    held = checked_number("tolerance", tolerance, within, lambda value: ROUNDING <= value <= accuracy)
     return midpoints(points), accuracy, held
