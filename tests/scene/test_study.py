@@ -7,7 +7,7 @@ import pytest
 
 from tests.scenes import scene_in
 from weier import scene
-from weier.scene.case import Case, short_key
+from weier.scene.case import Case, short_keys
 from weier.scene.identity import Lookup, as_text, distinct, from_text
 from weier.scene.study import CaseProduct, Study
 
@@ -54,7 +54,7 @@ def test_a_study_is_a_sequence(overlapping):
 def test_keys_of_products_are_those_of_their_cases(overlapping):
     for product in overlapping.products:
         cases = [product.case(position) for position in range(product.count)]
-        assert [short_key(key) for key in product.case_keys] == [case.key for case in cases]
+        assert short_keys(product.case_keys) == [case.key for case in cases]
         assert np.array_equal(product.surface_keys, [case.surface_key for case in cases])
         assert len({case.key for case in cases}) == len({repr(case) for case in cases})
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from weier.digests import digest
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
-from weier.scene.case import Case, short_key
+from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.scene.identity import Keys, as_text, distinct, ordered
 from weier.scene.study import CaseProduct
@@ -95,11 +95,6 @@ class Solutions:
                     kind = kind_of(product.case(0), method, scene)
                     found.append(Part(kind, int(start), product, positions, surfaces))
         return found
-
-    @property
-    def keys(self) -> list[str]:
-        """The key of each case, as files have it."""
-        return [short_key(key) for key in self.scene.keys_of_cases]
 
     def places(
         self, method: str, studies: Collection[str] | None = None

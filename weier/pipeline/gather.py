@@ -26,6 +26,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings, defaults
 from weier.pipeline.batches import Solutions
+from weier.scene.case import short_keys
 from weier.scene.cases import Layout, Scene
 from weier.surface.spectrum import fit
 
@@ -38,7 +39,7 @@ def read_study(solutions: Solutions, study: str, without: Collection[str] = ()) 
     """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
     scene = solutions.scene
     cases = scene.cases_of_study(study)
-    return Reader(solutions, scene.layout_of(study), (study,)).read(cases, without)
+    return Reader(solutions, scene.layout_of(study), (study,), without).read(cases)
 
 
 def gather(
@@ -178,27 +179,36 @@ class Reader:
         Of the arrays to read into.
     studies : tuple of str, optional
         The studies whose cases are read; others need not be solved yet. By default, all.
+    without : collection of str, optional
+        Variables that are not read.
     """
 
-    def __init__(self, solutions: Solutions, layout: Layout, studies: tuple[str, ...] | None = None) -> None:
-        self.solutions, self.layout, self.keys = solutions, layout, solutions.keys
-        self._places = {method: solutions.places(method, studies) for method in layout.methods}
+    def __init__(
+        self,
+        solutions: Solutions,
+        layout: Layout,
+        studies: tuple[str, ...] | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        methods, terms, edges, optional = layout.having("numerics")
+        scene = solutions.scene
+        blank = dataset.blank(1, methods, scene.loads, terms, edges, optional, scene.load_unit)
+        self._blank = blank.drop_vars(without, errors="ignore")
+        self._keys, self._store = scene.keys_of_cases, solutions.store
+        self._places = {method: solutions.places(method, studies) for method in methods}
         self._verified = set[int]()
 
-    def read(self, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
-        """Return some cases, by their numbers among all of the scene, without some variables.
+    def read(self, cases: Indices) -> xr.Dataset:
+        """Return some cases, by their numbers among all of the scene.
 
         Method by method: a case has the contact edges of its last method.
         """
-        methods, terms, edges, optional = self.layout
-        scene = self.solutions.scene
-        one = dataset.blank(1, methods, scene.loads, terms, edges, optional | {"numerics"}, scene.load_unit)
-        one = one.drop_vars(without, errors="ignore")
+        one = self._blank
         found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
         # Views of the blank case take no memory where there are no values.
         found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
-        for column, method in enumerate(methods):
-            batches, rows, code = (values[cases] for values in self._places[method])
+        for column, places in enumerate(self._places.values()):
+            batches, rows, code = (values[cases] for values in places)
             order = np.argsort(batches, kind="stable")
             for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
                 if here.size and (batch := int(batches[here[0]])) >= 0:
@@ -207,7 +217,7 @@ class Reader:
                     _copy(found, part, rows[here] - start, here, column)
             if "numerics" in found:
                 _writable(found, "numerics")[:, column] = code
-        found["key"] = np.array([self.keys[number] for number in cases.tolist()], object)
+        found["key"] = np.array(short_keys(self._keys[cases]), object)
         filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
         return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
 
@@ -217,7 +227,7 @@ class Reader:
         return [self._file(batch) for batch in sorted(used) if batch >= 0]
 
     def _file(self, batch: int) -> Path:
-        file = self.solutions.store.batches[batch].with_suffix(".nc")
+        file = self._store.batches[batch].with_suffix(".nc")
         if batch not in self._verified:
             netcdf.check_sealed(file, file.stem)
             self._verified.add(batch)

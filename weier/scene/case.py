@@ -63,7 +63,7 @@ class Case:
     @cached_property
     def key(self) -> str:
         """A digest of all dependencies of the numbers except the loads: a case has the same key in every file."""
-        return short_key(self.surface_key + key_of([self.methods, self.settings]))
+        return short_keys(self.surface_key + key_of([self.methods, self.settings]))[0]
 
     @cached_property
     def profile(self) -> Any:
@@ -114,9 +114,10 @@ class Case:
             raise ValueError(f"phases must lie in [-{MAX_PHASE:g}, {MAX_PHASE:g}], got {largest:g}")
 
 
-def short_key(key: Keys) -> str:
-    """Return the key of a case as files have it."""
-    return as_text(key)[:12]
+def short_keys(keys: Keys) -> list[str]:
+    """Return the keys of cases as files have them: the first 12 of 32 digits."""
+    text = as_text(keys)
+    return [text[start : start + 12] for start in range(0, len(text), 32)]
 
 
 def identity(name: str, value: Any) -> Any:
