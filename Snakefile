@@ -26,11 +26,12 @@ CHECKOUT = Path(os.path.relpath(CHECKOUT))
 CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
 
 
-configfile:
-    str(
-        (CONFIG if (CONFIG / "config.yaml").exists() else CHECKOUT / "config")
-        / "config.yaml"
-    )
+def configured(path):
+    """A file of the configuration: in the folder where Snakemake runs, or else that of the checkout."""
+    return str((CONFIG if (CONFIG / path).exists() else CHECKOUT / "config") / path)
+
+
+configfile: configured("config.yaml")
 
 
 include: "rules/common.smk"

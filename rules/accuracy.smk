@@ -18,7 +18,7 @@ rule extremes:
 rule measure_tradeoff:
     input:
         kernels=ancient(kernels_of(METHODS)),
-        scene=str(CHECKOUT / "config/accuracy/tradeoff.yaml"),
+        scene=configured("accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
         table="results/tradeoff/tradeoff.md",
@@ -36,7 +36,7 @@ rule measure_tradeoff:
 rule measure_convergence:
     input:
         kernels=ancient(kernels_of(METHODS)),
-        scene=str(CHECKOUT / "config/accuracy/infinite.yaml"),
+        scene=configured("accuracy/infinite.yaml"),
     output:
         "results/convergence/convergence.nc",
     log:

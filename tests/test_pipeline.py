@@ -329,6 +329,42 @@ def test_the_workflow_is_a_module_of_others(finished, tmp_path):
     assert "weier_solve" in done.stdout + done.stderr
 
 
+DEPLOYED = """
+configfile: "config/config.yaml"
+
+module weier:
+    snakefile: github("someone/weier", path="Snakefile", branch="main")
+    config: config
+
+use rule * from weier
+"""
+
+
+def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
+    """Into a folder with the configuration alone, as snakedeploy leaves it; the package is the installed one."""
+    repository, folder = tmp_path / "someone/weier", tmp_path / "folder"
+    for name in ("rules", "config"):
+        shutil.copytree(checkout / name, repository / name)
+    shutil.copy(checkout / "Snakefile", repository)
+    shutil.copytree(checkout / "config", folder / "config")
+    (folder / "config/scenes/test.yaml").write_text(SCENE.replace("demelio, bem", "demelio"))
+    (folder / "Snakefile").write_text(DEPLOYED)
+    author = ["-c", "user.name=someone", "-c", "user.email=someone@example.org"]
+    for command in (["init", "-q", "-b", "main"], ["add", "."], [*author, "commit", "-q", "-m", "Begin"]):
+        subprocess.run(["git", *command], cwd=repository, check=True)
+    instead = {"COUNT": "1", "KEY_0": f"url.{tmp_path}/.insteadOf", "VALUE_0": "https://github.com/"}
+    environment = os.environ | {f"GIT_CONFIG_{name}": value for name, value in instead.items()}
+    environment |= {"XDG_CACHE_HOME": str(tmp_path / "cache"), "NUMBA_DISABLE_JIT": "1"}
+
+    def said(*arguments):
+        done = snakemake(*arguments, "--cores", "2", "--config", "scenes=test", cwd=folder, env=environment)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    assert ran(said()) == {"solve": 2, "figures": 1, "claims": 1}
+    said("--dry-run", "pages", "tradeoff", "convergence", "extremes")
+
+
 def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     """Each run of snakemake waits for what rules import and for what their functions do; it has pandas by itself."""
     command = [sys.executable, "-X", "importtime", "-m", "snakemake", "-s", Path("Snakefile").resolve()]
