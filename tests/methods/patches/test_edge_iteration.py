@@ -10,7 +10,6 @@ from weier.kernels.blas import one_thread
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
-    Limits,
     _changes,
     carried_along,
     edge_moves,
@@ -23,7 +22,7 @@ from weier.methods.patches.given_edges import regular_part
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import from_crests, surface_of
 
-LIMITS = Limits(1e-12, 1e-14)
+TOLERANCE, RESIDUAL = 1e-12, 1e-14
 
 
 def moves_of(psi, r, gap, dual):
@@ -134,8 +133,8 @@ def test_a_step_squares_the_error_of_edges(wave, dual):
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-3, 2e-3):
         segments = displaced(exact, size * scale)
-        step = take_step(problem, make_guess(problem, segments, LIMITS), LIMITS)
-        moved = next_guess(problem, step, LIMITS, step.punches.segments.node_count)
+        step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
+        moved = next_guess(problem, step, TOLERANCE, step.punches.segments.node_count)
         found = moved.punches.segments
         assert step.settled
         off = abs(found.middle[0] - exact.middle[0]) + abs(found.half_width[0] - exact.half_width[0])
@@ -155,9 +154,9 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     half_width = exact * (1 + error) if small == exact else 0.5 - small * (1 + error)
     problem = ContactProblem(surface_of(profile).series(dual), load, dual)
     placed = *from_crests(problem.series, np.array([middle])), np.array([half_width])
-    guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), LIMITS)
-    step = take_step(problem, guess, LIMITS)
-    moved = next_guess(problem, step, LIMITS, guess.punches.segments.node_count).punches.segments.half_width[0]
+    guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), TOLERANCE)
+    step = take_step(problem, guess, RESIDUAL)
+    moved = next_guess(problem, step, TOLERANCE, guess.punches.segments.node_count).punches.segments.half_width[0]
     # The closed forms are those of a parabola, from which the wave differs by the square of this scale in radians.
     # Beside a narrow contact the gap's far field takes part as well, by a logarithm: the rule is of first order.
     limit = 2 * (np.pi * small) ** 2 if not (dual and load < 0.5) else 0.5 * abs(error)
@@ -174,9 +173,9 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
     problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
     for size in (1e-4, 2e-4):
         segments = displaced(exact, size * scale)
-        step = take_step(problem, make_guess(problem, segments, LIMITS), LIMITS)
+        step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
         carried = carried_along(step, 0.0)
-        solved = take_step(problem, next_guess(problem, step, LIMITS, step.punches.segments.node_count), LIMITS)
+        solved = take_step(problem, next_guess(problem, step, TOLERANCE, step.punches.segments.node_count), RESIDUAL)
         np.testing.assert_allclose(carried.punches.offset, solved.punches.offset, rtol=1e-12)
         errors.append(np.abs(carried.b - solved.b).max() / np.abs(solved.b).max())
         assert np.all(np.abs(solved.moves.outward) <= np.abs(carried.moves.outward))
@@ -193,7 +192,7 @@ def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
     exact = wave.state(dual)
     problem = ContactProblem(wave.series(dual), wave.load, dual)
-    step = take_step(problem, make_guess(problem, exact.segments, LIMITS), LIMITS)
+    step = take_step(problem, make_guess(problem, exact.segments, TOLERANCE), RESIDUAL)
     count = min(step.a.size, exact.coefficient.size)
     scale = np.abs(exact.coefficient).max()
     np.testing.assert_allclose(step.a[:count], exact.coefficient[:count], rtol=0, atol=1e-10 * scale)

@@ -11,7 +11,7 @@ from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
 from weier.methods.patches import segments as segments_module
 from weier.methods.patches.certificate import contact_residual
-from weier.methods.patches.edge_iteration import ContactProblem, Limits, make_guess, take_step
+from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
@@ -129,8 +129,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         np.array([20]),
     )
     problem = ContactProblem(series, load, dual)
-    limits = Limits(1e-10, 1e-14)
-    step = take_step(problem, make_guess(problem, segments, limits), limits)
+    step = take_step(problem, make_guess(problem, segments, 1e-10), 1e-14)
 
     def residual(x):
         total = field_of_forces(step.punches, step.forces.force, x)

@@ -198,17 +198,6 @@ def evaluate_at_nodes(
     return value
 
 
-class Limits(NamedTuple):
-    """Accuracy of a step.
-
-    tolerance : relative tolerance that sets the number of nodes
-    residual : of the equations on given edges, as a height, in g_0
-    """
-
-    tolerance: float
-    residual: float
-
-
 class Iterate(NamedTuple):
     """Contacts with centres in [0, L), and initial forces of a step.
 
@@ -245,19 +234,22 @@ class NewtonStep(NamedTuple):
     settled: bool
 
 
-def make_guess(problem: ContactProblem, segments: Segments, limits: Limits) -> Iterate:
-    """Return a guess on segments, with zero forces: estimates hardly save a step of the conjugate gradients."""
-    count = estimate_node_count(segments.extent, problem.series, limits.tolerance)
+def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) -> Iterate:
+    """Return a guess on segments, with nodes for a relative tolerance, and with zero forces.
+
+    Estimates of the forces hardly save a step of the conjugate gradients.
+    """
+    count = estimate_node_count(segments.extent, problem.series, tolerance)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
     return Iterate(punches, np.zeros(punches.offset.size), np.zeros(count.size, bool))
 
 
-def take_step(problem: ContactProblem, guess: Iterate, limits: Limits) -> NewtonStep:
-    """Solve for the pressure on the contacts of a guess, and compute the moves of their edges."""
+def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
+    """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, limits.residual)
+    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     extent, signs = (segments.first_node, segments.half_width, punches.gap), (kind.right_sign, kind.k_0_of_curvature)
     changes = _changes_of_edges(*extent, forces.force, guess.tight, punches.period, kind.dual, *signs)
     b, a, outward, closed, relative, vanishing, merging, tight, singular, settled = changes
@@ -308,7 +300,7 @@ def _changes(
     return vanishing, merging, tight
 
 
-def next_guess(problem: ContactProblem, step: NewtonStep, limits: Limits, node_count: Indices) -> Iterate:
+def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series = step.punches.segments, problem.series
     centre, half_width = _moved_segments(old.centre, old.half_width, step.moves.outward, step.punches.gap, step.tight)
@@ -319,7 +311,7 @@ def next_guess(problem: ContactProblem, step: NewtonStep, limits: Limits, node_c
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
-        return rearrange(problem, step._replace(b=b), moved, remaining, merged, limits, node_count)
+        return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
     punches = make_punches(moved, series.period, problem.dual)
     return Iterate(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
 
@@ -394,7 +386,7 @@ def rearrange(
     segments: Segments,
     remaining: Flags,
     added: NDArray[np.float64],
-    limits: Limits,
+    tolerance: float,
     node_count: Indices,
 ) -> Iterate:
     """Return a guess from the remaining segments, with the expansions of the step, and added intervals (added, 2).
@@ -413,7 +405,7 @@ def rearrange(
     extent = (origin - turns)[order], centre[order], half_width[order]
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
-    count = estimate_node_count(extent, series, limits.tolerance)
+    count = estimate_node_count(extent, series, tolerance)
     count = np.where(origin_of >= 0, node_count[origin_of], count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
     return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)

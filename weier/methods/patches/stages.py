@@ -1,12 +1,14 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
 docs/patches.md, "The stages of a load", has the four stages and the reason of each limit; "Given edges", "Moves of
-edges" and "Inequalities" derive their parts. `_solve_to` iterates: `take_step` and `next_guess` are stage 1,
-`_corrections` stage 2, `contact_residual` stage 3, and `_with_resistance`, the cracks and `certify` stage 4.
-Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
+edges" and "Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual`
+stage 3 and `_certified` stage 4. Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of
+its gap.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
-    Limits,
+    Iterate,
     NewtonStep,
     carried_along,
     make_guess,
@@ -46,7 +48,7 @@ from weier.methods.patches.segments import (
     more_nodes,
 )
 from weier.methods.patches.start import TOLERANCE
-from weier.methods.patches.surface import Surface
+from weier.methods.patches.surface import CosineSeries, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # of a load; 3 to 7 are usual, at most 20 of 213 random loads
@@ -83,6 +85,46 @@ MIN_OPENING = 100.0
 MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
 
 
+NO_SET = "no set of contacts was found that meets all conditions under {:.6g} p_0*"
+
+
+class Limits(NamedTuple):
+    """Accuracy of a load; heights, in g_0.
+
+    tolerance : relative, which sets the number of nodes
+    target : of residual, singularities and overlap
+    residual : of the equations on given edges
+    allowed : residual between the nodes
+    rounding : of a residual
+    """
+
+    tolerance: float
+    target: float
+    residual: float
+    allowed: float
+    rounding: float
+
+
+class Converged(NamedTuple):
+    """Segments whose edges have converged, with their violations of the contact conditions.
+
+    solved, step : the last solution on given edges, and the step after it, on the edges of the state
+    state : without resistance and certificate
+    minima, negative : minima outside the segments below a margin, and intervals on them, as `MINIMUM` and `NEGATIVE`
+    residual, width : the largest on each segment between the nodes, and its width, of `contact_residual`
+    height : the largest residual, in g_0
+    """
+
+    solved: NewtonStep
+    step: NewtonStep
+    state: ContactState
+    minima: Records
+    negative: Records
+    residual: Array
+    width: Array
+    height: float
+
+
 def solve_in_stages(
     surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
 ) -> tuple[ContactState, int]:
@@ -95,94 +137,69 @@ def solve_in_stages(
     fails a check.
     """
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
-    return _solve_to(problem, guess, tolerance, _scale(problem), accepted or tolerance)
-
-
-def _solve_to(
-    problem: ContactProblem,
-    guess: ContactState,
-    tolerance: float,
-    scale: float,
-    accepted: float,
-    follows: bool = False,
-) -> tuple[ContactState, int]:
-    """Iterate through the stages, with targets relative to `scale`, in g_0; return the state and the steps.
-
-    With `follows`, the set of segments is fixed: only stage 1 is used, and no inequality is tested.
-    """
-    load, kind, half_width = problem.load, problem.kind, guess.segments.half_width
-    wanted = tolerance * scale * kind.share(half_width.size)
-    displacement = load * kind.rounded_width(problem.series.period, half_width)
-    rounding = max(ROUNDING * displacement, EDGE_ROUNDING * min(displacement, 1.0))
-    target = max(TARGET * wanted, rounding)
-    allowed = max(wanted, MAX_OVER_TARGET * target)
-    uncertainty = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series)
-    outside = kind.limit_outside(load, target, MAX_TENSION)
-    limits, last_move = Limits(tolerance, SOLVED * target), np.inf
-    corrections, last_height = 0, np.inf
-    # before nodes were added
-    coarser: tuple[NewtonStep, NewtonStep, ContactState, Array, Array, Records, Records] | None = None
-    now = make_guess(problem, guess.segments, limits)
-    for steps in range(1, MAX_STEPS + 1):
-        solved = step = take_step(problem, now, limits)
-        # Edges move at least once: those of a guess of low contacts or gaps may not be seen in h, but in R.
-        is_enough = steps > 1 and _converged(step, target, MAX_MOVE * tolerance, last_move)
-        if not is_enough:  # Segments that have not settled keep their nodes.
-            segments = step.punches.segments
-            enough = target if step.settled else np.inf
-            counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
-            if _ends(step, target, tolerance, last_move) and np.array_equal(counts, segments.node_count):
-                step, is_enough = carried_along(step, rounding), True
-        last_move = float(step.moves.relative.max())
-        if follows and np.any(step.vanishing | step.merging):
-            break
-        if not is_enough:  # stage 1
-            now = next_guess(problem, step, limits, counts)
-            continue
-        state = contact_state(problem, step)
-        if follows:
-            return state, steps
+    kind, series = problem.kind, problem.series
+    limits = _limits(problem, guess.segments.half_width, tolerance)
+    margin = kind.plane_outside * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series)
+    now, steps, corrections = make_guess(problem, guess.segments, tolerance), 0, 0
+    coarser: Converged | None = None  # before nodes were added
+    while steps < MAX_STEPS:
+        solved, step, more = _converge(problem, now, limits)  # stage 1
+        steps, state = steps + more, contact_state(problem, step)
         # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is
         # violated between segments. The margin is the error of the gap after certification (docs/patches.md, "The
         # bound on the compliance"): minima below it are kept, since they may be births.
         negative = find_negative_intervals(state)
-        wrong = _beyond_rounding(state, negative)
-        if wrong.size > 0:
-            wrong = wrong[(wrong["height"] > MIN_OPENING * limits.residual) & ~are_thin(wrong, kind.thin_inside)]
-        margin = kind.plane_outside * uncertainty
-        added, remaining, minima = _corrections(problem, step, state, outside, wrong, margin)
+        wrong = _to_be_cut(state, negative, MIN_OPENING * limits.residual)
+        added, remaining, minima = _corrections(problem, step, state, limits.target, wrong, margin)
+        count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
-            corrections, last_height = corrections + 1, np.inf
-            now = rearrange(problem, step, state.segments, remaining, added, limits, state.segments.node_count)
-        else:  # stage 3 and, if the residual is small on all segments that can have more nodes, stage 4
-            residual, width = contact_residual(state, problem.series)
-            height = kind.height_of_residual(state.segments.half_width) * residual
-            count = state.segments.node_count
-            short, largest = (height > allowed) & (count < MAX_NODES), float(height.max())
-            # More nodes do not reduce rounding, and in gaps they increase it.
-            if not np.any(short) or largest > MAX_LEFT_BY_NODES * last_height:
-                if coarser is not None and largest > last_height:
-                    solved, step, state, residual, width, minima, negative = coarser
-                route = guess.route._replace(steps=steps, corrections=corrections)
-                tangent = solve_tangent(solved.punches, solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
-                state = state._replace(edge_move=step.moves.outward, route=route)
-                state = _with_resistance(state, solved, tangent, step is not solved)
-                overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
-                state, tensions = with_cracks(
-                    state, problem.series, step.punches, tangent, tensions, float(residual.max())
-                )
-                return certify(state, residual, width, overlaps, tensions, problem.series, accepted, margin), steps
-            last_height, coarser = largest, (solved, step, state, residual, width, minima, negative)
-            counts = more_nodes(count, short)
-            # With new nodes edges move by more than in the last step, which is not rounding.
-            now, last_move = next_guess(problem, step, limits, counts), np.inf
-    raise ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
+            corrections, coarser = corrections + 1, None
+            now = rearrange(problem, step, state.segments, remaining, added, tolerance, count)
+            continue
+        residual, width = contact_residual(state, series)  # stage 3
+        height = kind.height_of_residual(state.segments.half_width) * residual
+        found = Converged(solved, step, state, minima, negative, residual, width, float(height.max()))
+        short = (height > limits.allowed) & (count < MAX_NODES)
+        # More nodes do not reduce rounding, and in gaps they increase it.
+        if short.any() and (coarser is None or found.height <= MAX_LEFT_BY_NODES * coarser.height):
+            coarser, now = found, next_guess(problem, step, tolerance, more_nodes(count, short))
+            continue
+        best = coarser if coarser is not None and coarser.height < found.height else found
+        state = _certified(best, series, tolerance, accepted or tolerance, margin)  # stage 4
+        return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
+    raise ConvergenceError(NO_SET.format(problem.load))
+
+
+def _converge(
+    problem: ContactProblem, now: Iterate, limits: Limits, is_fixed: bool = False
+) -> tuple[NewtonStep, NewtonStep, int]:
+    """Move the edges until they have converged; return the last solution, the step after it, and the steps.
+
+    The edges move at least once: those of a guess of low contacts or gaps may not be seen in h, but in R.
+    ConvergenceError is raised after `MAX_STEPS`, or if segments vanish or merge though their set `is_fixed`.
+    """
+    last_move = np.inf
+    for steps in range(1, MAX_STEPS + 1):
+        step = take_step(problem, now, limits.residual)
+        if is_fixed and np.any(step.vanishing | step.merging):
+            break
+        if _converged(step, limits, last_move):
+            return step, step, steps
+        # Segments that have not settled keep their nodes.
+        segments, enough = step.punches.segments, limits.target if step.settled else np.inf
+        counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
+        if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
+            return step, carried_along(step, limits.rounding), steps
+        last_move, now = float(step.moves.relative.max()), next_guess(problem, step, limits.tolerance, counts)
+    raise ConvergenceError(NO_SET.format(problem.load))
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
     problem = ContactProblem(surface.series(start.dual), load, start.dual)
-    return _solve_to(problem, start, TOLERANCE, _scale(problem), TOLERANCE, follows=True)[0]
+    limits = _limits(problem, start.segments.half_width, TOLERANCE)
+    _, step, _ = _converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, is_fixed=True)
+    return contact_state(problem, step)
 
 
 def _scale(problem: ContactProblem) -> float:
@@ -193,22 +210,32 @@ def _scale(problem: ContactProblem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def _converged(step: NewtonStep, target: float, small: float, last_move: float) -> bool:
+def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
+    """Return the limits of a load for a relative tolerance of its residual."""
+    wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
+    displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
+    rounding = max(ROUNDING * displacement, EDGE_ROUNDING * min(displacement, 1.0))
+    target = max(TARGET * wanted, rounding)
+    return Limits(tolerance, target, SOLVED * target, max(wanted, MAX_OVER_TARGET * target), rounding)
+
+
+def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the residual and the singularities at all edges are below the target, and moves small.
 
     Moves that no longer decrease count as small; if they are rounding, singularities count as below the target.
     """
     move = float(step.moves.relative.max())
     is_settled, is_rounding = move > MIN_ROUNDING_RATIO * last_move, move < MAX_ROUNDING_MOVE
-    is_regular = float(step.singular.max()) < target and (is_settled or move < small)
-    return step.forces.residual < target and (is_regular or (is_settled and is_rounding))
+    is_regular = float(step.singular.max()) < limits.target and (is_settled or move < MAX_MOVE * limits.tolerance)
+    has_moved, is_solved = last_move < np.inf, step.forces.residual < limits.target
+    return has_moved and is_solved and (is_regular or (is_settled and is_rounding))
 
 
-def _ends(step: NewtonStep, target: float, tolerance: float, last_move: float) -> bool:
+def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
-    is_small = move**2 < TARGET * tolerance and move < MIN_ROUNDING_RATIO * last_move
-    return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < target
+    is_small = move**2 < TARGET * limits.tolerance and move < MIN_ROUNDING_RATIO * last_move
+    return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < limits.target
 
 
 @kernel
@@ -226,27 +253,32 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     return more_nodes(count, short)
 
 
-def _beyond_rounding(state: ContactState, negative: Records) -> Records:
-    """Return the intervals of tension or (dual) overlap above the resolution of the nodes and the limit."""
+def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Records:
+    """Return the intervals of tension or (dual) overlap that the nodes resolve and that are not thin gaps.
+
+    opening : least height of a new gap or contact, in g_0
+    """
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    return negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION)[negative["segment"]]]
+    wrong = negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION)[negative["segment"]]]
+    return wrong[(wrong["height"] > opening) & ~are_thin(wrong, state.kind.thin_inside)]
 
 
 def _corrections(
     problem: ContactProblem,
     step: NewtonStep,
     state: ContactState,
-    outside: float,
+    target: float,
     negative: Records,
     margin: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
-    A segment with a negative interval is replaced by its remaining pieces. Contacts on both sides of a thin gap are
-    merged.
+    Segments are missing where the overlap, in g_0, exceeds the target. A segment with a negative interval is replaced
+    by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
+    outside = problem.kind.limit_outside(problem.load, target, MAX_TENSION)
     missing, minima = find_missing(problem, step, outside, margin)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
@@ -301,14 +333,26 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     )
 
 
-def _with_resistance(state: ContactState, solved: NewtonStep, tangent: Forces, moves: bool) -> ContactState:
+def _certified(
+    found: Converged, series: CosineSeries, tolerance: float, accepted: float, margin: float
+) -> ContactState:
+    """Return the state with its resistance, its thin gaps and its certificate."""
+    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
+    overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
+    state, tensions = with_cracks(
+        _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
+    )
+    return certify(state, found.residual, found.width, overlaps, tensions, series, accepted, margin)
+
+
+def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges.
 
     Edges that have moved since the last solution have released energy, which is included.
     """
-    segments, kind = solved.punches.segments, solved.punches.kind
+    solved, segments, kind = found.solved, found.solved.punches.segments, found.state.kind
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    released = float((strength**2 * solved.moves.outward).sum()) if moves else 0.0
+    released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
     resistance = kind.sign_of_plane * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
-    return state._replace(resistance=resistance, tangent_strength=strength)
+    return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)
