@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -51,14 +51,14 @@ def most_accurate(study: xr.Dataset) -> tuple[Flags, Indices]:
     return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
 
 
-def numerical_methods(case: xr.Dataset) -> list[str]:
-    """Return the numerical methods that solved the case, the most accurate first."""
-    return [method for method in numerical_names() if curve(case, "compliance", method) is not None]
+def numerical_methods(case: xr.Dataset) -> Iterator[str]:
+    """Yield the numerical methods that solved the case, the most accurate first."""
+    return (method for method in numerical_names() if curve(case, "compliance", method) is not None)
 
 
 def numerical_method(case: xr.Dataset) -> str | None:
     """Return the most accurate numerical method that solved the case, or None."""
-    return next((method for method in numerical_names() if curve(case, "compliance", method) is not None), None)
+    return next(numerical_methods(case), None)
 
 
 def numerical(case: xr.Dataset, name: str) -> Array | None:

@@ -107,7 +107,7 @@ def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Datase
     """
     drawn: dict[str, None] = {}
     for case, datum, color in rows:
-        for method in curves.numerical_methods(case)[1:]:
+        for method in list(curves.numerical_methods(case))[1:]:
             if (values := curves.curve(case, quantity, method)) is not None:
                 look = points(method) | SPARSE_POINTS | {"color": color, "label": None}
                 axes.plot(case["mean_pressure"].values, values + datum, **look)
