@@ -129,10 +129,6 @@ class Scenes:
             made += [str(data), str(claims), *self.figures_of(name)]
         return made
 
-    def figures(self, wildcards: Any) -> list[str]:
-        """Return the files of all figures of a scene."""
-        return self.figures_of(wildcards.scene)
-
     def figures_of(self, name: str) -> list[str]:
         """Return the files of all figures of the scene of this name."""
         folder = self.results / name / "figures"

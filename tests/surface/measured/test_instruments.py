@@ -2,6 +2,7 @@
 
 import os
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -180,3 +181,13 @@ def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surfac
     (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7")  # eight bytes: as a terrain model, 2 by 2 heights
     with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography does not know its format either"):
         Trace.read(tmp_path / "a.pdf", line=0)
+
+
+def test_a_time_limit_is_no_damaged_file(tmp_path, monkeypatch):
+    def hang(path):
+        raise TimeoutError("after 10 s")  # as the handler of a signal
+
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", SimpleNamespace(open_topography=hang))
+    (tmp_path / "a.opd").write_bytes(bytes(range(256)))
+    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+        Trace.read(tmp_path / "a.opd")

@@ -77,7 +77,7 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
             chosen = _channel(path, file.channels, channel)
             sized = chosen.physical_sizes is not None
             return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
-    except ChannelError:
+    except (ChannelError, TimeoutError):  # the latter of a signal's handler, too
         raise
     except Exception as error:  # of some forty readers, each with errors of its own for a damaged file
         raise ValueError(
