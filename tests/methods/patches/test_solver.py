@@ -9,11 +9,20 @@ from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
-from weier.methods.patches import start
+from weier.methods.patches import solver, start
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_contacts_are_sorted_by_left_edges_within_the_period(period):
+    centre, r = np.array([0.02, 0.5, 1.3]) * period, np.array([0.05, 0.1, 0.02]) * period
+    edges, half_width, order = solver._sorted_contacts((np.zeros(3), centre, r), period)
+    np.testing.assert_array_equal(order, [2, 1, 0])
+    np.testing.assert_allclose(edges / period, [[0.28, 0.32], [0.4, 0.6], [0.97, 1.07]], rtol=1e-12)
+    np.testing.assert_allclose(half_width, r[order])
 
 
 def assert_complementary(profile: Profile, load: float, points: int = 4001) -> patches.Solution:
