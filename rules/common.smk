@@ -1,4 +1,5 @@
 # Functions for the rules; those of scenes are in weier/pipeline/workflow.py.
+import re
 import sys
 from functools import partial
 from types import SimpleNamespace
@@ -73,7 +74,7 @@ def in_report(scene, figure):
 
 def figures_are_named():
     """Whether the command line asks for files of figures; Snakemake has no targets yet when it reads the rules."""
-    return any("/figures/" in word for word in sys.argv[1:])
+    return any(re.match(r"(\./)?results/[^/]+/figures/", word) for word in sys.argv[1:])
 
 
 def labels_of_measurement(wildcards):

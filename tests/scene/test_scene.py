@@ -112,6 +112,15 @@ def test_the_digest_of_cases_follows_which_there_are_and_their_order(tmp_path):
     assert len({digest(1, 2), digest(2, 1), digest(1, 3)}) == 3
 
 
+def test_the_digest_of_cases_follows_the_study_of_each(tmp_path):
+    def digest(*counts):
+        rows = iter([{"D": 1.25, "gamma": 5, "m": m} for m in (1, 2, 3)])
+        studies = {f"s{count}": {"cases": [next(rows) for _ in range(count)]} for count in counts}
+        return scene.load(write(tmp_path, studies=studies)).digest_of_cases(*studies)
+
+    assert digest(2, 1) != digest(1, 2)
+
+
 @pytest.mark.parametrize(
     ("phases", "expected"),
     [

@@ -19,7 +19,7 @@ from weier.pipeline.batches import Solutions
 # Figures and tables depend on names and looks of methods; the names of batches cover the code of methods.
 REGISTRY = "weier.methods.registry"
 # The code of every figure.
-FIGURE = (("weier.figures", "draw"), ("weier.pipeline.gather", "read_study"))
+FIGURE = (("weier.figures", "draw"), ("weier.figures", "undrawn"), ("weier.pipeline.gather", "read_study"))
 LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
 HALF = 16  # digits of a digest
 MARK = re.compile(rb"made of weier:([0-9a-f]{32})")

@@ -194,7 +194,5 @@ class Scene:
         return table[name]
 
     def digest_of_cases(self, *studies: str) -> str:
-        """Return a digest of the cases of some studies in their order."""
-        return digest(
-            [digest(as_text(product.case_keys)) for name in studies for product in self.study(name).products]
-        )
+        """Return a digest of the cases of some studies in their order, and of which study they belong to."""
+        return digest([[digest(as_text(part.case_keys)) for part in self.study(name).products] for name in studies])
