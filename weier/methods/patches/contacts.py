@@ -105,7 +105,6 @@ CONTACTS = Kind(
     plane_of=lambda total, multiplier, period: multiplier,
     forcing_of_maximum=lambda series, load: 0.0,
     height_of_residual=np.ones_like,
-    finest_height=lambda series: abs(float(series.amplitude[-1])),
     rounded_width=lambda period, half_width: period,
     share=lambda count: 1.0,
     on_segments=PRESSURE,

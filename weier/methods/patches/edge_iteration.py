@@ -43,9 +43,10 @@ from weier.methods.patches.surface import (
     in_order,
 )
 
-# safeguards far from the solution: halving or doubling each changes the number of steps from perturbed guesses by at
-# most 9 % (docs/numerics.md, "Contact patches in numbers")  range of the factor by which the square of a width
-# changes in a step; contacts vanish before the first (`MIN_GROWTH`)
+# Safeguards far from the solution: halving or doubling each changes the number of steps from perturbed guesses by at
+# most 9 % (docs/numerics.md, "Contact patches in numbers").
+
+# range of the factor by which the square of a width changes in a step; contacts vanish before it (`MIN_GROWTH`)
 MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
 MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # largest move of a centre in a step, in half-widths
 # |psi/phi| where phi <= 0, unlike on Hertz's contact: an edge with overlap moves outward, one in tension inward
@@ -219,7 +220,7 @@ class NewtonStep(NamedTuple):
     merging : contacts whose gap on the right vanishes
     tight : contacts whose gap on the right would nearly close
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
-    settled : whether the iteration has begun to converge for all contacts, of which none vanishes or merges
+    settled : whether the iteration has begun to converge for all contacts; none vanishes or merges, no gap is tight
     """
 
     punches: Punches

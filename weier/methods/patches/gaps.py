@@ -63,11 +63,6 @@ def _height_of_residual(half_width: Array) -> Array:
     return 2 * half_width
 
 
-def _finest_height(series: CosineSeries) -> float:
-    """Return the amplitude of the finest pressure wave over its wavenumber."""
-    return abs(float(series.amplitude[-1])) * 2 * np.pi / float(series.wavenumber[-1])
-
-
 def _largest_indentation(approach: float, series: CosineSeries) -> float:
     """Return the compliance sum g_n - d, which is larger than the indentation; p_n* of tensions is k_n g_n."""
     return float((np.abs(series.amplitude) * 2 * np.pi / series.wavenumber).sum()) + approach
@@ -107,7 +102,6 @@ GAPS = Kind(
     plane_of=lambda total, multiplier, period: total / period,
     forcing_of_maximum=lambda series, load: series.maximum - load,
     height_of_residual=_height_of_residual,
-    finest_height=_finest_height,
     rounded_width=lambda period, half_width: 2 * float(half_width.max()),
     share=lambda count: min(1.0, MAX_SHARING / count),
     on_segments=GAP,

@@ -16,7 +16,7 @@ POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 PRESSURE, GAP = 0, 1
 # largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
 # by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
-# digits, at most 500
+# digits, at most 750 at the half of it from which existing contacts are merged
 MAX_THINNESS = 2e-4
 MIN_TENSION = 1e-13  # tension over the largest pressure of a contact, or the load, below which it is rounding
 NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
@@ -45,7 +45,6 @@ class Kind(NamedTuple):
     plane_of : from the sum of the forces, the Lagrange multiplier of the load and the period, the plane
     forcing_of_maximum : from series and load, the forcing where the series has its maximum
     height_of_residual : from half-widths, the height of a residual of 1
-    finest_height : of the finest wave of a series, in g_0
     rounded_width : from period and half-widths, the width over which residuals are rounded
     share : from the number of segments, the fraction of the tolerance for each
 
@@ -97,7 +96,6 @@ class Kind(NamedTuple):
     plane_of: Callable[[float, float, float], float]
     forcing_of_maximum: Callable[[CosineSeries, float], float]
     height_of_residual: Callable[[Array], Array]
-    finest_height: Callable[[CosineSeries], float]
     rounded_width: Callable[[float, Array], float]
     share: Callable[[int], float]
     on_segments: int
