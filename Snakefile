@@ -25,10 +25,10 @@ if INSTALLED != VERSION:
 CHECKOUT = Path(os.path.relpath(CHECKOUT))
 CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
 
-
-def configured(path):
-    """A file of the configuration: in the folder where Snakemake runs, or else that of the checkout."""
-    return str((CONFIG if (CONFIG / path).exists() else CHECKOUT / "config") / path)
+# A file of the configuration is in the folder where Snakemake runs, or else in the checkout.
+configured = lambda path: str(
+    (CONFIG if (CONFIG / path).exists() else CHECKOUT / "config") / path
+)
 
 
 configfile: configured("config.yaml")
