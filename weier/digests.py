@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 PACKAGE = Path(__file__).parent
 KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these folders.
@@ -24,7 +24,21 @@ RESOURCES = frozenset({".json", ".js", ".css", ".html", ".md", ".mplstyle"})
 DECORATOR, MACHINERY = "kernel", "weier.kernels.jit"  # How kernels are compiled changes no number.
 
 Name = tuple[str, str]  # A definition: its module and its name.
-Definitions = dict[str, ast.stmt]
+
+
+class Definition(NamedTuple):
+    """A statement of a module.
+
+    digest : of its syntax tree; empty for an import
+    uses : names in it
+    imports : modules and names that it imports, itself or within a function
+    is_kernel : whether it defines a kernel
+    """
+
+    digest: str
+    uses: frozenset[str]
+    imports: tuple[Name, ...]
+    is_kernel: bool
 
 
 def digest(values: Any) -> str:
@@ -92,7 +106,7 @@ def cache_root() -> Path:
 def _remembered(what: Any, compute: Callable[[], str]) -> str:
     """Return a digest of code, which is computed once for each state of the package.
 
-    Syntax trees of the package take half a second, and its texts some milliseconds.
+    Syntax trees of the package take a second, and its texts some milliseconds.
     """
     known: Path | None = None
     with suppress(OSError):
@@ -131,15 +145,37 @@ def _source(module: str) -> Path | None:
 
 
 @cache
-def _definitions(module: str) -> Definitions:
+def _definitions(module: str) -> dict[str, Definition]:
     """Return the statements of a module by the names that they define; others have numbers for names."""
     path = _source(module)
     tree = ast.parse(path.read_text(encoding="utf-8")) if path else ast.Module([], [])
-    found: Definitions = {}
+    found: dict[str, Definition] = {}
     for number, statement in enumerate(_Plain().visit(tree).body):
-        for name in _defined_by(statement) or [str(number)]:
-            found[name] = statement
+        if isinstance(statement, ast.ImportFrom):
+            found.update(
+                {name: Definition("", frozenset(), (origin,), False) for name, origin in _origins(statement)}
+            )
+        else:
+            definition = _definition(statement)
+            found.update(dict.fromkeys(_defined_by(statement) or [str(number)], definition))
     return found
+
+
+def _definition(statement: ast.stmt) -> Definition:
+    """Return a statement that is no import from a module; a kernel does not run its decorator."""
+    nodes = list(ast.walk(statement))
+    is_kernel = isinstance(statement, ast.FunctionDef) and any(
+        isinstance(decorator, ast.Name) and decorator.id == DECORATOR for decorator in statement.decorator_list
+    )
+    uses = {node.id for node in nodes if isinstance(node, ast.Name)} - ({DECORATOR} if is_kernel else set())
+    imports = [origin for node in nodes if isinstance(node, ast.ImportFrom) for _, origin in _origins(node)]
+    return Definition(digest(_as_lists(statement)), frozenset(uses), tuple(imports), is_kernel)
+
+
+def _origins(statement: ast.ImportFrom) -> Iterator[tuple[str, Name]]:
+    """Yield the names that an import defines, each with its module and its name there."""
+    for alias in statement.names:
+        yield alias.asname or alias.name, (statement.module or "", alias.name)
 
 
 def _defined_by(statement: ast.stmt) -> list[str]:
@@ -183,65 +219,43 @@ def _all_kernels() -> list[Name]:
     for path in (path for part in KERNELS for path in sorted((PACKAGE / part).rglob("*.py"))):
         if f"@{DECORATOR}" in path.read_text(encoding="utf-8"):
             module = ".".join((PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts))
-            found += [(module, name) for name, each in _definitions(module).items() if _defines_kernel(each)]
+            found += [(module, name) for name, each in _definitions(module).items() if each.is_kernel]
     return found
 
 
-def _reached(functions: Iterable[Name], stop: Collection[str]) -> dict[Name, ast.stmt]:
-    """Return the definitions that functions use, and those that these use in turn."""
-    found: dict[Name, ast.stmt] = {}
+def _reached(functions: Iterable[Name], stop: Collection[str]) -> dict[Name, str]:
+    """Return digests of the definitions that functions use, and of those that these use in turn."""
+    found: dict[Name, str] = {}
     waiting, whole = list(functions), set[str]()
     while waiting:
         module, name = waiting.pop()
-        if name not in _definitions(module):  # a whole module, or a name that it defines in a block
-            waiting += [(module, each) for each in _definitions(module) if module not in whole]
+        definitions = _definitions(module)
+        if name not in definitions:  # a whole module, or a name that it defines in a block
+            waiting += [(module, each) for each in definitions if module not in whole]
             whole.add(module)
-            continue
-        if (module, name) in found:
-            continue
-        statement = _definitions(module)[name]
-        if isinstance(statement, ast.ImportFrom):
-            waiting += _imported(module, statement, name, stop)
-            continue
-        found[module, name] = statement
-        # Statements that define nothing, such as registrations, count wherever anything of their module is used.
-        waiting += [(module, other) for other in _definitions(module) if other.isdigit()]
-        waiting += [(module, used) for used in _used_by(statement) if used in _definitions(module)]
-        waiting += [
-            each
-            for node in ast.walk(statement)
-            if isinstance(node, ast.ImportFrom)  # within a function
-            for alias in node.names
-            for each in _imported(module, node, alias.asname or alias.name, stop)
-        ]
+        elif (module, name) not in found:
+            definition = definitions[name]
+            found[module, name] = definition.digest
+            # Statements that define nothing, such as registrations, count wherever anything of their module is used.
+            used = {*definition.uses, *filter(str.isdigit, definitions)} if definition.digest else set[str]()
+            waiting += [(module, each) for each in used if each in definitions]
+            waiting += [inner for origin in definition.imports for inner in _followed(origin, stop)]
     return found
 
 
-def _used_by(statement: ast.stmt) -> set[str]:
-    """Return the names that a statement uses; a kernel does not run its decorator."""
-    used = {node.id for node in ast.walk(statement) if isinstance(node, ast.Name)}
-    return used - {DECORATOR} if _defines_kernel(statement) else used
-
-
-def _defines_kernel(statement: ast.stmt) -> bool:
-    return isinstance(statement, ast.FunctionDef) and any(
-        isinstance(decorator, ast.Name) and decorator.id == DECORATOR for decorator in statement.decorator_list
-    )
-
-
-def _imported(module: str, statement: ast.ImportFrom, name: str, stop: Collection[str]) -> list[Name]:
-    """Return the definition that an import names: of a module all its definitions."""
-    source = statement.module or ""
+def _followed(origin: Name, stop: Collection[str]) -> list[Name]:
+    """Return the definition of an import from the package, unless it stops there: of a module all its definitions."""
+    source, name = origin
     if source in {MACHINERY, *stop} or _source(source) is None:
         return []
-    original = next(alias.name for alias in statement.names if (alias.asname or alias.name) == name)
-    if _source(inner := f"{source}.{original}"):
+    if _source(inner := f"{source}.{name}"):
         return [] if inner in stop else [(inner, "")]
-    return [(source, original)]
+    return [origin]
 
 
-def _digest_of(definitions: dict[Name, ast.stmt]) -> str:
-    return digest([[*name, _as_lists(definitions[name])] for name in sorted(definitions)])
+def _digest_of(definitions: dict[Name, str]) -> str:
+    """Return a digest of definitions; imports, which have none, do not count."""
+    return digest([[*name, definitions[name]] for name in sorted(definitions) if definitions[name]])
 
 
 def _as_lists(node: Any) -> Any:
