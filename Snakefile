@@ -79,6 +79,22 @@ rule solve:
         "python -m weier batch {params.description:q} {output:q} 2>&1 | tee -i {log:q}"
 
 
+# What takes longest goes first, so that no core waits for it at the end.
+use rule solve as solve_by_patches with:
+    output:
+        "results/curves/{batch,patches-.+}.nc",
+    priority: 2
+
+
+use rule solve as solve_by_bem with:
+    output:
+        "results/curves/{batch,bem-.+}.nc",
+    priority: 1
+
+
+ruleorder: solve_by_patches > solve_by_bem > solve
+
+
 rule claims:
     input:
         settled=ancient(scenes.settled_batches),
