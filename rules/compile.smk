@@ -4,7 +4,7 @@ rule compile:
         touch(kernels_file("{method}")),
     log:
         "results/logs/compile/{method}.log",
-    priority: 1  # first, since it takes longest: what needs no kernels is solved beside it
+    priority: 3  # first, since it takes longest: what needs no kernels is solved beside it
     conda:
         "environment.yaml"
     message:
