@@ -276,12 +276,12 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
 
 
 def find_missing(
-    problem: ContactProblem, step: NewtonStep, tolerance: float, margin: float
+    problem: ContactProblem, step: NewtonStep, tolerance: float, margin: float, opening: float
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
     Also return all minima below the margin, including these. The width of a new segment is `new_width` times that of
-    the interval in which the parabola is negative.
+    the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
     punches, kind = step.punches, problem.kind
 
@@ -297,10 +297,11 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
-    opening = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-    scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
-    minima = minima[opening > kind.thin_outside * scale]
+    if kind.on_segments == GAP:
+        # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
+        b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
+        scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
+        minima = minima[(b > kind.thin_outside * scale) & (-2 * np.pi * b * minima["value"] > opening)]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

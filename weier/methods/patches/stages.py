@@ -39,6 +39,7 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
+from weier.methods.patches.kind import PRESSURE
 from weier.methods.patches.segments import (
     MAX_NODES,
     UNRESOLVED,
@@ -47,7 +48,7 @@ from weier.methods.patches.segments import (
     end_sums,
     more_nodes,
 )
-from weier.methods.patches.start import TOLERANCE
+from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
 from weier.methods.patches.surface import CosineSeries, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
@@ -140,7 +141,7 @@ def solve_in_stages(
     kind, series = problem.kind, problem.series
     limits = _limits(problem, guess.segments.half_width, tolerance)
     margin = kind.plane_outside * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series)
-    now, steps, corrections = make_guess(problem, guess.segments, tolerance), 0, 0
+    now, (_, steps, corrections, _) = make_guess(problem, guess.segments, tolerance), guess.route
     coarser: Converged | None = None  # before nodes were added
     while steps < MAX_STEPS:
         solved, step, more = _converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
@@ -150,11 +151,15 @@ def solve_in_stages(
         # bound on the compliance"): minima below it are kept, since they may be births.
         negative = find_negative_intervals(state)
         wrong = _to_be_cut(state, negative, MIN_OPENING * limits.residual)
-        added, remaining, minima = _corrections(problem, step, state, limits.target, wrong, margin)
+        added, remaining, minima = _corrections(problem, step, state, limits, wrong, margin)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
             corrections, coarser = corrections + 1, None
             now = rearrange(problem, step, state.segments, remaining, added, tolerance, count)
+            other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
+            if other.dual != state.dual:
+                route = guess.route._replace(steps=steps, corrections=corrections)
+                return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
             continue
         residual, width = contact_residual(state, series)  # stage 3
         height = kind.height_of_residual(state.segments.half_width) * residual
@@ -262,7 +267,8 @@ def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Record
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    wrong = negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION)[negative["segment"]]]
+    least = MAX_TENSION if state.kind.on_segments == PRESSURE else 0.0
+    wrong = negative[negative["relative"] < -np.maximum(unresolved, least)[negative["segment"]]]
     return wrong[(wrong["height"] > opening) & ~are_thin(wrong, state.kind.thin_inside)]
 
 
@@ -270,7 +276,7 @@ def _corrections(
     problem: ContactProblem,
     step: NewtonStep,
     state: ContactState,
-    target: float,
+    limits: Limits,
     negative: Records,
     margin: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
@@ -279,8 +285,8 @@ def _corrections(
     Segments are missing where the overlap, in g_0, exceeds the target. A segment with a negative interval is replaced
     by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
-    outside = problem.kind.limit_outside(problem.load, target, MAX_TENSION)
-    missing, minima = find_missing(problem, step, outside, margin)
+    outside = problem.kind.limit_outside(problem.load, limits.target, MAX_TENSION)
+    missing, minima = find_missing(problem, step, outside, margin, MIN_OPENING * limits.residual)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))

@@ -178,20 +178,19 @@ def merge_overlaps(places: Intervals, period: float) -> Intervals:
 
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
     """Return a guess on contacts in any order, or on the gaps between them if these need fewer nodes."""
-    guess = _make_guess(surface.heights, load, False, merge_overlaps(contacts, surface.heights.period))
-    gaps = intervals_between(guess.segments.extent, surface.heights.period)
-    if gaps[2].min() > 0:
-        needed = estimate_node_count(guess.segments.extent, surface.heights, TOLERANCE).sum()
-        if estimate_node_count(gaps, surface.tensions, TOLERANCE).sum() < needed:
-            return gaps_guess(surface, guess)
-    return guess
+    places = merge_overlaps(contacts, surface.heights.period)
+    return with_fewer_nodes(surface, _make_guess(surface.heights, load, False, places))
 
 
-def gaps_guess(surface: Surface, contacts: ContactState) -> ContactState:
-    """Return a guess on the gaps between contacts."""
-    origin, centre, half_width = intervals_between(contacts.segments.extent, surface.heights.period)
-    gaps = np.stack([origin + centre, half_width])
-    return _make_guess(surface.tensions, contacts.load, True, gaps)
+def with_fewer_nodes(surface: Surface, guess: ContactState) -> ContactState:
+    """Return a guess on contacts or on the gaps between them, whichever needs fewer nodes."""
+    extent, period = guess.segments.extent, surface.heights.period
+    origin, centre, half_width = between = intervals_between(extent, period)
+    here, there = surface.series(guess.dual), surface.series(not guess.dual)
+    needed = estimate_node_count(extent, here, TOLERANCE).sum()
+    if half_width.min() <= 0 or estimate_node_count(between, there, TOLERANCE).sum() >= needed:
+        return guess
+    return _make_guess(there, guess.load, not guess.dual, np.stack([origin + centre, half_width]))
 
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
