@@ -11,6 +11,7 @@ from weier.methods.patches.certificate import (
     EPS,
     GAP_FACTOR,
     GAP_ROUNDING,
+    ROUNDING,
     SAMPLED_FACTOR,
     TANGENT_ERROR,
     _largest_and_width,
@@ -418,7 +419,7 @@ def test_rounding_widens_contacts(period):
     chi = max(-2 * np.log(np.pi * a / period), 1.0)
     amplitude = np.array([1.0, 0.7])
     of_curvature = EPS * np.sum(amplitude * (2 * np.pi * waves / period) ** 2) * a**3 / (8 * force)
-    total = EPS * amplitude.sum()
+    total = EPS * amplitude.sum() + ROUNDING * wave.load * period
     of_height = np.sqrt(2) * total / (np.pi * A * np.sqrt(a)) + 2 * a * total / (chi * force)
     state = wave.state(False)._replace(height_error=0.0, error=0.0)
     for shift, is_lower in ((0.0, False), (np.pi, True)):

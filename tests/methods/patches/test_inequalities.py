@@ -135,7 +135,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         total = field_of_forces(step.punches, step.forces.force, x)
         return (0.0 if dual else step.forces.plane) + total - problem.forcing(*nearest_crests(series, x))
 
-    edges, minima = find_missing(problem, step, 0.0, 0.0)
+    edges, minima = find_missing(problem, step, 0.0, 0.0, 0.0)
     assert len(edges) == np.count_nonzero(minima["value"] < 0) > 0
     room = inequalities._room(step, minima)
     for (left, right), minimum, most in zip(edges, minima, room, strict=True):
@@ -150,7 +150,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])
         for factor, expected in ((1.01, 0), (0.99, 1)):
             monkeypatch.setattr(segments_module, "GAPS", GAPS._replace(thin_outside=factor * thinness.max()))
-            assert len(find_missing(problem, step, 0.0, 0.0)[0]) == expected
+            assert len(find_missing(problem, step, 0.0, 0.0, 0.0)[0]) == expected
 
 
 def test_two_new_segments_share_the_room_between_them():

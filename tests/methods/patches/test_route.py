@@ -35,22 +35,3 @@ def test_the_last_gaps_start_on_crests_of_the_tension():
     starts = Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10)
     state, _ = solver.solve_state(starts, starts.surface.full_contact_load * (1 - 1e-6))
     assert (state.route.start, state.dual) == (TENSIONS, True)
-
-
-@pytest.mark.second_attempt
-def test_a_second_attempt_is_tighter_and_the_last(monkeypatch):
-    """The first one fails, and then both."""
-    starts, tried, real = Starts(Profile(1.5, 3, 1), 1e-8), [], solver.solve_in_stages
-
-    def failing(surface, guess, tolerance, accepted):
-        tried.append(tolerance)
-        if len(tried) == 1 or len(tried) > 2:
-            raise solver.ConvergenceError("it fails")
-        return real(surface, guess, tolerance, accepted)
-
-    monkeypatch.setattr(solver, "solve_in_stages", failing)
-    assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
-    assert tried == [1e-8, 1e-9]
-    with pytest.raises(solver.ConvergenceError, match="it fails"):
-        solver.solve_state(starts, 0.3)
-    assert len(tried) == 4

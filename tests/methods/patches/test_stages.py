@@ -12,6 +12,7 @@ from weier.methods.patches.certificate import check_violation, contact_residual,
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
+from weier.methods.patches.solver import solve_state
 from weier.methods.patches.stages import follow_contacts, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts, contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
@@ -150,6 +151,33 @@ def test_a_gap_of_rounding_size_is_closed(below):
     assert around.compliance[0] < around.compliance[1] < around.compliance[2]
     assert around.resistance[0] > around.resistance[1] > around.resistance[2]
     assert around.resistance[1] == pytest.approx(around.resistance[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("above", [1e-4, 1e-8, 1e-9, 1e-10])
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-10])
+def test_a_contact_born_in_a_gap_changes_the_problem_that_is_solved(above, tolerance):
+    """Three gaps start; the overlap in one of them, at most 2e-9 of its height, divides it; then contacts are solved.
+
+    The new contact is so narrow that gaps beside it would take hundreds of nodes, whose rounding exceeds 1e-10.
+    """
+    profile = Profile(1.6118185037681407, 2, 3, (0.5959314512210883, 3.5894714149203306, 0.5937880239670698))
+    load = 1.3837307176116824 * (1 + above)
+    starts = Starts(profile, tolerance)
+    assert starts.guess(load).dual
+    state, steps = solve_state(starts, load)
+    assert not state.dual
+    assert (state.segments.centre.size, state.route.corrections, state.route.attempts) == (4, 1, 1)
+    assert 3 < state.route.steps == steps < 10
+    assert state.error < 1e-12
+
+
+def test_a_gap_that_opens_by_less_than_the_residual_is_not_added():
+    """Fast sums leave 2e-11 g_0, which hides an opening of 4e-13: such a gap came and vanished in turn."""
+    profile = Profile(1.7986052809696087, "6/5", 3, (3.325507403983423, 3.1541776454366532, 2.812665935113782))
+    loose, tight = (patches.curve(profile, [0.9744016943467795], tolerance) for tolerance in (1e-4, 1e-12))
+    assert loose.work[0] < 10
+    assert abs(loose.compliance - tight.compliance) <= loose.compliance_error < 1e-8
+    assert abs(loose.resistance - tight.resistance) <= loose.resistance_error
 
 
 @pytest.mark.second_attempt

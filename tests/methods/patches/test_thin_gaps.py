@@ -8,7 +8,7 @@ from weier.methods.patches import segments, stages
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.solver import make_solution
-from weier.methods.patches.start import Starts, _make_guess, gaps_guess
+from weier.methods.patches.start import Starts, _make_guess
 from weier.methods.patches.surface import intervals_between
 from weier.methods.patches.thin_gaps import find_thin_gaps
 
@@ -116,6 +116,12 @@ def limit(monkeypatch, thinness):
     monkeypatch.setattr(segments, "GAPS", GAPS._replace(thin_outside=thinness))
 
 
+def between(state):
+    """Middle and half-width of the intervals between the segments of a state, on a period of 1."""
+    origin, centre, half_width = intervals_between(state.segments.extent, 1.0)
+    return np.stack([origin + centre, half_width])
+
+
 @pytest.mark.parametrize("below", [1e-6, 1e-7, 1e-9])
 @pytest.mark.parametrize(("profile", "merger", "dual"), [(MERGING, MERGER, False), (HEAVY, HEAVY_MERGER, True)])
 def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, below, monkeypatch):
@@ -125,13 +131,12 @@ def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, bel
     limit(monkeypatch, 1e-2 if dual else 1e-3)
     guess = starts.guess(load)
     if guess.dual and not dual:
-        origin, centre, half_width = intervals_between(guess.segments.extent, starts.surface.heights.period)
-        guess = _make_guess(starts.surface.heights, load, False, np.stack([origin + centre, half_width]))
+        guess = _make_guess(starts.surface.heights, load, False, between(guess))
     thin, _ = stages.solve_in_stages(starts.surface, guess, 1e-10)
     assert thin.dual == dual
     contacts = make_solution(starts.surface, thin, load)
     limit(monkeypatch, 0.0)
-    guess = thin if dual else gaps_guess(starts.surface, thin)
+    guess = thin if dual else _make_guess(starts.surface.tensions, load, True, between(thin))
     assert guess.dual
     gaps, _ = stages.solve_in_stages(starts.surface, guess, 1e-12)
     assert thin.cracks.contact.size == 1

@@ -38,6 +38,7 @@ TANGENT_ERROR = 5e-11
 SAFETY_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
 EPS = float(np.finfo(float).eps)
+ROUNDING = 1e-14  # of a displacement, over the largest under the whole load, p L
 
 
 def error_bound(
@@ -334,15 +335,16 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
 
     The gap between the crest of a light contact and the plane has the error 4 e, and hence the force F the error 4
     e/chi with chi = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is proportional to F. On crests
-    other than the highest and its equals, rounding of the amplitudes adds to e. Rounding of the curvature kappa = 4
-    F/a^2 moves the edges by half its relative error. The force follows from the strengths of the edges, for a Hertz
-    contact: F = pi a^(3/2) k_1/sqrt(8).
+    other than the highest and its equals, rounding of amplitudes and displacements adds to e. Rounding of the
+    curvature kappa = 4 F/a^2 moves the edges by half its relative error. The force follows from the strengths of the
+    edges, for a Hertz contact: F = pi a^(3/2) k_1/sqrt(8).
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
     contacts = state.kind.contacts_of(state.segments.extent, L)
     crest, _ = nearest_crests(series, contacts[0] + contacts[1])
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
-    height_error = np.where(is_lower, state.height_error + EPS * series.total_amplitude, state.height_error)
+    rounding = EPS * series.total_amplitude + ROUNDING * state.load * L
+    height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
     curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
     return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)

@@ -199,16 +199,17 @@ def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOL
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """Return the state under one load, None in full contact, and the steps to it; it depends on no other load.
 
+    The second attempt is tighter or, if rounding limits the first one, looser: its bound is then the least tolerance.
     ConvergenceError is raised if two attempts fail, or if the bound on the error exceeds the tolerance of the starts.
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
     failure, best, steps = ConvergenceError(""), np.inf, 0
     first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE)
-    for attempt, relative in enumerate(dict.fromkeys((first, second)), 1):
+    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE) if first > LEAST_TOLERANCE else MAX_OVER_TARGET * first
+    for attempt, relative in enumerate((first, second), 1):
         try:
-            state, more = solve_in_stages(starts.surface, starts.guess(load), relative, first)
+            state, more = solve_in_stages(starts.surface, starts.guess(load), relative, max(first, relative))
         except ConvergenceError as error:
             failure = error
         else:
@@ -217,8 +218,9 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
                 return state._replace(route=state.route._replace(attempts=attempt)), steps
             best = min(best, known)
     if best < np.inf:
+        cause = " because of rounding" if second > first else ""
         failure = ConvergenceError(
-            f"the compliance under the mean pressure {load:.6g} p_0* is known to {best:.1e} g_0, not to the "
+            f"the compliance under the mean pressure {load:.6g} p_0* is known to {best:.1e} g_0{cause}, not to the "
             f"tolerance of {starts.tolerance:g}: take {MARGIN * best:.1e} or more",
             best,
         )

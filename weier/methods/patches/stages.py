@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
+from weier.methods.patches.certificate import ROUNDING, certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
     Iterate,
@@ -65,9 +65,9 @@ TARGET = 0.01
 MAX_OVER_TARGET = 10.0
 # residual of the forces over the target: next to a new thin gap, a larger one would look like tension at its end
 SOLVED = 0.1
-# rounding of a residual over the displacement w under the whole load (dual: load times the widest gap), and over
-# min(w, 1): at edges near births and mergers, singularities do not fall below the latter
-ROUNDING, EDGE_ROUNDING = 1e-14, 1e-13
+# rounding of a residual over min(w, 1), with w the displacement under the whole load (dual: load times the widest
+# gap): at edges near births and mergers, singularities do not fall below it
+EDGE_ROUNDING = 1e-13
 # tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
 # compliance to second order
 MAX_TENSION = 1e-9
