@@ -233,6 +233,19 @@ def test_a_change_of_how_figures_are_drawn_solves_nothing(finished):
     assert len(drawn(said)) == 1  # the other one is not drawn by this module
 
 
+def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
+    shutil.copytree("profiles/local", finished / "profiles/default")
+    figures, module = finished / "results/test/figures", finished / "weier/figures/resistance.py"
+    edit(finished / "weier/figures/compliance.py", "    return", "    repr(1)\n    return")
+    edit(module, "    return", '    raise ValueError("no ink")\n    return')
+    done = call(finished, "--latency-wait", "1")
+    assert done.returncode == 1
+    assert "weier: two cannot be drawn: no ink\n" in done.stdout
+    assert sorted(path.name for path in figures.iterdir()) == [f"one.{each}" for each in ("csv", "pdf", "png", "svg")]
+    edit(module, '    raise ValueError("no ink")\n', "")
+    assert drawn(run(finished)) == ["two"]
+
+
 def test_docstrings_comments_and_readers_of_files_run_nothing(finished):
     """In any module; and the report of a folder needs no more than a look at it."""
     changed = 0

@@ -105,7 +105,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
     """Draw the figures NAMES of a scene, or those that are missing or outdated, or all if none is.
 
     The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
-    CSV.
+    CSV. A figure that cannot be drawn is removed and named at the end; the others are drawn.
     """
     from weier.figures import METADATA, VALUES, draw, undrawn
     from weier.pipeline.batches import Solutions
@@ -122,11 +122,19 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
             if {made_of(folder / f"{name}.{suffix}") for suffix in METADATA} != {own}
             or not (folder / f"{name}.{VALUES}").exists()
         ]
+        failed = []
         for name in names or outdated or inputs:
             click.echo(f"draw {scene_file.stem}: {name}", err=True)
             wanted = scene.figure(name)
-            studies = [study(name, undrawn(wanted.draw)) for name in wanted.all_studies]
-            draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), mark(inputs[name]))
+            try:
+                studies = [study(name, undrawn(wanted.draw)) for name in wanted.all_studies]
+                draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), mark(inputs[name]))
+            except ValueError as error:
+                failed.append(f"{name} cannot be drawn: {error}")
+                for suffix in (*METADATA, VALUES):
+                    (folder / f"{name}.{suffix}").unlink(missing_ok=True)
+        for line in failed:
+            click.echo(f"weier: {line}", err=True)
 
 
 @click.command(hidden=True)

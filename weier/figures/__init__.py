@@ -65,12 +65,12 @@ class FigureKind(NamedTuple):
 def kinds() -> dict[str, FigureKind]:
     """Return all kinds of figures by the names of their modules."""
     texts = {path.stem: path.read_text(encoding="utf-8") for folder in __path__ for path in Path(folder).glob("*.py")}
-    return {name: kind for name, text in sorted(texts.items()) if (kind := _kind(text))}
+    return {name: _kind(text) for name, text in sorted(texts.items()) if "\nCAPTION = " in text}
 
 
 @cache  # A scene needs the captions of all its figures.
-def _kind(module: str) -> FigureKind | None:
-    """Return the kind of figure of a module with this text; None if it is no kind of figure."""
+def _kind(module: str) -> FigureKind:
+    """Return the kind of figure of a module with this text."""
     tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")
     assigned = {
         ast.unparse(statement.targets[0]): statement.value
@@ -79,8 +79,7 @@ def _kind(module: str) -> FigureKind | None:
     }
     constants: list[Any] = [ast.literal_eval(assigned[name]) if name in assigned else "" for name in names]
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    keywords = (name in drawn for name in ("grouping", "interface", "studies"))
-    return FigureKind(*constants, *keywords) if "CAPTION" in assigned else None
+    return FigureKind(*constants, *(name in drawn for name in ("grouping", "interface", "studies")))
 
 
 def undrawn(kind: str) -> tuple[str, ...]:
