@@ -196,6 +196,10 @@ def test_the_cases_of_a_description_are_read_only_by_the_job_that_solves_them(tm
     assert len(found.cases) == len(found.surfaces)
     with pytest.raises(ValueError, match=r"json does not describe a batch: delete it and run snakemake again"):
         list(found.cases)
+    again = Solutions(solutions.scene, tmp_path / "batches")  # an older version has left this description
+    again.files()
+    again.store.write()
+    assert list(read_batch(description).cases) == list(solutions.store.batch(path.stem).cases)
 
 
 def test_only_batches_that_no_scene_uses_are_unused(tmp_path):

@@ -213,6 +213,7 @@ class Store:
         self.folder = Path(folder)
         self.batches: list[Path] = []
         self.described: dict[str, Batch] = {}
+        self._written = set[str]()
         self._known: dict[str, list[tuple[int, Keys]]] = {}
         self._lookups: dict[str, tuple[Lookup, Indices, Indices]] = {}
 
@@ -232,11 +233,10 @@ class Store:
         return path
 
     def write(self) -> None:
-        """Write the descriptions that are missing."""
-        for name, batch in self.described.items():
-            path = self.folder / f"{name}.json"
-            if not path.exists():
-                write_text(path, batch.describe())
+        """Write the descriptions of this process, each once, also in place of one that an older version has left."""
+        for name in self.described.keys() - self._written:
+            write_text(self.folder / f"{name}.json", self.described[name].describe())
+            self._written.add(name)
 
     def batch(self, name: str) -> Batch:
         """Return the batch of this name."""
