@@ -7,6 +7,7 @@ import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
 from weier.data import dataset, netcdf
+from weier.data.provenance import run_date
 from weier.data.variables import Status
 from weier.pipeline import batch, claims
 from weier.pipeline import gather as gathering
@@ -267,6 +268,16 @@ def test_data_that_were_edited_get_no_other_title(titled):
     with pytest.raises(ValueError, match="not as weier wrote it"):
         write("second")
     assert data.read_bytes() == damaged
+
+
+def test_data_get_the_date_that_is_set_and_seconds_without_one(titled, monkeypatch):
+    data, _, write = titled
+    for date, has_seconds in (("", True), ("1000000000", False), ("1200000000", False), ("", True)):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+        write("first")
+        found = dataset.read(data)
+        assert ("seconds" in found) == has_seconds
+        assert has_seconds or found.attrs["date_created"] == run_date()[0]
 
 
 def test_reproducible_data_are_written_as_a_whole(titled, monkeypatch):

@@ -95,14 +95,14 @@ def attributes(
     return FIXED | units | versions() | changing | dates | ({"scene": scene} if scene else {})
 
 
-def is_reproducible() -> bool:
-    """Return whether files are to be reproducible byte for byte: they omit what depends on other runs."""
-    return bool(os.environ.get("SOURCE_DATE_EPOCH"))
+def source_date() -> str:
+    """Return SOURCE_DATE_EPOCH, or an empty text: with it, files omit what depends on other runs."""
+    return os.environ.get("SOURCE_DATE_EPOCH", "")
 
 
 def run_date() -> tuple[str, str]:
     """Return the date of this run or SOURCE_DATE_EPOCH in ISO 8601, and a sentence that says which it is."""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    epoch = source_date()
     try:
         date = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.now(UTC)
     except (ValueError, OverflowError, OSError):

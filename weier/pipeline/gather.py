@@ -65,7 +65,7 @@ def gather(
         As in `dataset.write`.
     """
     scene, count = solutions.scene, len(solutions.scene.distinct)
-    layout = scene.layout if provenance.is_reproducible() else scene.layout.having("seconds")
+    layout = scene.layout if provenance.source_date() else scene.layout.having("seconds")
     reader, labels = Reader(solutions, layout), case_labels(scene)
     histories, widths = netcdf.texts_of_files(reader.files())
     first = in_units_of(scene, reader.read(np.arange(1)))

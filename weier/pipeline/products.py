@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from weier.data.netcdf import sealed_name
+from weier.data.provenance import source_date
 from weier.digests import RESOURCES, Name, digest, digest_of_code, digest_of_sources
 from weier.methods.registry import METHODS
 from weier.pipeline.batches import Solutions
@@ -37,6 +38,7 @@ def inputs_of_data(solutions: Solutions) -> str:
         repr(scene.interface),
         scene.in_si,
         list(scene.claims.items()),
+        source_date(),  # with it, the data have neither the date of their run nor seconds
     ]
     variables = _inputs(solutions, None, entry, [("weier.pipeline.claims", "write")])
     return variables[:HALF] + digest(scene.text)[:HALF]

@@ -10,7 +10,7 @@ from pathlib import Path
 from weier.checks import suggestion
 from weier.data import curves
 from weier.data.files import write_text
-from weier.data.provenance import is_reproducible
+from weier.data.provenance import source_date
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.claim import Case, Cases, Claim, Judgement, judge
@@ -51,7 +51,7 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     wanted = solutions.scene.claims.items()
     judged = {claim: _judge(claim, chain.from_iterable(map(cases, studies))) for claim, studies in wanted}
     step, inputs = "checked against the paper" if judged else "gathered", inputs_of_data(solutions)
-    if has_variables_of(path, inputs) and not is_reproducible():
+    if has_variables_of(path, inputs) and not source_date():
         describe_again(solutions.scene, path, step, inputs)
     else:
         gather(solutions, path, step, report.to_dataset(judged), inputs)
