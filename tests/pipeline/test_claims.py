@@ -14,6 +14,7 @@ from weier.methods import westergaard
 from weier.pipeline import claims
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import claim, measures, report
+from weier.pipeline.claims.case import Study
 from weier.pipeline.claims.paper import by_phases
 from weier.pipeline.gather import read_study
 
@@ -239,7 +240,23 @@ SAID = [
 
 @pytest.mark.parametrize(("name", "studies", "expected"), SAID)
 def test_what_is_said_of_a_claim(name, studies, expected):
-    assert claims.evaluate(name, studies()).outcome == expected
+    """From the variables that claims of a scene are read with."""
+    read = [study.drop_vars(claims.unused([name]), errors="ignore") for study in studies()]
+    assert claims.evaluate(name, read).outcome == expected
+
+
+def test_a_case_is_a_row_of_the_arrays_of_its_study():
+    both = (NUMERICAL, np.nan), (np.nan, 2 * NUMERICAL), (np.nan, np.nan)
+    study = concat(case(patches=patches, bem=bem) for patches, bem in both)
+    found = Study.of(study.transpose("mean_pressure", ...)).cases
+    assert [one.numerical_method for one in found] == ["patches", "bem", None]
+    changed = found[1].with_values({"compliance": found[0]["compliance"]})
+    for row, one in enumerate([*found[:2], changed]):
+        expected = study.isel(case=row % 2)
+        expected["compliance"] = study["compliance"].isel(case=row % 2 if one is not changed else 0)
+        for every, thinned in ((slice(None), one), (slice(1, None, 2), one.thinned)):
+            for name, values in expected.isel(mean_pressure=every).variables.items():
+                np.testing.assert_array_equal(thinned[name], values.values)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,15 @@ from weier.surface.profile import PARAMETERS, Profile
 if TYPE_CHECKING:
     import xarray as xr
 
+
+class Labelled(Protocol):
+    """A case, by the names of its variables: a Dataset without the dimension of cases, or a row of arrays."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the values of a variable."""
+
+
+AnyCase = TypeVar("AnyCase", bound=Labelled)
 # Contact counts as full above this fraction of the compliance at full contact, as a linear axis shows no difference.
 FULL_CONTACT_COMPLIANCE = 0.99
 
@@ -23,21 +32,20 @@ def cases(studies: Iterable[xr.Dataset]) -> list[xr.Dataset]:
     return [study.isel(case=case) for study in studies for case in range(study.sizes["case"])]
 
 
-def groups(cases: Iterable[xr.Dataset], *names: str) -> list[list[xr.Dataset]]:
+def groups(cases: Iterable[AnyCase], *names: str) -> list[list[AnyCase]]:
     """Return the cases, grouped by the values of the named coordinates, in order of appearance."""
-    members: dict[tuple[float, ...], list[xr.Dataset]] = {}
+    members: dict[tuple[float, ...], list[AnyCase]] = {}
     for case in cases:
-        members.setdefault(tuple(float(case.variables[name]) for name in names), []).append(case)
+        members.setdefault(tuple(float(case[name]) for name in names), []).append(case)
     return list(members.values())
 
 
-def curve(case: xr.Dataset, name: str, method: str | None) -> Array | None:
+def curve(case: Labelled, name: str, method: str | None) -> Array | None:
     """Return the values of a variable over the loads by one method, or None if it has none."""
-    variables = case.variables  # Access to each of them through the dataset takes ten times as long.
-    methods = variables["solution_method"].values.tolist()
+    methods = np.asarray(case["solution_method"]).tolist()
     if method not in methods:
         return None
-    values: Array = variables[name].values[methods.index(method)]
+    values: Array = np.asarray(case[name])[methods.index(method)]
     return values if np.isfinite(values).any() else None
 
 
@@ -87,15 +95,15 @@ def full_contact_loads(study: xr.Dataset) -> Array:
     return np.where(full.any(axis=1), loads[np.argmax(full, axis=1)], loads[-1])
 
 
-def profile(case: xr.Dataset) -> Profile:
+def profile(case: Labelled) -> Profile:
     """Return the profile of a case, from its coordinates alone."""
     m = float(case["m"])
-    phases = case["phases"].values[: int(m)] if np.isfinite(m) else 0.0
+    phases = np.asarray(case["phases"])[: int(m)] if np.isfinite(m) else 0.0
     series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
     return Profile(**series, phases=phases)
 
 
-def phase_angle(case: xr.Dataset) -> float:
+def phase_angle(case: Labelled) -> float:
     """Return the phase of the second term, from 0 to pi: the mirror image of a profile, -phi, has the same curves."""
-    phase = case["phases"].values
+    phase = np.asarray(case["phases"])
     return float(np.arccos(np.cos(phase[1]))) if phase.size > 1 and np.isfinite(phase[1]) else 0.0

@@ -6,21 +6,26 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from weier.checks import suggestion
-from weier.data import curves
 from weier.data.files import write_text
 from weier.data.provenance import source_date
 from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
-from weier.pipeline.claims.claim import Case, Cases, Claim, Judgement, judge
+from weier.pipeline.claims.case import Case, Study
+from weier.pipeline.claims.claim import Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.scene import Mistake, Scene
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
-# Variables that no claim uses: half of the time and memory of a large study.
+# Variables that no claim uses, and those that few do: most of the memory of a large study.
 UNUSED = ("indentation", "patch_count", "residual", "work", "settings", "status", "numerics", "contact_edge")
+BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
@@ -29,6 +34,11 @@ def check_names(scene: Scene) -> Iterator[Mistake]:
         if name not in CLAIMS:
             what = f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
             yield Mistake(("claims", name), what)
+
+
+def unused(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the variables that none of these claims uses."""
+    return UNUSED + BOUNDS * (not any(CLAIMS[name].bounds for name in names))
 
 
 def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
@@ -47,8 +57,9 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     from weier.pipeline.products import has_variables_of, inputs_of_data, mark
 
     # Only the studies of claims are read into memory, each once.
-    cases = cache(lambda study: curves.cases([read_study(solutions, study, UNUSED)]))
     wanted = solutions.scene.claims.items()
+    without = unused(solutions.scene.claims)
+    cases = cache(lambda study: Study.of(read_study(solutions, study, without)).cases)
     judged = {claim: _judge(claim, chain.from_iterable(map(cases, studies))) for claim, studies in wanted}
     step, inputs = "checked against the paper" if judged else "gathered", inputs_of_data(solutions)
     if has_variables_of(path, inputs) and not source_date():
@@ -58,11 +69,11 @@ def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
     write_text(table, f"{report.to_markdown(solutions.scene.title, judged)}\n<!-- {mark(inputs)} -->\n")
 
 
-def evaluate(name: str, studies: Cases) -> Judgement:
+def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:
     """Judge a claim on these studies; a case of several studies counts once."""
-    return _judge(name, curves.cases(studies))
+    return _judge(name, chain.from_iterable(Study.of(study).cases for study in studies))
 
 
 def _judge(name: str, cases: Iterable[Case]) -> Judgement:
-    distinct = {str(case["key"].values): case for case in cases}
+    distinct = {str(case["key"]): case for case in cases}
     return judge(CLAIMS[name], list(distinct.values()))

@@ -9,23 +9,19 @@ tendency by most members. Otherwise the statement is not decided.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from weier.data import curves
 from weier.data.variables import Check
+from weier.pipeline.claims.case import Case
 from weier.tables import significant
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-Case: TypeAlias = "xr.Dataset"
 Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided
 MIN_MEMBERS = 6  # smaller ensembles do not generalise
 MIN_FRACTION = 5 / 6  # fraction of an ensemble that decides on a tendency
-THIN = 2  # every second load is omitted to test the dependence on the choice of loads
 
 
 class MissingError(ValueError):
@@ -112,10 +108,19 @@ class Ensemble(NamedTuple):
 
 
 class Claim:
-    """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions."""
+    """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions.
 
-    def __init__(self, statement: str, ensembles: Callable[[Cases], list[Ensemble]], *conditions: Condition) -> None:
-        self.statement, self.ensembles, self.conditions = statement, ensembles, conditions
+    bounds : whether its conditions measure the bounds on the infinite series
+    """
+
+    def __init__(
+        self,
+        statement: str,
+        ensembles: Callable[[Cases], list[Ensemble]],
+        *conditions: Condition,
+        bounds: bool = False,
+    ) -> None:
+        self.statement, self.ensembles, self.conditions, self.bounds = statement, ensembles, conditions, bounds
 
 
 class Finding(NamedTuple):
@@ -211,7 +216,7 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     """
     limits, most = condition.limits, condition.most
     values = [float(condition.measure(*member)) for member in ensemble.members]
-    fewer = [condition.measure(*map(_every_second_load, member)) for member in ensemble.members]
+    fewer = [condition.measure(*(case.thinned for case in member)) for member in ensemble.members]
     stated = [max(stated_error(case, condition.error) for case in member) for member in ensemble.members]
     checks = [
         limits.check(value, abs(value - other) + error)
@@ -229,7 +234,7 @@ def stated_error(case: Case, quantity: str) -> float:
     """Return the median stated error of the most accurate numerical curve (h in g_0, R relative); 0 without one."""
     if not quantity:
         return 0.0
-    method = curves.numerical_method(case)
+    method = case.numerical_method
     error, values = (curves.curve(case, name, method) for name in (f"{quantity}_error", quantity))
     if error is None or values is None:
         return 0.0
@@ -237,11 +242,6 @@ def stated_error(case: Case, quantity: str) -> float:
     return (
         float(np.median(error[known] / (values[known] if quantity == "resistance" else 1.0))) if known.any() else 0.0
     )
-
-
-def _every_second_load(case: Case) -> Case:
-    """Return the case at every second load, and at the last."""
-    return case.isel(mean_pressure=slice((case.sizes["mean_pressure"] - 1) % THIN, None, THIN))
 
 
 def _outcome(checks: Sequence[Check], most: bool, complete: bool) -> Check:

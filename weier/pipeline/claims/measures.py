@@ -14,7 +14,8 @@ import numpy as np
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
 from weier.methods.registry import find_method
-from weier.pipeline.claims.claim import Case, Cases, MissingError
+from weier.pipeline.claims.case import Case
+from weier.pipeline.claims.claim import Cases, MissingError
 from weier.surface.series import full_contact_pressure, tail_amplitude
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
@@ -44,7 +45,7 @@ def curve(case: Case, method: str | None, quantity: str = "compliance") -> Array
 
 def numerical(case: Case, quantity: str = "compliance") -> Array:
     """Return the values by the most accurate method that solved the case; raises MissingError if none did."""
-    return curve(case, curves.numerical_method(case), quantity)
+    return curve(case, case.numerical_method, quantity)
 
 
 def describe(case: Case) -> str:
@@ -75,7 +76,7 @@ def _between(case: Case, values: Array, low: float, high: float) -> tuple[Array,
     full contact ends at the last load of partial contact, since all methods agree above. MissingError is raised if
     the loads do not reach across half of the range.
     """
-    loads, relative, partial = case["mean_pressure"].values, numerical(case) / _total(case), _partial_contact(case)
+    loads, relative, partial = case["mean_pressure"], numerical(case) / _total(case), _partial_contact(case)
     loads, relative, values = loads[partial], relative[partial], values[partial]
     middle = (low + high) / 2
     need(relative[0] < middle < relative[-1], f"loads across {middle:.0%} of the compliance at full contact")
@@ -93,7 +94,7 @@ def _mean(loads: Array, values: Array) -> float:
 def errors_of_elements(case: Case) -> tuple[float, float]:
     """Return the largest relative errors of elements on one wave, with one of them in contact and with more."""
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
-    points = float(case["points"].values[case["solution_method"].values.tolist().index("bem")])
+    points = float(case["points"][case["solution_method"].tolist().index("bem")])
     single = points * fraction < 1.5
     need(single.any() and not single.all(), "loads with one element in contact and loads with more")
     return _largest((h / exact - 1)[single]), _largest((h / exact - 1)[~single])
@@ -142,7 +143,7 @@ def mean_resistance_error(case: Case, method: str) -> float:
 
 def largest_rise_of_resistance(case: Case) -> float:
     """Return the largest rise of R from one load to the next, by any estimate and the most accurate method."""
-    rows = [curve(case, method, "resistance") for method in (*ESTIMATES, curves.numerical_method(case))]
+    rows = [curve(case, method, "resistance") for method in (*ESTIMATES, case.numerical_method)]
     return max(float((np.diff(row) / row.max()).max()) for row in rows)
 
 
@@ -158,18 +159,22 @@ def width_of_bounds(case: Case) -> float:
 
 def later_full_contact(*dimensions: Case) -> float:
     """Return the load close to full contact of the last case over that of the first."""
-    first, last = (float(curves.full_contact_load([case])) for case in (dimensions[0], dimensions[-1]))
-    return last / first
+    return _full_contact_load(dimensions[-1]) / _full_contact_load(dimensions[0])
+
+
+def _full_contact_load(case: Case) -> float:
+    """Return the first load close to full contact, or the last load."""
+    close = numerical(case) >= curves.FULL_CONTACT_COMPLIANCE * _total(case)
+    return float(case["mean_pressure"][np.argmax(close) if close.any() else -1])
 
 
 def ensemble_mean(cases: Cases) -> Case:
     """Return the mean curves of an ensemble of phases, with the largest of their stated errors."""
-    first = cases[0]
     averaged = ("compliance", "resistance", "contact_fraction", "first_contact")
     largest = ("compliance_error", "resistance_error")
-    values = {name: np.mean([case[name].values for case in cases], axis=0) for name in averaged}
-    values |= {name: np.max([case[name].values for case in cases], axis=0) for name in largest}
-    return first.assign({name: (first[name].dims, value) for name, value in values.items()})
+    values = {name: np.mean([case[name] for case in cases], axis=0) for name in averaged}
+    values |= {name: np.max([case[name] for case in cases], axis=0) for name in largest}
+    return cases[0].with_values(values)
 
 
 def excess_at_low_loads(case: Case, method: str) -> Array:
@@ -290,6 +295,6 @@ def distance_from_one_wave(case: Case, wave: Case) -> float:
 
 def resistance_beyond_bounds(case: Case, wave: Case) -> float:
     """Return the largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
-    low, high = resistance_bounds(case["mean_pressure"].values, *_wave_and_tail(case, wave), 0.0)
+    low, high = resistance_bounds(case["mean_pressure"], *_wave_and_tail(case, wave), 0.0)
     estimates = np.array([curve(case, method, "resistance") for method in ESTIMATES])
     return float(np.maximum(low - estimates, estimates - high).max())

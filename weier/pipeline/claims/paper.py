@@ -9,11 +9,11 @@ import numpy as np
 from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
+from weier.pipeline.claims.case import Case
 from weier.pipeline.claims.claim import (
     MIN_FRACTION,
     MIN_MEMBERS,
     OPEN_FACTOR,
-    Case,
     Cases,
     Claim,
     Condition,
@@ -100,7 +100,7 @@ def _rows(cases: Cases, varied: str) -> list[Cases]:
     """Return one case of each value of a parameter, in its order, for the phases of each case of the last value."""
     by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
     for case in cases:
-        phases = case["phases"].values
+        phases = case["phases"]
         own = tuple(phases[np.isfinite(phases)].round(PHASE_DIGITS).tolist())
         by_value.setdefault(float(case[varied]), []).append((own, case))
     values = sorted(by_value)
@@ -330,6 +330,7 @@ CLAIMS = {
             measures.width_of_bounds,
             at_least(1),
         ),
+        bounds=True,
     ),
     "rises_further": Claim(
         "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",

@@ -1,0 +1,95 @@
+"""Cases as rows of the arrays of their study: a Dataset of each would take most of the time of a large study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.methods.registry import numerical_names
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+THIN = 2  # Every second load is omitted to test the dependence on the choice of loads.
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class Study:
+    """The arrays of a study.
+
+    own : of each case, which is their first dimension; that of the loads, if they have it, is the last one
+    common : of all cases
+    over_loads : names of those over the loads
+    """
+
+    def __init__(self, own: Arrays, common: Arrays, over_loads: frozenset[str]) -> None:
+        self.own, self.common, self.over_loads = own, common, over_loads
+
+    @classmethod
+    def of(cls, data: xr.Dataset) -> Study:
+        """Return the arrays of a dataset over cases."""
+        variables = data.transpose("case", ..., "mean_pressure").variables
+        ordered = {str(name): values for name, values in variables.items()}
+        return cls(
+            {name: values.values for name, values in ordered.items() if "case" in values.dims},
+            {name: values.values for name, values in ordered.items() if "case" not in values.dims},
+            frozenset(name for name, values in ordered.items() if "mean_pressure" in values.dims),
+        )
+
+    @property
+    def cases(self) -> list[Case]:
+        """All cases."""
+        return [Case(self, row) for row in range(len(self.own["key"]))]
+
+    @cached_property
+    def numerical_methods(self) -> NDArray[np.object_]:
+        """The most accurate numerical method that solved each case, or None."""
+        methods, h = self.common["solution_method"].tolist(), self.own["compliance"]
+        found = np.full(len(h), None, object)
+        for name in reversed([name for name in numerical_names() if name in methods]):
+            found[np.isfinite(h[:, methods.index(name)]).any(axis=-1)] = name
+        return found
+
+    @cached_property
+    def thinned(self) -> Study:
+        """The study at every second load, and at the last."""
+        every = slice((len(self.common["mean_pressure"]) - 1) % THIN, None, THIN)
+        own, common = (
+            {name: values[..., every] if name in self.over_loads else values for name, values in arrays.items()}
+            for arrays in (self.own, self.common)
+        )
+        return Study(own, common, self.over_loads)
+
+
+class Case:
+    """One case of a study; its variables are views."""
+
+    __slots__ = "_row", "_study"
+
+    def __init__(self, study: Study, row: int) -> None:
+        self._study, self._row = study, row
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the values of a variable, without the dimension of cases."""
+        own = self._study.own
+        return own[name][self._row] if name in own else self._study.common[name]
+
+    @property
+    def numerical_method(self) -> str | None:
+        """The most accurate numerical method that solved the case, or None."""
+        return cast("str | None", self._study.numerical_methods[self._row])
+
+    @property
+    def thinned(self) -> Case:
+        """The case at every second load, and at the last."""
+        return Case(self._study.thinned, self._row)
+
+    def with_values(self, values: Arrays) -> Case:
+        """Return the case with other values of some variables."""
+        own = {name: found[self._row, None] for name, found in self._study.own.items()}
+        changed = {name: found[None] for name, found in values.items()}
+        return Case(Study(own | changed, self._study.common, self._study.over_loads), 0)
