@@ -7,7 +7,7 @@ import pytest
 
 from weier import ConvergenceError
 from weier.methods import layer, westergaard
-from weier.methods.layer.closure import POSITION_SCALE, closure_of
+from weier.methods.layer.closure import closure_of
 from weier.methods.layer.conditions import violations
 from weier.methods.layer.scales import Model, coarser_units, finest_wave
 from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE
@@ -20,8 +20,8 @@ def test_a_stiff_layer_leaves_westergaard(xi):
     # w = 1e-11 sqrt(xi) p. Westergaard's q is a constant and a cosine, which the nodes have exactly; that p vanishes
     # at the edge they learn from w alone, so that the square root of 1e-11 is seen.
     position = np.linspace(-4, 1, 200)  # the cubics between so many rows are the power law to 1e-8
-    log_p = POSITION_SCALE * np.sinh(position)
-    log_w, slope = log_p + np.log(1e-11 * np.sqrt(xi)), POSITION_SCALE * np.cosh(position)
+    log_p = np.sinh(position)
+    log_w, slope = log_p + np.log(1e-11 * np.sqrt(xi)), np.cosh(position)
     found = solve_waves(np.log([xi]), closure_of(position, log_w, slope), midpoints(POINTS), 1e-12)
     np.testing.assert_allclose(found.compliance, westergaard.compliance(xi), rtol=1e-6)
     np.testing.assert_allclose(found.rate / xi, westergaard.resistance(xi), rtol=1e-4, atol=2e-5)

@@ -12,12 +12,11 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 
-POSITION_SCALE = 4.0  # positions are linear in ln p up to this distance from the origin, then logarithmic
 MAX_SLOPE_RATIO = 3.0  # slope over chord up to which a cubic is monotone (Fritsch and Carlson 1980)
 
 
 class Closure(NamedTuple):
-    """ln w - `log_height` as cubics over the position asinh((ln p - origin)/4); outside, w is a power of p.
+    """ln w - `log_height` as cubics over the position asinh(ln p - origin); outside, w is a power of p.
 
     In this variable the curvature of ln w is uniform over hundreds of decades.
     """
@@ -41,10 +40,10 @@ def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure
 
 def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
     """Return positions of ln p, clipped to the rows, and the excess beyond both ends, linear in ln p."""
-    position = np.arcsinh((log_pressure - closure.origin) / POSITION_SCALE)
+    position = np.arcsinh(log_pressure - closure.origin)
     inside = np.clip(position, *closure.cubics.x[[0, -1]])
-    excess = log_pressure - closure.origin - POSITION_SCALE * np.sinh(inside)
-    return inside, np.where(inside == position, 0.0, excess / (POSITION_SCALE * np.cosh(inside)))
+    excess = log_pressure - closure.origin - np.sinh(inside)
+    return inside, np.where(inside == position, 0.0, excess / np.cosh(inside))
 
 
 def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
@@ -52,4 +51,4 @@ def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array
     position, excess = position_in(closure, log_pressure)
     slope = closure.cubics(position, 1)
     log_w = closure.log_height + closure.cubics(position) + slope * excess
-    return log_w, slope / (POSITION_SCALE * np.cosh(position))
+    return log_w, slope / np.cosh(position)

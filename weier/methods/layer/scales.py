@@ -14,7 +14,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import POSITION_SCALE, Closure
+from weier.methods.layer.closure import Closure
 from weier.methods.layer.conditions import violations
 from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solve_waves
@@ -73,7 +73,7 @@ class Scale(NamedTuple):
     def rows(self, position: Array, guess: Array | None) -> Rows:
         """Return rows of W at these positions below full contact, from the guessed states."""
         solutions = self._solved(log_load_at(position), guess)
-        h, stretch = np.minimum(solutions.compliance, self.amplitude), POSITION_SCALE * np.cosh(position)
+        h, stretch = np.minimum(solutions.compliance, self.amplitude), np.cosh(position)
         return Rows(
             position, np.log(h), solutions.rate / h * stretch, solutions.state, solutions.tangent * stretch[:, None]
         )
@@ -137,7 +137,7 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
 
     def waves(position: Array, _: Array | None) -> Rows:
         y = np.minimum(log_load_at(position), 0)
-        slope, nothing = -y / (1 - y) * POSITION_SCALE * np.cosh(position), np.zeros((y.size, 0))
+        slope, nothing = -y / (1 - y) * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
     return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import POSITION_SCALE, Closure, closure_of, log_compression
+from weier.methods.layer.closure import Closure, closure_of, log_compression
 
-BOTTOM_POSITIONS = -3.375, -5.875  # first row: xi = e^-58 and e^-711
+BOTTOM_POSITIONS = math.asinh(-58), math.asinh(-711)  # first row: xi = e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
-MAX_POSITION = math.asinh(709 / POSITION_SCALE)  # last row: double precision ends at e^709.8
+MAX_POSITION = math.asinh(709)  # last row: double precision ends at e^709.8
 CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
 MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
 SLOPE_FRACTION = 0.25  # weight of a slope error times half the spacing; a cubic is wrong by 4/27 of that
@@ -52,12 +52,12 @@ WaveMap = Callable[[Array, Array | None], Rows]  # of increasing positions and s
 
 def log_load_at(position: ArrayLike) -> Array:
     """Return ln xi at these positions."""
-    return np.asarray(POSITION_SCALE * np.sinh(position))
+    return np.sinh(position)
 
 
 def position_of(log_load: float) -> float:
     """Return the position of a ln xi."""
-    return math.asinh(log_load / POSITION_SCALE)
+    return math.asinh(log_load)
 
 
 def lattice(bottom: float, top: float) -> Array:
@@ -94,7 +94,7 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
     guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)
     between = waves(middle, guess)
     log_W, power = log_compression(rows.closure, log_load_at(middle))
-    by_slope = SLOPE_FRACTION * half * np.abs(between.slope - power * POSITION_SCALE * np.cosh(middle))
+    by_slope = SLOPE_FRACTION * half * np.abs(between.slope - power * np.cosh(middle))
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
 
 
