@@ -219,3 +219,14 @@ def test_kernels_as_plain_python_give_what_they_give_compiled():
         found = bem.curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48, solver=solver)
         assert found.compliance == pytest.approx(compliance, abs=1e-9)
         assert found.resistance == pytest.approx(resistance, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("load", [0.02, 0.4])
+def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
+    """The guess of each grid is made once, also if a part ends between two grids."""
+    found = []
+    for part in (active_set.PART, 1, 3000):
+        monkeypatch.setattr(active_set, "PART", part)
+        grid = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10)
+        found.append((grid.solve(load), grid.work, grid.solve_tangent()))
+    assert found[0] == found[1] == found[2]

@@ -5,7 +5,8 @@ import pytest
 
 from tests.profiles import THREE_WAVES, half_a_node_off
 from weier import Profile, random_phases
-from weier.methods import bem, patches
+from weier.methods import bem, patches, westergaard
+from weier.methods.errors import OutOfReachError
 
 LOADS = np.geomspace(1e-3, 10, 12)
 
@@ -31,6 +32,17 @@ def test_points_are_the_fewest_that_do(error):
     assert bem.error_model.compliance_error(THREE_WAVES, points) <= error * (1 + 1e-12)
     # Rounded up to what halves: by 1 in 8 at most, and 3 in 4 of the points leave a larger error.
     assert points == 12 * waves or bem.error_model.compliance_error(THREE_WAVES, int(points * 0.75)) > error
+
+
+def test_a_tolerance_is_met_on_fine_grids_as_far_as_rounding_allows():
+    """On 70 000 nodes for a wave, whose rounding is above a thousandth of a tolerance of 2e-11."""
+    loads, one_wave = np.array([0.1, 0.6]), Profile(1.25, 5, 1)
+    found = bem.METHOD.solve(one_wave, loads, tolerance=1e-9)
+    assert found.points > 60_000
+    assert np.all(found.compliance_error <= 1e-9)
+    assert np.all(np.abs(found.compliance - westergaard.compliance(loads)) <= found.compliance_error)
+    with pytest.raises(OutOfReachError, match=r"must exceed 2e-11 g_0, the rounding .*, got 2e-11: take a larger"):
+        bem.METHOD.solve(one_wave, loads, tolerance=2e-11)
 
 
 @pytest.mark.parametrize("profile", [Profile(1.4, "5/2", 4, random_phases(3)), Profile(1.1, 2, 5, 0.0)])

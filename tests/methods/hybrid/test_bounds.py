@@ -3,9 +3,12 @@
 import math
 
 import numpy as np
+import pytest
 
-from weier import Profile
+from weier import ConvergenceError, Profile
 from weier.methods import bem, hybrid, patches
+from weier.methods.bem.active_set import NestedSolver
+from weier.methods.errors import OutOfReachError
 from weier.methods.hybrid.solver import MESH_FRACTION
 from weier.surface.profile import RandomPhases
 
@@ -27,3 +30,22 @@ def test_bounds_hold_for_crests_between_two_nodes():
     assert np.all(lower <= exact)
     assert lower[0] == 0
     assert np.all(upper > exact)
+
+
+def test_bounds_that_take_too_many_points_are_refused_by_the_number_of_terms():
+    with pytest.raises(OutOfReachError, match="terms must be fewer, got 9"):
+        hybrid.bounds(Profile(1.25, 5, math.inf), [0.1], 9)
+
+
+def test_a_load_that_does_not_converge_is_refused_in_terms_of_the_hybrid(monkeypatch):
+    """Boundary elements propose another grid, which is not a setting here."""
+    stopped = NestedSolver.solve_discrete
+
+    def stop(self, load, with_tangent):
+        return stopped(self, load, with_tangent)._replace(residual=1e-3)
+
+    monkeypatch.setattr(NestedSolver, "solve_discrete", stop)
+    with pytest.raises(ConvergenceError, match=r"2 resolved terms stopped at .* resolve fewer terms") as refused:
+        hybrid.bounds(Profile(1.25, 5, math.inf), [0.1], 2)
+    assert refused.value.residual == 1e-3
+    assert "points" not in str(refused.value)

@@ -8,7 +8,8 @@ with its corrections (`_correct_contact`). A kernel returns after `PART` of the 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +31,7 @@ PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so 
 # The progress of a load:
 #
 # level : of the grid that it is on
-# steps, corrections : of conjugate gradients and of the contact, on this grid
+# steps, corrections : of conjugate gradients, with the guess, and of the contact, on this grid
 # work : nodes of all pairs of FFTs; 0 before the load begins
 # limit : of the work, at which a call returns
 # energy : of the residual before the last step
@@ -280,7 +281,6 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
     """
     search, points = state.search[0], state.pressure.size
     edge = find_edges(state.contact, state.edge)
-    search.limit = search.work + PART
     if search.steps == 0:
         punch_shape(edge, state.contact, state.pressure)
         total = state.pressure.sum()
@@ -288,6 +288,7 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
             state.pressure[i] *= points / total
         deformed_surface(np.zeros(points), grid, state)
         search.work += points
+        search.steps = 1
     while search.work < search.limit and search.steps < MAX_STEPS:
         search.steps += 1
         plane = mean_in_contact(state.deformed, state.contact)
@@ -316,7 +317,6 @@ def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
     search = fine.search[0]
     if search.work == 0:
         _begin_on(0, search)
-    search.limit = search.work + PART
     while search.level < hierarchy.points.size:
         level = search.level
         state = leading_part(fine, hierarchy.points[level])
@@ -330,6 +330,7 @@ def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
             for wave in range(carried, hierarchy.terms[level]):
                 add_harmonic(wave, hierarchy.harmonics, state.pressure, state.residual)
             _contact_from_pressure(state)
+            search.steps = 1  # A part that ends here does not make the guess again.
         if not solve_load(load, _compiled_grid_of(hierarchy, level), state):
             return False
         _begin_on(level + 1, search)
@@ -347,15 +348,20 @@ class NestedSolver:
     def solve(self, load: float) -> float:
         """Return the plane under a load."""
         self.state.search["work"] = 0
-        while not cascade(load, self.hierarchy, self.state):
-            pass
+        self._in_parts(cascade, load, self.hierarchy)
         return float(self.state.search["plane"][0])
 
     def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
         """Return the resistance on the last contact of `solve`, or inf."""
-        while not solve_tangent(flatness, self.grid, self.state):
-            pass
+        self._in_parts(solve_tangent, flatness, self.grid)
         return float(self.state.search["resistance"][0])
+
+    def _in_parts(self, search: Callable[..., bool], *arguments: Any) -> None:
+        """Call a kernel until it is done, for `PART` of the work at a time."""
+        done = False
+        while not done:
+            self.state.search["limit"] = self.state.search["work"] + PART
+            done = search(*arguments, self.state)
 
     @property
     def residual(self) -> float:

@@ -19,9 +19,6 @@ MISSED_CREST = (2 * math.pi) ** 2 / 8
 MIN_MEASURED_POINTS = 12  # coarser grids, in points per finest wave, were not measured
 MAX_POINTS_PER_WAVE = 1e15  # beyond any computer, and still an integer
 MAX_POINTS = 2**21  # a second per load
-# limit of the points per finest wave chosen for a tolerance: with twice as many the active set did not settle at 2 of
-# 4 loads (D = 1.25, gamma = 5, m = 3)
-MAX_SOLVED_POINTS_PER_WAVE = 10_000
 MAX_OTHERS = 400  # chords per load; more hardly tighten the bounds
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from weier.kernels.arrays import Array
@@ -14,6 +15,8 @@ from weier.surface.limits import check_points
 from weier.surface.waves import Waves
 
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
+# g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
+MIN_RESIDUAL = 1e-11
 # seconds per load on few points, and their growth (docs/numerics.md, "Expected seconds")
 SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.3
 
@@ -43,19 +46,28 @@ def _grid_within(
     """
     if points is not None or points_per_wave is not None:
         raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
-    found = points_within(profile, tolerance)
-    most = min(error_model.MAX_POINTS, error_model.MAX_SOLVED_POINTS_PER_WAVE * profile.waves_per_period[-1])
-    if found > most:
+    found, least = points_within(profile, tolerance), RESIDUAL_FACTOR * MIN_RESIDUAL
+    if math.isinf(found):
         raise OutOfReachError(
-            f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than {most}: "
-            'take a larger tolerance or the method "patches"'
+            f"the tolerance of boundary elements must exceed {least:g} g_0, the rounding of fine grids, got "
+            f'{tolerance:g}: take a larger tolerance or the method "patches"'
         )
-    return found, RESIDUAL_FRACTION * tolerance
+    if found > error_model.MAX_POINTS:
+        raise OutOfReachError(
+            f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than "
+            f'{error_model.MAX_POINTS}: take a larger tolerance or the method "patches"'
+        )
+    return int(found), _residual_within(tolerance)
 
 
-def points_within(profile: Waves, tolerance: float) -> int:
-    """Return the least number of points per period whose bound is within a tolerance, in g_0."""
-    return error_model.fewest_points(profile, tolerance * (1 - RESIDUAL_FACTOR * RESIDUAL_FRACTION))
+def points_within(profile: Waves, tolerance: float) -> float:
+    """Return the least number of points per period whose bound is within a tolerance, in g_0; inf by rounding."""
+    error = tolerance - RESIDUAL_FACTOR * _residual_within(tolerance)
+    return error_model.fewest_points(profile, error) if error > 0 else math.inf
+
+
+def _residual_within(tolerance: float) -> float:
+    return max(RESIDUAL_FRACTION * tolerance, MIN_RESIDUAL)
 
 
 def within_few_points(profile: Waves, tolerance: float) -> bool:
@@ -86,7 +98,7 @@ def points_of(
     points_per_wave: int | None = None,
     points: int | None = None,
     **settings: Any,
-) -> int:
+) -> float:
     """Return the points in a period by the settings."""
     if tolerance is not None:
         return points_within(profile, tolerance)
@@ -104,8 +116,8 @@ METHOD = Method(
     summary="accelerated boundary elements (5.1) with sub-grid contact edges; finite m",
     solve=_solve,
     settings={
-        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1), which sets the points; it bounds "
-        'the resistance poorly: for this use patches, or auto with quantity="resistance"',
+        "tolerance": f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
+        'it sets the points, and bounds R poorly: for this use patches, or auto with quantity="resistance"',
         "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
         "points": "nodes per period, instead of points_per_wave",
         "staircase": '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import bem
 from weier.methods.bem.error_model import fewest_points
-from weier.methods.errors import NotApplicableError
+from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
 from weier.methods.progress import reporting_to
@@ -129,8 +129,19 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     check_infinite(profile)
     kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
     tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
-    with reporting_to():  # These loads are a part of others.
-        solved = bem.METHOD.solve(kept, loads, tolerance=tolerance, with_resistance=False, staircase="kept")
+    try:
+        with reporting_to():  # These loads are a part of others.
+            solved = bem.METHOD.solve(kept, loads, tolerance=tolerance, with_resistance=False, staircase="kept")
+    except OutOfReachError as error:
+        raise OutOfReachError(
+            f"terms must be fewer, got {terms}: their bounds take more points than boundary elements solve"
+        ) from error
+    except ConvergenceError as error:
+        raise ConvergenceError(
+            f"the bounds from {terms} resolved terms stopped at a residual of {error.residual:.1e} g_0: resolve "
+            "fewer terms",
+            error.residual,
+        ) from error
     return complete_bounds(solved.compliance, kept.tail_amplitude, profile.total_amplitude, solved.compliance_error)
 
 
