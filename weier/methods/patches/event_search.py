@@ -164,7 +164,7 @@ class _Search(NamedTuple):
         pending, splits = [(low, high)], 0
         while pending:
             low, high = pending.pop()
-            found, middle = self._finish(low, high)
+            found = self._finish(low, high)
             if found is not None:
                 located += found
                 continue
@@ -174,34 +174,30 @@ class _Search(NamedTuple):
                     f"the changes of contacts between the mean pressures {low.load:.10g} and {high.load:.10g} p_0* "
                     f"remain uncertain after {splits} bisections; take a smaller interval of loads"
                 )
-            between = self.state(middle)
+            between = self.state(float(np.sqrt(low.load) * np.sqrt(high.load)))
             pending += [(between, high), (low, between)]
         return located
 
-    def _finish(self, low: ContactState, high: ContactState) -> tuple[list[tuple[float, _Event]] | None, float]:
-        """Return the events between two states, None if the interval must be split, and the load where it is split.
+    def _finish(self, low: ContactState, high: ContactState) -> list[tuple[float, _Event]] | None:
+        """Return the events between two states; None if the interval must be bisected.
 
         Events in an interval shorter than `MIN_INTERVAL` are assigned the load of the heavier state. Other intervals
         are finished when certainly no contact has changed, or when all roots coincide and the contacts there satisfy
-        the inequalities. Otherwise they are split, between the two roots farthest apart if there are any.
+        the inequalities.
         """
         width = float(np.log(high.load / low.load))
         changes, is_certain = self._changes(low, high)
-        middle = float(np.sqrt(low.load) * np.sqrt(high.load))
         if width < MIN_INTERVAL:
-            return [(high.load, event) for event in changes], middle
+            return [(high.load, event) for event in changes]
         if is_certain and not changes:
-            return [], middle
+            return []
         if is_certain and width < MAX_ROOT_INTERVAL and len(changes) <= MAX_ROOTS:
             located = self._locate_all(low, high, changes)
             loads = sorted(state.load for _, state in located)
-            if loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]:  # one event, or several by symmetry
-                if self._is_in_contact(located[0][1]):
-                    return [(state.load, event) for event, state in located], middle
-            elif loads:
-                widest = int(np.argmax(np.diff(loads)))
-                middle = 0.5 * (loads[widest] + loads[widest + 1])
-        return None, middle
+            is_one = loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]  # or several by symmetry
+            if is_one and self._is_in_contact(located[0][1]):
+                return [(state.load, event) for event, state in located]
+        return None
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
         """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
