@@ -7,11 +7,10 @@ from scipy.integrate import quad
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
 from weier.methods import patches
+from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.patches.certificate import (
     EPS,
     GAP_FACTOR,
-    GAP_ROUNDING,
-    ROUNDING,
     SAMPLED_FACTOR,
     TANGENT_ERROR,
     _largest_and_width,
@@ -26,6 +25,7 @@ from weier.methods.patches.certificate import (
     sample_points,
 )
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
+from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import MINIMUM, Cracks
 from weier.methods.patches.surface import make_series
 
@@ -396,7 +396,7 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     wave = OneWave(period, part * period, 0.2 * period)
     gaps = np.zeros(1, MINIMUM)
     gaps["position"], gaps["curvature"] = wave.crest + distance * period, 50.0
-    depth = GAP_FACTOR * HEIGHT + GAP_ROUNDING
+    depth = GAP_FACTOR * HEIGHT + FIELD_ROUNDING
     b = np.sqrt(2 * depth / 50)
     relief = -2 * np.log(np.pi * part) + 4 * np.log(2 * np.sin(np.pi * distance))
     assert (relief < 0) == (distance < 0.1)
@@ -419,7 +419,7 @@ def test_rounding_widens_contacts(period):
     chi = max(-2 * np.log(np.pi * a / period), 1.0)
     amplitude = np.array([1.0, 0.7])
     of_curvature = EPS * np.sum(amplitude * (2 * np.pi * waves / period) ** 2) * a**3 / (8 * force)
-    total = EPS * amplitude.sum() + ROUNDING * wave.load * period
+    total = EPS * amplitude.sum() + COMPLIANCE_ROUNDING * wave.load * period
     of_height = np.sqrt(2) * total / (np.pi * A * np.sqrt(a)) + 2 * a * total / (chi * force)
     state = wave.state(False)._replace(height_error=0.0, error=0.0)
     for shift, is_lower in ((0.0, False), (np.pi, True)):

@@ -12,10 +12,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
+from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.kind import GAP, NEW_GAP_WIDTH
+from weier.methods.patches.kind import FIELD_ROUNDING, GAP, NEW_GAP_WIDTH
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Sides, distances_between, nearest_crests
 
@@ -28,8 +29,6 @@ DIRECT_SUMS = 40  # points at which residuals of many segments are checked witho
 # If heights z' differ from z by at most e, u' - u <= (z' - z) + (d - d') <= 2 e at its maximum, so that the gaps obey
 # |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. If part of e comes from tension or load, this is an estimate.
 GAP_FACTOR = 4.0
-# rounding of a gap over the sum of the amplitudes: twice the largest measured difference between shifted profiles
-GAP_ROUNDING = 1e-13
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
 # Three estimates of first order count twice: an edge of a narrow gap, which neglects the motion of the opposite
@@ -38,7 +37,6 @@ TANGENT_ERROR = 5e-11
 SAFETY_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
 EPS = float(np.finfo(float).eps)
-ROUNDING = 1e-14  # of a displacement, over the largest under the whole load, p L
 
 
 def error_bound(
@@ -237,7 +235,7 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
 
 def gap_uncertainty(error: float, series: CosineSeries) -> float:
     """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`."""
-    return GAP_FACTOR * error + GAP_ROUNDING * series.total_amplitude
+    return GAP_FACTOR * error + FIELD_ROUNDING * series.total_amplitude
 
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
@@ -343,7 +341,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     contacts = state.kind.contacts_of(state.segments.extent, L)
     crest, _ = nearest_crests(series, contacts[0] + contacts[1])
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
-    rounding = EPS * series.total_amplitude + ROUNDING * state.load * L
+    rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * L
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
     curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)

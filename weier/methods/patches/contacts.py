@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
 from weier.methods.patches.kind import (
+    FIELD_ROUNDING,
     MAX_THINNESS,
-    MIN_TENSION,
     NEW_CONTACT_WIDTH,
     NEW_GAP_WIDTH,
     POTENTIAL,
@@ -87,7 +87,7 @@ def _tensions(contacts: Extent, negative: Records, period: float) -> NDArray[np.
 
 def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
     """Return which tensions, over the largest pressure of their contact, are larger than its last coefficients."""
-    return np.asarray(tensions["relative"] < -np.maximum(tail, MIN_TENSION)[tensions["segment"]])
+    return np.asarray(tensions["relative"] < -np.maximum(tail, FIELD_ROUNDING)[tensions["segment"]])
 
 
 CONTACTS = Kind(

@@ -19,7 +19,15 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import CAUCHY, GAP, MAX_THINNESS, MIN_TENSION, NEW_CONTACT_WIDTH, NEW_GAP_WIDTH, Kind
+from weier.methods.patches.kind import (
+    CAUCHY,
+    FIELD_ROUNDING,
+    GAP,
+    MAX_THINNESS,
+    NEW_CONTACT_WIDTH,
+    NEW_GAP_WIDTH,
+    Kind,
+)
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between
 
 # The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
@@ -84,7 +92,7 @@ def _tensions(contacts: Extent, minima: Records, period: float) -> NDArray[np.fl
 
 def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
     """Return which minima of the pressure are below minus the residual, a pressure as well."""
-    return np.asarray((tensions["value"] < -max(residual, MIN_TENSION * load)) & (tensions["curvature"] > 0))
+    return np.asarray((tensions["value"] < -max(residual, FIELD_ROUNDING * load)) & (tensions["curvature"] > 0))
 
 
 GAPS = Kind(

@@ -37,7 +37,6 @@ from weier.theory.halfplane import replace_by_influence
 # conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m weier.accuracy.direct_solution`)
 MAX_DIRECT = 400
 MAX_STEPS = 300  # of conjugate gradients; 10 to 30 are usual
-MAX_PREDICTED_MOVE = 0.3  # largest move, in half-widths, for the first-order prediction of the density
 
 
 class Punches(NamedTuple):
@@ -332,16 +331,14 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
     """Return the coefficients of psi when segments have moved: to second order the solution, after Newton's step.
 
     At a point whose coordinate t changes by w = (dc + t dr)/r, psi becomes psi + w [(1-t^2) phi' - t phi], and the
-    bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta). w is limited to
-    `MAX_PREDICTED_MOVE`.
+    bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta).
     """
     moved = b.copy()
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         shift, slope = centre_shift[j] / r[j], growth[j] / r[j]
-        factor = min(1.0, MAX_PREDICTED_MOVE / max(abs(shift) + abs(slope), 1e-300))
         for k in range(first + 1, last):
-            motion = -factor * (k - first) * a[k - 1]
+            motion = -(k - first) * a[k - 1]
             moved[k] += shift * motion
             moved[k - 1] += 0.5 * slope * motion
             if k + 1 < last:

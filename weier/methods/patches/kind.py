@@ -18,7 +18,10 @@ PRESSURE, GAP = 0, 1
 # by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
 # digits, at most 750 at the half of it from which existing contacts are merged
 MAX_THINNESS = 2e-4
-MIN_TENSION = 1e-13  # tension over the largest pressure of a contact, or the load, below which it is rounding
+# rounding of tensions over the largest pressure of their contact or the load; of gaps over the sum of the amplitudes,
+# twice the largest difference measured between shifted profiles; and of singularities over min(w, 1), with w the
+# displacement under the whole load: at edges near births and mergers they do not fall below it
+FIELD_ROUNDING = 1e-13
 NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
 # Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
 # many loads are not solved (docs/numerics.md, "Contact patches in numbers").

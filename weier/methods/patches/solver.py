@@ -20,7 +20,7 @@ from weier.methods.patches.certificate import resistance_error
 from weier.methods.patches.fields import pressures_or_gaps
 from weier.methods.patches.kind import GAP, PRESSURE
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, solve_in_stages
+from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -199,14 +199,15 @@ def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOL
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """Return the state under one load, None in full contact, and the steps to it; it depends on no other load.
 
-    The second attempt is tighter or, if rounding limits the first one, looser: its bound is then the least tolerance.
+    The second attempt is tighter or, if rounding limits the target of the first one, so much looser that its target
+    is the first tolerance; its bound may still be within the tolerance, and is otherwise the least one.
     ConvergenceError is raised if two attempts fail, or if the bound on the error exceeds the tolerance of the starts.
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
     failure, best, steps = ConvergenceError(""), np.inf, 0
     first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE) if first > LEAST_TOLERANCE else MAX_OVER_TARGET * first
+    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE) if first > LEAST_TOLERANCE else first / TARGET
     for attempt, relative in enumerate((first, second), 1):
         try:
             state, more = solve_in_stages(starts.surface, starts.guess(load), relative, max(first, relative))

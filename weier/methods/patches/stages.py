@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
+from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.certificate import ROUNDING, certify, contact_residual, gap_uncertainty
+from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
     Iterate,
@@ -39,7 +40,7 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import PRESSURE
+from weier.methods.patches.kind import FIELD_ROUNDING, PRESSURE
 from weier.methods.patches.segments import (
     MAX_NODES,
     UNRESOLVED,
@@ -53,7 +54,7 @@ from weier.methods.patches.surface import CosineSeries, Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # of a load; 2.6 on average, at most 9 for 4 000 hard loads
-LEAST_TOLERANCE = 1e-12  # relative, of the residual; ten times `EDGE_ROUNDING`
+LEAST_TOLERANCE = 10 * FIELD_ROUNDING  # relative, of the residual
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 LARGEST_TOLERANCE = 1e-6
@@ -63,27 +64,13 @@ TARGET = 0.01
 # largest residual in stage 3 over the target, unless rounding limits the target; a second attempt (`solve_state`)
 # therefore divides its tolerance by it
 MAX_OVER_TARGET = 10.0
-# residual of the forces over the target: next to a new thin gap, a larger one would look like tension at its end
-SOLVED = 0.1
-# rounding of a residual over min(w, 1), with w the displacement under the whole load (dual: load times the widest
-# gap): at edges near births and mergers, singularities do not fall below it
-EDGE_ROUNDING = 1e-13
 # tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
 # compliance to second order
 MAX_TENSION = 1e-9
 # Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
 LEAST_TANGENT_REDUCTION = 1e-8
 MAX_LEFT_BY_NODES = 0.5  # ratio of the residuals with more and with fewer nodes above which they are rounding
-MAX_TAIL = 0.3  # last coefficients over the target from which a segment needs more nodes
-# limit of the moves, in half-widths, over the tolerance: a contact whose force is below the target may take a large
-# part of a load increment
-MAX_MOVE = 1e4
-MAX_ROUNDING_MOVE = 1e-6  # in half-widths; smaller moves that no longer shrink are rounding
 MIN_ROUNDING_RATIO = 0.1  # ratio of successive moves from which they no longer shrink
-# least height of a new gap or contact over the residual of the forces: below it the residual hides the singularities
-# that determine the edges
-MIN_OPENING = 100.0
-MIN_PIECE = 1e-3  # shortest piece left by a cut, in half-widths of the contact
 
 
 NO_SET = "no set of contacts was found that meets all conditions under {:.6g} p_0*"
@@ -94,7 +81,8 @@ class Limits(NamedTuple):
 
     tolerance : relative, which sets the number of nodes
     target : of residual, singularities and overlap
-    residual : of the equations on given edges
+    residual : of the equations on given edges: next to a new thin gap, more would look like tension at its end
+    opening : least height of a new gap or contact; the residual would hide the singularities that determine its edges
     allowed : residual between the nodes
     rounding : of a residual
     """
@@ -102,6 +90,7 @@ class Limits(NamedTuple):
     tolerance: float
     target: float
     residual: float
+    opening: float
     allowed: float
     rounding: float
 
@@ -150,7 +139,7 @@ def solve_in_stages(
         # violated between segments. The margin is the error of the gap after certification (docs/patches.md, "The
         # bound on the compliance"): minima below it are kept, since they may be births.
         negative = find_negative_intervals(state)
-        wrong = _to_be_cut(state, negative, MIN_OPENING * limits.residual)
+        wrong = _to_be_cut(state, negative, limits.opening)
         added, remaining, minima = _corrections(problem, step, state, limits, wrong, margin)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
@@ -220,33 +209,40 @@ def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Lim
     """Return the limits of a load for a relative tolerance of its residual."""
     wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
-    rounding = max(ROUNDING * displacement, EDGE_ROUNDING * min(displacement, 1.0))
+    rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
-    return Limits(tolerance, target, SOLVED * target, max(wanted, MAX_OVER_TARGET * target), rounding)
+    most = MAX_OVER_TARGET * target
+    return Limits(tolerance, target, target / MAX_OVER_TARGET, most, max(wanted, most), rounding)
 
 
 def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
-    """Return whether the residual and the singularities at all edges are below the target, and moves small.
+    """Return whether the residual is below the target, and the edges have moved and are converged.
 
-    Moves that no longer decrease count as small; if they are rounding, singularities count as below the target.
+    Two of three conditions are enough: the singularities at all edges are below the target, the moves no longer
+    decrease, or they are small. A contact whose force is below the target may take a large part of a load increment,
+    and singularities may be rounding.
     """
-    move = float(step.moves.relative.max())
-    is_settled, is_rounding = move > MIN_ROUNDING_RATIO * last_move, move < MAX_ROUNDING_MOVE
-    is_regular = float(step.singular.max()) < limits.target and (is_settled or move < MAX_MOVE * limits.tolerance)
     has_moved, is_solved = last_move < np.inf, step.forces.residual < limits.target
-    return has_moved and is_solved and (is_regular or (is_settled and is_rounding))
+    is_settled = float(step.moves.relative.max()) > MIN_ROUNDING_RATIO * last_move
+    conditions = float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits)
+    return has_moved and is_solved and sum(conditions) > 1
+
+
+def _is_small(step: NewtonStep, limits: Limits) -> bool:
+    """Return whether the moves of the next step, the squares of these, are below the target."""
+    return float(step.moves.relative.max()) ** 2 < TARGET * limits.tolerance
 
 
 def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
-    is_small = move**2 < TARGET * limits.tolerance and move < MIN_ROUNDING_RATIO * last_move
+    is_small = _is_small(step, limits) and move < MIN_ROUNDING_RATIO * last_move
     return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < limits.target
 
 
 @kernel
 def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
-    """Return the number of nodes of each segment, more where the last coefficients have not decayed.
+    """Return the number of nodes of each segment, more where the last coefficients have not decayed to the target.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) is smaller.
     The last two coefficients are used, since one of them vanishes for an even or odd density.
@@ -255,7 +251,7 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     for j in range(half_width.size):
         last = first_node[j + 1]
         tail = max(abs(b[last - 1]), abs(b[last - 2]))
-        short[j] = 2 * np.pi * half_width[j] * tail / count[j] > MAX_TAIL * target
+        short[j] = 2 * np.pi * half_width[j] * tail / count[j] > target
     return more_nodes(count, short)
 
 
@@ -286,7 +282,7 @@ def _corrections(
     by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
     outside = problem.kind.limit_outside(problem.load, limits.target, MAX_TENSION)
-    missing, minima = find_missing(problem, step, outside, margin, MIN_OPENING * limits.residual)
+    missing, minima = find_missing(problem, step, outside, margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))
@@ -322,7 +318,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
         left = -1.0
         for a, b in [*zip(negative["start"][here], negative["end"][here], strict=True), (1.0, 1.0)]:
             widening = 0.5 * (width - 1) * (b - a) if a > -1 and b < 1 else 0.0
-            if a - widening - left > MIN_PIECE:
+            if a - widening > left:
                 pieces.append((centre + r * left, centre + r * (a - widening)))
             left = max(left, b + widening)
     return np.array(pieces).reshape(-1, 2)

@@ -16,7 +16,7 @@ from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import NodalSolution, in_continuum
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import NEW_CONTACT_WIDTH
+from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     CRESTS,
     GRID,
@@ -32,7 +32,7 @@ from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
 # limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
-MIN_TOLERANCE, MAX_TOLERANCE = 1e-13, 1.0
+MIN_TOLERANCE, MAX_TOLERANCE = FIELD_ROUNDING, 1.0
 # largest half-width of a Hertzian contact or parabolic gap, in radians of the finest wave: a cosine then differs from
 # its parabola by 2 %
 MAX_RADIANS = 0.5
