@@ -43,9 +43,8 @@ LOCK = RLock()
 COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 
-OPTIONS = {"nogil": True, "error_model": "numpy"}  # of numba, for all kernels
-# Kernels that are not yet registered with numba.
-UNREGISTERED: list[Kernel] = []
+# of numba, for all kernels; without a wrapper for callers in C, of which there are none
+OPTIONS = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def announce(module: str) -> None:
@@ -87,7 +86,13 @@ class Kernel:
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
         self.function, self.name = function, f"{function.__module__}.{function.__qualname__}"
-        UNREGISTERED.append(self)
+
+    @functools.cached_property
+    def within(self) -> Any:
+        """What other kernels call: numba's dispatcher, without a wrapper for Python."""
+        import numba
+
+        return numba.njit(**OPTIONS, no_cpython_wrapper=True)(self.function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
@@ -265,16 +270,14 @@ def _raising_lost_exceptions() -> Iterator[None]:
             raise lost[0]
 
 
+@functools.cache
 def _register_kernels() -> None:
-    """Register the kernels that were defined since the last call with numba, so that kernels can call each other."""
+    """Let numba take a kernel that another one calls for a function that it compiles with it."""
+    import numba
     import rocket_fft  # noqa: F401 - which registers numpy's Fourier transforms
-    from numba.extending import overload
+    from numba.extending import typeof_impl
 
-    options: Any = {"error_model": "numpy", "no_cfunc_wrapper": True}
-    while UNREGISTERED:
-        kernel = UNREGISTERED[-1]
-        overload(kernel, options, strict=False)(lambda *_, function=kernel.function: function)
-        UNREGISTERED.remove(kernel)  # at the end, since Ctrl-C may come before
+    typeof_impl.register(Kernel)(lambda kernel, _: numba.typeof(kernel.within))
 
 
 def kernel(function: Function) -> Function:
