@@ -107,8 +107,10 @@ def gap_expansion(a: Array) -> Array:
 
     The integral of sqrt(1-s^2) U_k is -(1-t^2)^(3/2) U_k'/(k (k+2)).
     """
-    k = np.maximum(np.arange(a.size), 1)
-    return -derivative_expansion(a / (k * (k + 2)))
+    integral = np.zeros(a.size)
+    for k in range(1, a.size):
+        integral[k] = -a[k] / (k * (k + 2))
+    return derivative_expansion(integral)
 
 
 @kernel

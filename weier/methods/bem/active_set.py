@@ -133,14 +133,6 @@ def mean_in_contact(values: Array, contact: Flags) -> float:
 
 
 @kernel
-def deformed_surface(height: Array, grid: Grid, state: GridState) -> None:
-    """Apply the operator afresh, for the deformed surface z - A p."""
-    circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
-    for i in range(height.size):
-        state.deformed[i] = height[i] - state.deformed[i]
-
-
-@kernel
 def _refresh(load: float, grid: Grid, state: GridState) -> None:
     """Clip tension, rescale the pressure to the load, and apply the operator afresh."""
     total, points = 0.0, state.pressure.size
@@ -149,7 +141,9 @@ def _refresh(load: float, grid: Grid, state: GridState) -> None:
         total += state.pressure[i]
     for i in range(points):
         state.pressure[i] *= load * points / total
-    deformed_surface(grid.height, grid, state)
+    circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
+    for i in range(points):
+        state.deformed[i] = grid.height[i] - state.deformed[i]
 
 
 @kernel
@@ -260,15 +254,14 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 
     The edges are `EDGE_OFFSET` beyond the last nodes, as in the continuum. The sum is scaled by the caller.
     """
-    shape[:] = 0.0
     points = contact.size
+    for i in range(points):
+        shape[i] = 1.0 if edge.size == 2 else 0.0
     for run in range(1, edge.size - 1):
         start, nodes = edge[run], edge[run + 1] - edge[run]
         if contact[start]:
             for i in range(nodes):
                 shape[(start + i) % points] = points / np.sqrt((i + EDGE_OFFSET) * (nodes - 1 - i + EDGE_OFFSET))
-    if edge.size == 2:
-        shape[:] = 1.0
 
 
 @kernel
@@ -283,10 +276,14 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
     edge = find_edges(state.contact, state.edge)
     if search.steps == 0:
         punch_shape(edge, state.contact, state.pressure)
-        total = state.pressure.sum()
+        total = 0.0
+        for i in range(points):
+            total += state.pressure[i]
         for i in range(points):
             state.pressure[i] *= points / total
-        deformed_surface(np.zeros(points), grid, state)
+        circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
+        for i in range(points):
+            state.deformed[i] = -state.deformed[i]
         search.work += points
         search.steps = 1
     while search.work < search.limit and search.steps < MAX_STEPS:
@@ -323,7 +320,8 @@ def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
         if search.steps == 0:
             carried = 0
             if level == 0:
-                state.pressure[:] = load
+                for i in range(state.pressure.size):
+                    state.pressure[i] = load
             else:
                 refine(hierarchy.points[level - 1], state.pressure, state.residual)
                 carried = hierarchy.terms[level - 1]

@@ -50,8 +50,8 @@ def contact_scales(r: float, angles: int, period: float) -> tuple[float, float]:
 
 
 @kernel
-def contact_waves(angle: Array) -> Array:
-    """Return the values of T_k at nodes, from k times their angles."""
+def contact_wave(angle: float) -> float:
+    """Return the value of T_k at a node, from k times its angle."""
     return np.cos(angle)
 
 

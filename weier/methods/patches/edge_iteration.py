@@ -92,7 +92,7 @@ def edge_moves(
     """
     n = r.size
     psi, phi, slope, singular = np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.empty(n)
-    outward, closed, relative = np.empty((n, 2)), np.zeros(n, np.bool_), np.empty(n)
+    outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), np.empty(n)
     for j in range(n):
         odd = 1.0
         for q in range(first_node[j], first_node[j + 1]):
@@ -275,7 +275,9 @@ def _changes_of_edges(
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
     vanishing, merging, tight = _changes(first_node, r, gap, force, outward, closed, was_tight)
-    settled = relative.max() < SETTLED_MOVE and not (vanishing.any() or merging.any() or tight.any())
+    settled = True
+    for j in range(r.size):
+        settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j] or tight[j])
     return b, a, outward, closed, relative, vanishing, merging, tight, singular, settled
 
 

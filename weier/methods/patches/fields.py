@@ -83,7 +83,9 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
     the segment's centre if it is small, so that short distances lose no digits, otherwise from the angles of both.
     """
     integral, factor = np.zeros(y.size), np.pi / period
-    sine_of_x, cosine_of_x = np.sin(factor * (origin + y)), np.cos(factor * (origin + y))
+    sine_of_x, cosine_of_x = np.empty(y.size), np.empty(y.size)
+    for i in range(y.size):
+        sine_of_x[i], cosine_of_x[i] = np.sin(factor * (origin[i] + y[i])), np.cos(factor * (origin[i] + y[i]))
     s, c, far = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int64)
     for j in range(segments.centre.size):
         r, a, count = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]], 0
@@ -91,7 +93,9 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
         sine_of_c, cosine_of_c = np.sin(angle_of_c), np.cos(angle_of_c)
         node, weight = gauss_nodes(a.size)
         force = _forces_at(a, r, node, weight)
-        sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
+        sine, cosine = np.empty(node.size), np.empty(node.size)
+        for q in range(node.size):
+            sine[q], cosine[q] = np.sin(factor * r * node[q]), np.cos(factor * r * node[q])
         reach = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
         for i in range(y.size):
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
@@ -253,7 +257,10 @@ def _residuals(
     factor: float,
 ) -> Array:
     """Return a constant minus the series plus a factor times an integral over the density."""
-    value = _integrals(segments, coefficient, series.period, series.crest_position[crest], y, which)
+    origin = np.empty(y.size)
+    for i in range(y.size):
+        origin[i] = series.crest_position[crest[i]]
+    value = _integrals(segments, coefficient, series.period, origin, y, which)
     for i in range(y.size):
         value[i] = constant - evaluate_series(series, crest[i], y[i])[0] + factor * value[i]
     return value
@@ -311,11 +318,13 @@ def _correct_near_segments(
     total: Array,
 ) -> Array:
     """Return the sums over all nodes, with a factor times an integral in closed form where a segment is near."""
-    x = origin + offset
+    x = np.empty(offset.size)
+    for i in range(offset.size):
+        x[i] = origin[i] + offset[i]
     for j in range(segments.centre.size):
-        here = slice(segments.first_node[j], segments.first_node[j + 1])
+        first, last = segments.first_node[j], segments.first_node[j + 1]
         centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
-        a, (node, weight) = coefficient[here], gauss_nodes(segments.first_node[j + 1] - segments.first_node[j])
+        a, (node, weight), at_nodes = coefficient[first:last], gauss_nodes(last - first), np.empty(last - first)
         density = _forces_at(a, r, node, weight)
         far = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
         reach = min(far * r, 0.5 * period)
@@ -323,10 +332,12 @@ def _correct_near_segments(
             middle = centre + image * period
             for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
-                at_nodes = (origin[i] - centre) + (offset[i] - r * node)  # to the last digit as the sums have it
+                for q in range(node.size):  # to the last digit as the sums have it
+                    at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])
                 replace_by_influence(at_nodes, period, dual)
-                near = _near_field(a, node, density, r, far, t, period, which)
-                total[i] += factor * near - (force[here] * at_nodes).sum()
+                total[i] += factor * _near_field(a, node, density, r, far, t, period, which)
+                for q in range(node.size):
+                    total[i] -= force[first + q] * at_nodes[q]
     return total
 
 

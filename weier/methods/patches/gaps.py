@@ -50,8 +50,8 @@ def gap_scales(r: float, angles: int, period: float) -> tuple[float, float]:
 
 
 @kernel
-def gap_waves(angle: Array) -> Array:
-    """Return sin(k theta) at nodes, from k times their angles."""
+def gap_wave(angle: float) -> float:
+    """Return sin(k theta) at a node, from k times its angle."""
     return np.sin(angle)
 
 

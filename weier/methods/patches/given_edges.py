@@ -109,8 +109,10 @@ def place_nodes(
 ) -> tuple[Array, Array, bool]:
     """Return the gaps on the right of segments, the nodes' offsets, and whether no two segments overlap."""
     offset, _, _, _ = factors_at_nodes(first_node, half_width, period, dual)
-    gap = distances_between(origin, centre, half_width, period)
-    return gap, offset, bool(half_width.min() > 0 and gap.min() > 0)
+    gap, is_apart = distances_between(origin, centre, half_width, period), True
+    for j in range(gap.size):
+        is_apart = is_apart and half_width[j] > 0 and gap[j] > 0
+    return gap, offset, is_apart
 
 
 @kernel
@@ -138,7 +140,7 @@ def _equations(
     on_diagonal: float,
 ) -> tuple[Table, Table]:
     """Return the upper triangle of the influence of all forces at all nodes, and both right sides."""
-    n, at, right = offset.size, 0, np.ones((2, offset.size))
+    n, at, right = offset.size, 0, np.empty((2, offset.size))
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
     for i in range(first.size - 1):
         for a in range(first[i], first[i + 1]):
@@ -151,7 +153,7 @@ def _equations(
     add_own_blocks(first, half_width, period, dual, matrix)
     at = 0
     for a in range(n):
-        right[0, a] = forcing[a]
+        right[0, a], right[1, a] = forcing[a], 1.0
         for b in range(a, n):
             matrix[a, b] = factor * (matrix[a, b] + influence[at]) + on_diagonal
             at += 1

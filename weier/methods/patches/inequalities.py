@@ -128,7 +128,9 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, i
     for j in range(first.size - 1):
         r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], is_gap)
         t, value = _sample_expansion(a)
-        largest, i = np.abs(value).max(), 0
+        largest, i = 0.0, 0
+        for k in range(value.size):
+            largest = max(largest, abs(value[k]))
         while i < t.size:
             if value[i] < 0:
                 here = found[count]

@@ -77,7 +77,8 @@ def _interpolate(t: float, weight: Array) -> None:
     for q in range(ORDER):
         total += weight[q]
         if t == POINT[q]:
-            weight[:] = 0.0
+            for s in range(ORDER):
+                weight[s] = 0.0
             weight[q] = total = 1.0
             break
     for q in range(ORDER):
@@ -161,7 +162,16 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
         else:
             stack.append((a, 2 * b + 1))
             stack.append((a, 2 * b + 2))
-    return np.array(far)[1:], np.array(near)[1:]
+    return _as_array(far), _as_array(near)
+
+
+@kernel
+def _as_array(pairs: list[tuple[int, int]]) -> Pairs:
+    """Return all pairs but the first, which is there for its type."""
+    found = np.empty((len(pairs) - 1, 2), np.int64)
+    for i in range(len(pairs) - 1):
+        found[i, 0], found[i, 1] = pairs[i + 1]
+    return found
 
 
 @kernel
@@ -274,7 +284,7 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
     """Return the sum over all other points b of f_b times the kernel between a and b, shape (points,)."""
     tree, total, none = matrix.tree, np.zeros(f.size), np.zeros(LEAF_POINTS + 1)
     moment = _moments(tree, f)
-    field = np.zeros_like(moment)
+    field = np.zeros((tree.low.size, ORDER))
     for pair in range(matrix.far.shape[0]):
         a, b = matrix.far[pair, 0], matrix.far[pair, 1]
         _add_block(matrix.far_block[pair], moment[a], moment[b], field[a], field[b])

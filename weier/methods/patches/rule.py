@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches import contacts, gaps
-from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales, contact_waves
-from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales, gap_waves
+from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales, contact_wave
+from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales, gap_wave
 from weier.theory.halfplane import replace_by_influence
 
 Table = NDArray[np.float64]
@@ -78,8 +78,13 @@ def _degree(n: int, r: float, dual: bool) -> float:
 
 
 @kernel
-def _waves(angle: Array, dual: bool) -> Array:
-    return gap_waves(angle) if dual else contact_waves(angle)
+def _turn_of_waves(N: int, dual: bool) -> Array:
+    """Return the waves of a turn, at the angles pi i/(2 N)."""
+    wave = np.empty(4 * N)
+    for i in range(4 * N):
+        angle = np.pi / (2 * N) * i
+        wave[i] = gap_wave(angle) if dual else contact_wave(angle)
+    return wave
 
 
 @kernel
@@ -142,7 +147,11 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
                 here[q] = table[start - 2 * K - 1 + q]
             continue
         N, previous_K = K + shift - 1, K
-        cosine, at_nodes = np.cos(np.pi / N * np.arange(2 * N)), np.arange(N + 1.0)
+        cosine, at_nodes = np.empty(2 * N), np.empty(N + 1)
+        for q in range(2 * N):
+            cosine[q] = np.cos(np.pi / N * q)
+        for q in range(N + 1):
+            at_nodes[q] = q
         replace_by_influence(at_nodes, 2.0 * N, dual)
         for q in range(2 * K + 1):
             if q > N:  # X is even about N
@@ -165,7 +174,8 @@ def times_own(
         X, here = table[2 * first + j : 2 * (first + K) + j + 1], total[first : first + K]
         for q in range(K):
             mirrored[K + q] = mirrored[K - q] = X[q]
-        here[:] = 0.0
+        for i in range(K):
+            here[i] = 0.0
         for k in range(K):  # along columns, so that the compiler vectorises
             g = left[first + k] * f[first + k]
             for i in range(K):
@@ -200,7 +210,7 @@ def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
-        wave = _waves(np.pi / (2 * N) * np.arange(4 * N), dual)
+        wave = _turn_of_waves(N, dual)
         for i in range(first, last):
             f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
@@ -228,7 +238,7 @@ def forces_of(
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
-        wave = _waves(np.pi / (2 * N) * np.arange(4 * N), dual)
+        wave = _turn_of_waves(N, dual)
         count = min(last - first, old_first_node[origin[j] + 1] - old)
         for i in range(first, last):
             total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift
