@@ -34,7 +34,7 @@ def waves(nodes, dual):
 def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     """-ln 2 - 2 sum T_k T_k/k for ln|t_i - t_j|, and -2 sum (k+1) U_k U_k for 1/(t_i - t_j)^2, on each segment."""
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
-    add_own_blocks(FIRST, r, period, dual, dense)
+    add_own_blocks(FIRST, r, own_tables(FIRST, dual, False), period, dual, dense)
     offset, left, at_node, _ = factors_at_nodes(FIRST, r, period, dual)
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)

@@ -16,7 +16,7 @@ from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_exp
 from weier.methods.patches.kind import GAP, POTENTIAL
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
-from weier.methods.patches.surface import CosineSeries, evaluate_at, evaluate_series, nearest_crests
+from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
 # least number of points for fast sums: they are faster from 50 to 90 points on for 39, 254 and 1342 contacts, and
@@ -240,30 +240,11 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
-    kind, density = state.kind, (state.segments, state.coefficient)
+    kind, origin = state.kind, series.crest_position[crest]
     constant = kind.constant(state.load, state.approach, series.maximum)
-    return _residuals(*density, series, crest, y, kind.integral, constant, kind.integral_factor(series.period))
-
-
-@kernel
-def _residuals(
-    segments: Segments,
-    coefficient: Array,
-    series: CosineSeries,
-    crest: Indices,
-    y: Array,
-    which: int,
-    constant: float,
-    factor: float,
-) -> Array:
-    """Return a constant minus the series plus a factor times an integral over the density."""
-    origin = np.empty(y.size)
-    for i in range(y.size):
-        origin[i] = series.crest_position[crest[i]]
-    value = _integrals(segments, coefficient, series.period, origin, y, which)
-    for i in range(y.size):
-        value[i] = constant - evaluate_series(series, crest[i], y[i])[0] + factor * value[i]
-    return value
+    integral = density_integrals(state, series.period, origin, y, kind.integral)
+    integral *= kind.integral_factor(series.period)
+    return np.asarray(constant - evaluate_at(series, crest, y, 0) + integral)
 
 
 def residuals_by_sums(

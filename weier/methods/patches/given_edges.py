@@ -98,7 +98,7 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = Rule(*_fields_of_rule(segments.first_node, segments.half_width, period, dual))
+        rule = _make_rule(segments.first_node, segments.half_width, period, dual)
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
     return Punches(segments, gap, offset, rule, matrix, period, kind_of(dual))
 
@@ -115,15 +115,12 @@ def place_nodes(
     return gap, offset, is_apart
 
 
-@kernel
-def _fields_of_rule(
-    first_node: Indices, r: Array, period: float, dual: bool
-) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
-    """Return the fields of `Rule`: on a NamedTuple, numba would crash at Ctrl-C."""
+def _make_rule(first_node: Indices, r: Array, period: float, dual: bool) -> Rule:
+    """Return the tables of each segment."""
     _, left, at_node, inverse_left = factors_at_nodes(first_node, r, period, dual)
     scale, inverse_scale = scales(first_node, r, period, dual)
     own, inverse = own_tables(first_node, dual, False), own_tables(first_node, dual, True)
-    return own, left, scale, at_node, inverse, inverse_left, inverse_scale
+    return Rule(own, left, scale, at_node, inverse, inverse_left, inverse_scale)
 
 
 @kernel
@@ -133,13 +130,17 @@ def _equations(
     centre: Array,
     half_width: Array,
     offset: Array,
+    table: Array,
     forcing: Array,
     period: float,
     dual: bool,
     factor: float,
     on_diagonal: float,
 ) -> tuple[Table, Table]:
-    """Return the upper triangle of the influence of all forces at all nodes, and both right sides."""
+    """Return the upper triangle of the influence of all forces at all nodes, and both right sides.
+
+    table : of `own_tables`
+    """
     n, at, right = offset.size, 0, np.empty((2, offset.size))
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
     for i in range(first.size - 1):
@@ -150,7 +151,7 @@ def _equations(
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
     replace_by_influence(influence, period, dual)
-    add_own_blocks(first, half_width, period, dual, matrix)
+    add_own_blocks(first, half_width, table, period, dual, matrix)
     at = 0
     for a in range(n):
         right[0, a], right[1, a] = forcing[a], 1.0
@@ -211,7 +212,7 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    placed = segments.first_node, *segments.extent, punches.offset
+    placed = segments.first_node, *segments.extent, punches.offset, own_tables(segments.first_node, kind.dual, False)
     matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), kind.on_diagonal)
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:

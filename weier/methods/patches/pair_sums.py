@@ -147,21 +147,18 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
     stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # gives the compiler the type of pairs
     while len(stack) > 0:
         a, b = stack.pop()
-        a_ends, b_ends = a >= _first_leaf(one), b >= _first_leaf(other)
-        if same and a == b and not a_ends:
-            stack.append((2 * a + 1, 2 * a + 1))
-            stack.append((2 * a + 1, 2 * a + 2))
-            stack.append((2 * a + 2, 2 * a + 2))
-        elif not (same and a == b) and _far_apart(one, a, other, b, period):
+        a_ends, b_ends, is_same = a >= _first_leaf(one), b >= _first_leaf(other), same and a == b
+        if not is_same and _far_apart(one, a, other, b, period):
             far.append((a, b))
         elif a_ends and b_ends:
             near.append((a, b))
-        elif b_ends or (not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]):
-            stack.append((2 * a + 1, b))
-            stack.append((2 * a + 2, b))
         else:
-            stack.append((a, 2 * b + 1))
-            stack.append((a, 2 * b + 2))
+            is_wider = not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]
+            divides_a = is_same or b_ends or is_wider
+            for child in range(1, 3):
+                stack.append((2 * a + child if divides_a else a, 2 * b + child if is_same or not divides_a else b))
+            if is_same:
+                stack.append((2 * a + 1, 2 * a + 2))
     return _as_array(far), _as_array(near)
 
 

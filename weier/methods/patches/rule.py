@@ -185,11 +185,11 @@ def times_own(
 
 
 @kernel
-def add_own_blocks(first_node: Indices, r: Array, period: float, dual: bool, matrix: Table) -> None:
-    """Add the self-influence of each segment to the upper triangle of a matrix of all nodes."""
+def add_own_blocks(first_node: Indices, r: Array, table: Array, period: float, dual: bool, matrix: Table) -> None:
+    """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
     shift, sign, _, _ = rule_of(dual)
     _, left, at_node, _ = factors_at_nodes(first_node, r, period, dual)
-    table, (scale, _) = own_tables(first_node, dual, False), scales(first_node, r, period, dual)
+    scale, _ = scales(first_node, r, period, dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):

@@ -11,10 +11,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags
+from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
-from weier.methods.bem.staircase import NodalSolution, in_continuum
+from weier.methods.bem.staircase import in_continuum
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
@@ -98,28 +98,27 @@ class Starts:
         solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
-        found = _nodal_contacts(solution, self.surface.heights.period / solution.contact.size)
+        plane, _, *nodes_and_edges = in_continuum(solution)
+        gap, spacing = solution.gap + (plane - solution.plane), self.surface.heights.period / solution.contact.size
+        found = _nodal_contacts(solution.pressure, gap, solution.contact, *nodes_and_edges, spacing)
         return found if found.size > 0 else None
 
 
 @kernel
-def _nodal_contacts(solution: NodalSolution, spacing: float) -> Intervals:
+def _nodal_contacts(
+    pressure: Array, gap: Array, contact: Flags, first: Indices, last: Indices, edge: Array, spacing: float
+) -> Intervals:
     """Return the contacts of a grid that carry a force, and those that stand above the plane between its nodes.
 
-    There are none where no gap is left.
+    There are none where no gap is left, and so no `first` and `last` node of a contact.
     """
-    plane, _, first, last, edge = in_continuum(solution)
-    n, count, gap = first.size, 0, solution.gap.copy()
-    if n == 0:
-        return np.empty((2, 0))
-    for i in range(gap.size):
-        gap[i] += plane - solution.plane
-    missed = _contacts_between_nodes(gap, solution.contact, spacing)
+    n, count = first.size, 0
+    missed = _contacts_between_nodes(gap, contact, spacing)
     found = np.empty((2, n + missed.shape[1]))
     for j in range(n):
         left, right, force = edge[2 * j], edge[2 * j + 1], 0.0
         for i in range(first[j], last[j] + 1):
-            force += solution.pressure[i % solution.pressure.size]
+            force += pressure[i % pressure.size]
         if force > 0 and right > left:
             found[0, count], found[1, count] = 0.5 * spacing * (left + right), 0.5 * spacing * (right - left)
             count += 1
