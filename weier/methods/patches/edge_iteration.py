@@ -106,13 +106,10 @@ def edge_moves(
             odd = -odd
         singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
     for j in range(n):  # by Hertz's contacts
-        ratio = np.empty(2)
-        for side in range(2):
-            k = side if gap[j - 1 + side] >= 2 * r[j] else 1 - side
-            sign = 1.0 if psi[j, k] > 0 else (-1.0 if psi[j, k] < 0 else 0.0)
-            ratio[side] = psi[j, k] / phi[j, k] if phi[j, k] > 0 else RATIO_WITHOUT_CURVATURE * sign
-        growth = _growth_of_square(0.5 * (ratio[0] + ratio[1]))
-        shift = _clip(0.5 * (ratio[1] - ratio[0]), MAX_CONTACT_SHIFT)
+        first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
+        left = _hertzian_ratio(psi[j, first], phi[j, first])
+        right = _hertzian_ratio(psi[j, last], phi[j, last])
+        growth, shift = _growth_of_square(0.5 * (left + right)), _clip(0.5 * (right - left), MAX_CONTACT_SHIFT)
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # by narrow gaps
         k, half = (j + 1) % n, 0.5 * gap[j]
@@ -130,6 +127,13 @@ def edge_moves(
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
         relative[j] = max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest
     return outward, closed, relative, singular
+
+
+@kernel
+def _hertzian_ratio(psi: float, phi: float) -> float:
+    """Return psi/phi at an edge, or a value of the sign of psi where phi is unlike that of Hertz's contact."""
+    sign = 1.0 if psi > 0 else (-1.0 if psi < 0 else 0.0)
+    return psi / phi if phi > 0 else RATIO_WITHOUT_CURVATURE * sign
 
 
 @kernel

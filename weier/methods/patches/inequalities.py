@@ -124,7 +124,7 @@ def find_negative_intervals(state: ContactState) -> Records:
 @kernel
 def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, is_gap: bool) -> Records:
     """Return the intervals of `find_negative_intervals`, with the value in the middle as `height`."""
-    found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
+    found, count = np.empty(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
     for j in range(first.size - 1):
         r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], is_gap)
         t, value = _sample_expansion(a)
@@ -135,6 +135,7 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, i
             if value[i] < 0:
                 here = found[count]
                 here.segment, here.start, here.end = j, _find_zero(a, t[i], t[i - 1]) if i > 0 else -1.0, 1.0
+                here.value = here.relative = 0.0
                 while i < t.size and value[i] < 0:
                     here.relative = min(here.relative, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
                     here.value = min(here.value, at_point(value[i], t[i], r, is_gap))
@@ -205,7 +206,7 @@ def minima_of_gaps(state: ContactState) -> Records:
 @kernel
 def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficient: Array) -> Records:
     """Return the minima of `minima_of_gaps`."""
-    found, count = np.zeros(SAMPLES_PER_NODE * first[-1] + 2 * first.size, MINIMUM), 0
+    found, count = np.empty(SAMPLES_PER_NODE * first[-1] + 2 * first.size, MINIMUM), 0
     for j in range(first.size - 1):
         r = half_width[j]
         t, value = _sample_expansion(smooth_part(coefficient[first[j] : first[j + 1]], True))

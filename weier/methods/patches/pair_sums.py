@@ -143,32 +143,37 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
 
 @kernel
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
-    """List far and near pairs that hold each pair of points once; unordered within a single tree."""
-    stack, far, near = [(0, 0)], [(0, 0)], [(0, 0)]  # gives the compiler the type of pairs
-    while len(stack) > 0:
-        a, b = stack.pop()
-        a_ends, b_ends, is_same = a >= _first_leaf(one), b >= _first_leaf(other), same and a == b
-        if not is_same and _far_apart(one, a, other, b, period):
-            far.append((a, b))
-        elif a_ends and b_ends:
-            near.append((a, b))
-        else:
-            is_wider = not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]
-            divides_a = is_same or b_ends or is_wider
-            for child in range(1, 3):
-                stack.append((2 * a + child if divides_a else a, 2 * b + child if is_same or not divides_a else b))
-            if is_same:
-                stack.append((2 * a + 1, 2 * a + 2))
-    return _as_array(far), _as_array(near)
+    """List far and near pairs that hold each pair of points once; unordered within a single tree.
 
-
-@kernel
-def _as_array(pairs: list[tuple[int, int]]) -> Pairs:
-    """Return all pairs but the first, which is there for its type."""
-    found = np.empty((len(pairs) - 1, 2), np.int64)
-    for i in range(len(pairs) - 1):
-        found[i, 0], found[i, 1] = pairs[i + 1]
-    return found
+    They are counted first and written then. On the stack, a pair leaves at most two more for each level of a tree.
+    """
+    stack, far_count, near_count = np.empty((2 * (one.depth + other.depth) + 3, 2), np.int64), 0, 0
+    for is_written in range(2):
+        far, near, last = np.empty((far_count, 2), np.int64), np.empty((near_count, 2), np.int64), 0
+        stack[0, 0] = stack[0, 1] = far_count = near_count = 0
+        while last >= 0:
+            a, b = stack[last, 0], stack[last, 1]
+            a_ends, b_ends, is_same = a >= _first_leaf(one), b >= _first_leaf(other), same and a == b
+            last -= 1
+            if not is_same and _far_apart(one, a, other, b, period):
+                if is_written:
+                    far[far_count, 0], far[far_count, 1] = a, b
+                far_count += 1
+            elif a_ends and b_ends:
+                if is_written:
+                    near[near_count, 0], near[near_count, 1] = a, b
+                near_count += 1
+            else:
+                is_wider = not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]
+                divides_a = is_same or b_ends or is_wider
+                for child in range(1, 3):
+                    last += 1
+                    stack[last, 0] = 2 * a + child if divides_a else a
+                    stack[last, 1] = 2 * b + child if is_same or not divides_a else b
+                if is_same:
+                    last += 1
+                    stack[last, 0], stack[last, 1] = 2 * a + 1, 2 * a + 2
+    return far, near
 
 
 @kernel
@@ -203,13 +208,13 @@ def _fill_near_block(
 def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
     """Return the matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
-    return PairMatrix(tree, *_make_blocks(tree, period, dual))
+    far, near = pair_nodes(tree, tree, period, True)
+    return PairMatrix(tree, far, near, *_make_blocks(tree, far, near, period, dual))
 
 
 @kernel
-def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, Blocks, Array, Indices]:
-    """Return the fields of `PairMatrix` behind its tree."""
-    far, near = pair_nodes(tree, tree, period, True)
+def _make_blocks(tree: Tree, far: Pairs, near: Pairs, period: float, dual: bool) -> tuple[Blocks, Array, Indices]:
+    """Return the fields of `PairMatrix` behind its pairs."""
     far_block = np.empty((far.shape[0], ORDER, ORDER))
     for pair in range(far.shape[0]):
         _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
@@ -222,7 +227,7 @@ def _make_blocks(tree: Tree, period: float, dual: bool) -> tuple[Pairs, Pairs, B
     for pair in range(near.shape[0]):
         block = near_block[near_start[pair] : near_start[pair + 1]]
         _fill_near_block(tree, near[pair, 0], tree, near[pair, 1], period, dual, block)
-    return far, near, far_block, near_block, near_start
+    return far_block, near_block, near_start
 
 
 @kernel
@@ -299,10 +304,14 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
     return total
 
 
-@kernel
 def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -> Array:
     """Return the sum of f_s times the kernel over the points s of a source, at the points x of a target."""
-    far, near = pair_nodes(target, source, period, False)
+    return _potential(source, f, target, *pair_nodes(target, source, period, False), period, dual)
+
+
+@kernel
+def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, period: float, dual: bool) -> Array:
+    """Return the sums of `potential`, from the pairs of nodes of the target and of the source."""
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
     block = np.empty((ORDER, ORDER))
     for pair in range(far.shape[0]):

@@ -98,9 +98,9 @@ class Starts:
         solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
-        plane, _, *nodes_and_edges = in_continuum(solution)
+        plane, _, first, last, edge = in_continuum(solution)
         gap, spacing = solution.gap + (plane - solution.plane), self.surface.heights.period / solution.contact.size
-        found = _nodal_contacts(solution.pressure, gap, solution.contact, *nodes_and_edges, spacing)
+        found = _nodal_contacts(solution.pressure, gap, solution.contact, first, last, edge, spacing)
         return found if found.size > 0 else None
 
 
