@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Iterator
 from io import StringIO
+from itertools import repeat
 from typing import Any, Literal
 
 import numpy as np
@@ -33,33 +34,32 @@ def as_csv(figure: Figure) -> str:
 
     Columns are the panel and the curve, and for each pair of axes x, y, and the ends of bands.
     """
-    headings, rows = dict.fromkeys(["panel", "curve"]), list[dict[str, Any]]()
-    for axes in figure.axes:
-        x, y = (_heading(axis.get_label_text()) for axis in (_labelled(axes, "x"), _labelled(axes, "y")))
-        names = x, y, f"{y}, low", f"{y}, high"
-        panel = _plain(_title(axes))
-        own = [
-            {"panel": panel, "curve": curve} | dict(zip(names, values, strict=True))
-            for curve, *values in _points(axes)
-        ]
-        headings |= dict.fromkeys(name for row in own for name in row if row[name] is not None)
-        rows += own
+    parts = [(panel, *curve) for panel, axes in _panels(figure) for curve in _curves(axes)]
+    headings = list(dict.fromkeys(["panel", "curve", *(name for *_, columns in parts for name in columns)]))
     text = StringIO()
-    writer = csv.DictWriter(text, list(headings), extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(headings)
+    for panel, curve, columns in parts:
+        missing = repeat("")
+        writer.writerows(
+            zip(repeat(panel), repeat(curve), *(columns.get(name, missing) for name in headings[2:]), strict=False)
+        )
     return text.getvalue()
 
 
-def _points(axes: Axes) -> Iterator[tuple[str, float, float | None, float | None, float | None]]:
-    """Yield each point of the lines and bands of a panel, with the name of its curve."""
+def _panels(figure: Figure) -> Iterator[tuple[str, Axes]]:
+    return ((_plain(_title(axes)), axes) for axes in figure.axes)
+
+
+def _curves(axes: Axes) -> Iterator[tuple[str, dict[str, list[float]]]]:
+    """Yield the names of the lines and bands of a panel, each with its values by their headings."""
+    x, y = (_heading(axis.get_label_text()) for axis in (_labelled(axes, "x"), _labelled(axes, "y")))
     for number, line in enumerate(axes.lines, 1):
-        if (
-            line.get_transform() == axes.transData and line.get_label() != "_nolegend_"
-        ):  # no grid, and no cap of a bar
-            name = _name(line, f"line {number}")
-            for x, y in np.asarray(line.get_xydata(), float).tolist():
-                yield name, x, y, None, None
+        # no grid, no cap of a bar, and no entry of a legend
+        if line.get_transform() == axes.transData and line.get_label() != "_nolegend_":
+            points = np.asarray(line.get_xydata(), float)
+            if points.size:
+                yield _name(line, f"line {number}"), dict(zip((x, y), points.T.tolist(), strict=True))
     of_bars: dict[Any, Any] = {
         bar: one for one in axes.containers if isinstance(one, ErrorbarContainer) for bar in one.lines[2]
     }
@@ -67,9 +67,8 @@ def _points(axes: Axes) -> Iterator[tuple[str, float, float | None, float | None
         if isinstance(band, PolyCollection | LineCollection):
             name = _name(of_bars.get(band, band), f"band {number}")
             for path in band.get_paths():
-                places, low, high = _ends(np.asarray(path.vertices, float))
-                for x, least, largest in zip(places, low, high, strict=True):
-                    yield name, x, None, least, largest
+                ends = _ends(np.asarray(path.vertices, float))
+                yield name, dict(zip((x, f"{y}, low", f"{y}, high"), ends, strict=True))
 
 
 def _ends(vertices: Any) -> tuple[list[float], list[float], list[float]]:
