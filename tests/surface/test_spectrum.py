@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from weier.accuracy.artefacts import within_errors, without_power
 from weier.surface import spectrum
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -271,3 +272,17 @@ def test_the_fits_of_an_ensemble_are_a_table_with_their_scatter():
         fit(traces[2:], shortest=1e-9)
     with pytest.raises(ValueError, match=r"trace must be a weier\.Trace, or a list of some, got \[\]"):
         fit([])
+
+
+def test_whole_spectra_are_taken_and_cut_ones_refused():
+    """The limit is far from both: a third and three times of it would change few of these."""
+    assert without_power(5, 2) == (0, 30)
+    assert without_power(5, 8)[0] > 25
+
+
+def test_the_default_band_states_its_errors_and_a_narrow_one_too_large_ones():
+    with_D, one, two = within_errors(60, 4, 32)
+    assert with_D > 0.95
+    assert 0.61 < one < 0.75  # 0.68 with a standard deviation of 0.035
+    assert two > 0.92
+    assert within_errors(30, 4, 4)[0] < 0.85

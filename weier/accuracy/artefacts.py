@@ -1,8 +1,9 @@
-"""Lines that the checks of measured heights judge wrongly: `python -m weier.accuracy.artefacts`.
+"""Lines that the checks of heights and of fits judge wrongly: `python -m weier.accuracy.artefacts`.
 
 Lines of many kinds of roughness must be taken, and the same lines with steps, spikes, dust and codes for missing
 heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on the
-one side and without missed artefacts on the other lies between the two.
+one side and without missed artefacts on the other lies between the two. Two further tables are of fits to random
+lines: those that a limit of the spectrum refuses, and how well bands of wavelengths determine D.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import product
+from typing import Any
 
 import click
 import numpy as np
@@ -19,6 +21,7 @@ from numpy.random import Generator
 from weier import Trace, fit
 from weier.data import markdown
 from weier.kernels.arrays import Array
+from weier.surface import spectrum
 from weier.surface.measured import artefacts
 
 LIMITS = (
@@ -27,6 +30,7 @@ LIMITS = (
 )
 STEPS, SPIKES = ((0, 1), (0, 0.4, 1)), ((0, 1, 0), (0, -1, 0), (0, 1, 0.7, 0))  # shapes, over the range of heights
 CODES = (-9999.0, 32767.0, 0.0)
+BANDS = tuple(product((1, 4, 8), (2, 4, 32)))  # longest wavelengths in a line, and their ratio to the shortest
 
 
 def self_affine(samples: int, D: float, random: Generator) -> Array:
@@ -75,14 +79,14 @@ def refusal(z: Array) -> str:
 
 
 @contextmanager
-def scaled(limit: str, factor: float) -> Iterator[None]:
+def scaled(limit: str, factor: float, module: Any = artefacts) -> Iterator[None]:
     """In a `with` statement, multiply a limit of the checks."""
-    usual = getattr(artefacts, limit)
-    setattr(artefacts, limit, factor * usual)
+    usual = getattr(module, limit)
+    setattr(module, limit, factor * usual)
     try:
         yield
     finally:
-        setattr(artefacts, limit, usual)
+        setattr(module, limit, usual)
 
 
 def wrong(rounds: int, seed: int = 0) -> tuple[int, int]:
@@ -104,6 +108,39 @@ def doubted_fits(rounds: int, seed: int = 0) -> tuple[int, int]:
     return sum(found), len(found)
 
 
+def power_law(random: Generator, samples: int, D: float, shortest: float = 2.0) -> Array:
+    """Return random heights of this fractal dimension without waves shorter than this number of samples."""
+    k = np.arange(1, samples // 2)
+    wave = k ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    return np.fft.irfft(np.append(0, np.where(k * shortest <= samples, wave, 0)), samples)
+
+
+def without_power(rounds: int, shortest: float, seed: int = 0) -> tuple[int, int]:
+    """Return the number of mirrored lines that are refused as they have no power in the band, and of all lines."""
+    random, found = np.random.default_rng(seed), list[bool]()
+    for _, samples, D in product(range(rounds), (200, 2000), (1.1, 1.5, 1.9)):
+        trace, text = Trace(power_law(random, samples, D, shortest), 5e-6 * samples, height_unit="um"), ""
+        try:
+            with warnings.catch_warnings(action="ignore"):
+                fit(trace)
+        except ValueError as error:
+            text = str(error)
+        found.append("must have power" in text)
+    return sum(found), len(found)
+
+
+def within_errors(rounds: int, longest: int, ratio: int, seed: int = 0) -> tuple[float, float, float]:
+    """Return the fraction of lines with a D in (1, 2), and the fractions of these within one and two errors."""
+    random, off = np.random.default_rng(seed), list[float]()
+    for _, D in product(range(rounds), (1.2, 1.5, 1.8)):
+        trace = Trace(power_law(random, 4000, D)[:1000], 5e-3, height_unit="um")
+        with suppress(ValueError), warnings.catch_warnings(action="ignore"):  # of no D, and of parts that decide
+            found = fit(trace, trace.lambda_0 / longest, trace.lambda_0 / longest / ratio)
+            off.append(abs(found.D - D) / found.D_error)
+    known = np.array(off)
+    return len(off) / (3 * rounds), float(np.mean(known < 1)), float(np.mean(known < 2))
+
+
 @click.command(context_settings={"show_default": True})
 @click.option("--rounds", default=10, help="Lines of each kind.")
 @click.option("--factor", default=1.5, help="Factor of the limits.")
@@ -116,7 +153,17 @@ def main(rounds: int, factor: float) -> None:
                 rows.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
     doubted, fits = doubted_fits(rounds)
     click.echo(markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], rows))
-    click.echo(f"\n{doubted} of {fits} fits to roughness report a part of the line that decides on them")
+    click.echo(f"\n{doubted} of {fits} fits to roughness report a part of the line that decides on them\n")
+    rows = []
+    for times in (0.1, 1, 3, 10):
+        with scaled("EMPTY", times, spectrum):
+            refused = [f"{part} of {lines}" for part, lines in (without_power(rounds, 2), without_power(rounds, 8))]
+        rows.append(["EMPTY", f"{times:g}", *refused])
+    click.echo(markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], rows))
+    with scaled("MIN_RATIO", 0.5, spectrum):
+        rows = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
+    header = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
+    click.echo("\n" + markdown.table(header, rows))
 
 
 if __name__ == "__main__":
