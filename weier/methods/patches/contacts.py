@@ -64,8 +64,13 @@ def contact_degree(n: int, r: float) -> float:
 @kernel
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
     """Return the forces that carry the load with a uniform displacement, and the plane."""
-    shift = (load * period - force.sum()) / even.sum()
-    return force + shift * even, OFFSET * load * period - shift
+    total, of_even, closed = 0.0, 0.0, np.empty(force.size)
+    for i in range(force.size):
+        total, of_even = total + force[i], of_even + even[i]
+    shift = (load * period - total) / of_even
+    for i in range(force.size):
+        closed[i] = force[i] + shift * even[i]
+    return closed, OFFSET * load * period - shift
 
 
 def _invert_punches(half_width: Array, middle: Array, period: float) -> Inverse:

@@ -91,19 +91,18 @@ def edge_moves(
     and half their difference shifts it.
     """
     n = r.size
-    psi, phi, slope, singular = np.zeros((n, 2)), np.zeros((n, 2)), np.zeros((n, 2)), np.empty(n)
+    psi, phi, slope, singular = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
     outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), np.empty(n)
     for j in range(n):
-        odd = 1.0
-        for q in range(first_node[j], first_node[j + 1]):
-            k = q - first_node[j]
-            psi[j, 0] += odd * b[q]
-            psi[j, 1] += right_sign * b[q]
-            phi[j, 0] += odd * (k + 1) * a[q]
-            phi[j, 1] += right_sign * (k + 1) * a[q]
-            slope[j, 0] -= odd * k * k * b[q]
-            slope[j, 1] -= right_sign * k * k * b[q]
-            odd = -odd
+        for side in range(2):
+            at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
+            for q in range(first_node[j], first_node[j + 1]):
+                k = q - first_node[j]
+                at_end += sign * b[q]
+                regular += sign * (k + 1) * a[q]
+                inward -= sign * k * k * b[q]
+                sign = -sign if side == 0 else sign
+            psi[j, side], phi[j, side], slope[j, side] = at_end, regular, inward
         singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
     for j in range(n):  # by Hertz's contacts
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)

@@ -16,7 +16,7 @@ from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_exp
 from weier.methods.patches.kind import GAP, POTENTIAL
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
-from weier.methods.patches.surface import CosineSeries, evaluate_at, nearest_crests
+from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
 # least number of points for fast sums: they are faster from 50 to 90 points on for 39, 254 and 1342 contacts, and
@@ -214,7 +214,7 @@ def _values_on_segments(
     middle = segments.origin + segments.centre
     for i in range(y.size):
         x = origin[i] + y[i]
-        after = np.searchsorted(middle, x - period * np.floor((x - middle[0]) / period))
+        after = first_from(middle, x - period * np.floor((x - middle[0]) / period))
         for k in range(after - 2, after + 2):  # midpoints are rounded, so that two more segments are tried
             j = k % middle.size
             r = segments.half_width[j]
@@ -311,7 +311,7 @@ def _correct_near_segments(
         reach = min(far * r, 0.5 * period)
         for image in range(-1, 2):
             middle = centre + image * period
-            for i in range(np.searchsorted(x, middle - reach), np.searchsorted(x, middle + reach)):
+            for i in range(first_from(x, middle - reach), first_from(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
                 for q in range(node.size):  # to the last digit as the sums have it
                     at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])

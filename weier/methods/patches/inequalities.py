@@ -32,7 +32,7 @@ from weier.methods.patches.fields import (
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.kind import GAP
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments
-from weier.methods.patches.surface import CosineSeries, distances_between, nearest_crests
+from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
 # probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
 # a cosine differs from its parabola by 5 %
@@ -96,7 +96,7 @@ def _probe_points(
     point, interval, last = np.empty(total), np.empty(total, np.int64), -1
     for j in range(left.size):
         turns = np.floor((left[j] - crest[0]) / period)
-        i, k = 0, np.searchsorted(turning, left[j] - period * turns)
+        i, k = 0, first_from(turning, left[j] - period * turns)
         while True:
             fraction = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
             probe, turn = left[j] + fraction * length[j], turning[k % n] + period * (turns + k // n)

@@ -258,7 +258,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     crests farther below the plane need not be tried.
     """
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
-    force, crest = np.zeros(n), np.empty(most, np.int64)
+    force, none, crest = np.empty(n), np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
         force[k] = total if offset[k] == 0 else 0.0
     for _ in range(MAX_FORCE_STEPS):
@@ -266,7 +266,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         for k in range(n):
             if force[k] > 0:
                 if count == most or curvature[k] <= 0:
-                    return np.zeros(n)
+                    return none
                 crest[count] = k
                 count += 1
         matrix, height = np.empty((count + 1, count + 1)), np.empty(count + 1)
@@ -295,4 +295,4 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
                     force[j], is_settled = total / n, False
         if is_settled:
             return force
-    return np.zeros(n)
+    return none
