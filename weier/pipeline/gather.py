@@ -207,13 +207,14 @@ class Reader:
         found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
         # Views of the blank case take no memory where there are no values.
         found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
+        read = found.keys() - {"key"}  # Keys are those of the scene, and texts take long to decode.
         for column, places in enumerate(self._places.values()):
             batches, rows, code = (values[cases] for values in places)
             order = np.argsort(batches, kind="stable")
             for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
                 if here.size and (batch := int(batches[here[0]])) >= 0:
                     start = int(rows[here].min())
-                    part = netcdf.read(self._file(batch), found, slice(start, int(rows[here].max()) + 1))
+                    part = netcdf.read(self._file(batch), read, slice(start, int(rows[here].max()) + 1))
                     _copy(found, part, rows[here] - start, here, column)
             if "numerics" in found:
                 _writable(found, "numerics")[:, column] = code
