@@ -9,10 +9,8 @@ from tests.methods.patches.westergaard_states import WAVES, OneWave
 from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
-from weier.methods.patches import segments as segments_module
 from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
-from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
 from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
@@ -149,7 +147,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])
         for factor, expected in ((1.01, 0), (0.99, 1)):
-            monkeypatch.setattr(segments_module, "GAPS", GAPS._replace(thin_outside=factor * thinness.max()))
+            monkeypatch.setattr(inequalities, "MAX_THINNESS", factor * thinness.max())
             assert len(find_missing(problem, step, 0.0, 0.0, 0.0)[0]) == expected
 
 

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods.patches import segments, stages
-from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.gaps import GAPS
+from weier.methods.patches import inequalities, stages
 from weier.methods.patches.solver import make_solution
 from weier.methods.patches.start import Starts, _make_guess
 from weier.methods.patches.surface import intervals_between
@@ -112,8 +110,8 @@ def test_what_is_no_thin_gap_is_left():
 
 def limit(monkeypatch, thinness):
     """Change the limit of thin gaps for contacts and for gaps."""
-    monkeypatch.setattr(segments, "CONTACTS", CONTACTS._replace(thin_inside=thinness))
-    monkeypatch.setattr(segments, "GAPS", GAPS._replace(thin_outside=thinness))
+    monkeypatch.setattr(stages, "MAX_THINNESS", thinness)
+    monkeypatch.setattr(inequalities, "MAX_THINNESS", thinness)
 
 
 def between(state):

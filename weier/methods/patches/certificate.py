@@ -89,7 +89,8 @@ def imbalance(state: ContactState, period: float) -> tuple[float, float]:
     Both follow from the integrals of the density, (pi/2) r a_0: the force of a contact, the closure error of a gap.
     """
     integral = 0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
-    return state.kind.imbalance(integral, state.load, period)
+    missing, closure = abs(float(integral.sum()) / period - state.load), float(np.abs(integral).sum())
+    return (0.0, closure) if state.dual else (missing, 0.0)
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
@@ -155,7 +156,7 @@ def certify(
     """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual is one or the other (`Kind.gap_and_pressures`).
+    contacts or a pressure in gaps. The residual is one or the other (`Kind.on_segments`).
 
     residual, residual_width : the largest on each segment and its width, of `contact_residual`
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
@@ -170,7 +171,8 @@ def certify(
     missing, closure = imbalance(state, period)
     state = state._replace(residual=max(largest, closure))
     check_violation(state, missing, period, tolerance)
-    gap, pressure, width = kind.gap_and_pressures(SAMPLED_FACTOR * residual, residual_width)
+    sampled = SAMPLED_FACTOR * residual
+    gap, pressure, width = (1 - kind.dual) * float(sampled.max()), kind.dual * sampled, residual_width
     gap = max(gap, closure, -float(overlaps["value"].min(initial=0.0)))
     if tensions.size > 0:
         contacts = kind.contacts_of(state.segments.extent, period)
@@ -191,7 +193,7 @@ def certify(
         period,
     )
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
-    height_error = error + 2 * SAMPLED_FACTOR * kind.residual_force * largest
+    height_error = error + 2 * SAMPLED_FACTOR * kind.dual * largest
     state = state._replace(error=error, height_error=height_error)
     uncertainty = gap_uncertainty(height_error, series)
     if kind.on_segments == GAP:
@@ -240,7 +242,7 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
-    scale = state.kind.scale_of_residual(state.load, state.approach, period)
+    scale = state.load * period if state.dual else state.approach
     relative = state.residual / scale if scale > 0 else np.inf  # no indentation: rounding has left no digit
     relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:

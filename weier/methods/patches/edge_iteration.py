@@ -176,17 +176,20 @@ class ContactProblem(NamedTuple):
         """`CONTACTS` or `GAPS`."""
         return kind_of(self.dual)
 
+    @property
+    def highest(self) -> float:
+        """The forcing where the series has its maximum."""
+        return self.dual * (self.series.maximum - self.load)
+
     def forcing(self, crest: Indices, y: Array) -> Array:
         """Return the height minus its maximum or, dual, the tension of full contact, at distances from crests."""
-        maximum = self.kind.forcing_of_maximum(self.series, self.load)
-        return np.asarray(evaluate_at(self.series, crest, y, 0) + maximum)
+        return np.asarray(evaluate_at(self.series, crest, y, 0) + self.highest)
 
     def forcing_at_nodes(self, punches: Punches) -> Array:
         """Return the same at the nodes."""
         segments = punches.segments
-        maximum = self.kind.forcing_of_maximum(self.series, self.load)
         return evaluate_at_nodes(
-            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, maximum
+            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, self.highest
         )
 
 

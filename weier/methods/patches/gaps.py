@@ -20,18 +20,11 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
 from weier.methods.patches.kind import (
-    CAUCHY,
     FIELD_ROUNDING,
-    GAP,
-    MAX_THINNESS,
-    NEW_CONTACT_WIDTH,
-    NEW_GAP_WIDTH,
     Kind,
 )
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between
 
-# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
-MAX_SHARING = 5
 # of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), power of n in the sum, and
 # the factor of the kernel that the sum over all nodes contains
 RULE = 2, -1.0, 1, 0.25
@@ -66,11 +59,6 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
     return force, float(force.sum()) / period
 
 
-def _height_of_residual(half_width: Array) -> Array:
-    """Return the displacement by a pressure on the width of its gap."""
-    return 2 * half_width
-
-
 def _largest_indentation(approach: float, series: CosineSeries) -> float:
     """Return the compliance sum g_n - d, which is larger than the indentation; p_n* of tensions is k_n g_n."""
     return float((np.abs(series.amplitude) * 2 * np.pi / series.wavenumber).sum()) + approach
@@ -97,41 +85,17 @@ def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -
 
 GAPS = Kind(
     dual=True,
-    right_sign=-1.0,  # the slope is negative where a gap closes
     k_0_of_curvature=0.25,  # of a contact between gaps
     strength_factor=0.5 / np.pi,  # strength of the pressure beyond an edge over that of the slope of the gap
-    tangent_forcing=1.0,
-    sign_of_plane=1.0,
     rounding_power=0,
-    on_diagonal=0.0,
     close=_close,
     factor=lambda period: -0.5 / period**2,
-    invert_punches=lambda half_width, middle, period: None,
-    plane_of=lambda total, multiplier, period: total / period,
-    forcing_of_maximum=lambda series, load: series.maximum - load,
-    height_of_residual=_height_of_residual,
     rounded_width=lambda period, half_width: 2 * float(half_width.max()),
-    share=lambda count: min(1.0, MAX_SHARING / count),
-    on_segments=GAP,
-    plane_outside=0.0,
-    integral=CAUCHY,
     integral_factor=lambda period: 0.5 / (np.pi * period),
-    constant=lambda load, approach, maximum: load - maximum,
-    datum=lambda largest_height: 0.0,
     contacts_of=intervals_between,
     at_contacts=_at_contacts,
-    new_width=NEW_GAP_WIDTH,
-    cut_width=NEW_CONTACT_WIDTH,
-    thin_inside=0.0,
-    thin_outside=MAX_THINNESS,
     limit_outside=lambda load, height, tension: tension * load,
-    height_of_negative=np.ones_like,
-    overlaps_and_tensions=lambda minima, negative: (negative, minima),
     tensions=_tensions,
     are_certain=_are_certain,
-    scale_of_residual=lambda load, approach, period: load * period,
-    imbalance=lambda integral, load, period: (0.0, float(np.abs(integral).sum())),
-    gap_and_pressures=lambda residual, width: (0.0, residual, width),
-    residual_force=1.0,
     largest_indentation=_largest_indentation,
 )

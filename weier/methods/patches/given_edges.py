@@ -30,8 +30,8 @@ from weier.methods.patches.rule import (
 )
 from weier.methods.patches.segments import Segments, kind_of
 from weier.methods.patches.surface import distances_between
-from weier.methods.punches import Inverse, solve_forces
-from weier.theory.halfplane import replace_by_influence
+from weier.methods.punches import OFFSET, Inverse, invert_punches, solve_forces
+from weier.theory.halfplane import displacement_of_punch, replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
 # conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m weier.accuracy.direct_solution`)
@@ -183,6 +183,12 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
     return force
 
 
+def _invert_punches(segments: Segments, period: float) -> Inverse:
+    """Return the inverse of the influence of contacts as flat punches."""
+    compliance = displacement_of_punch(segments.half_width, period)
+    return invert_punches(np.arange(compliance.size), segments.middle, compliance, period)
+
+
 def solve_forces_on_contacts(
     punches: Punches, forcing: Array, load: float, start: Array, residual: float, reduction: float = 0.0
 ) -> Forces:
@@ -204,8 +210,8 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     """
     kind, none = punches.kind, np.zeros(punches.offset.size)
     if forces.even is not None:
-        return Forces(*kind.close(kind.tangent_forcing * forces.even, forces.even, 1.0, punches.period))
-    forcing = none + kind.tangent_forcing
+        return Forces(*kind.close(kind.dual * forces.even, forces.even, 1.0, punches.period))
+    forcing = none + kind.dual
     return _solve_iteratively(punches, forcing, 1.0, none, 0.0, reduction)
 
 
@@ -213,7 +219,7 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
     placed = segments.first_node, *segments.extent, punches.offset, own_tables(segments.first_node, kind.dual, False)
-    matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), kind.on_diagonal)
+    matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), OFFSET * (1 - kind.dual))
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
         raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
@@ -232,7 +238,7 @@ def _solve_iteratively(
     """
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, force, least = forcing / unit, start / unit, least / unit
-    inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
+    inverse = None if kind.dual else _invert_punches(segments, punches.period)
     scale = punches.at_nodes(kind.height_of_residual(segments.half_width))
     even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
     if inverse is not None:
@@ -257,7 +263,8 @@ def _solve_iteratively(
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    return Forces(unit * force, unit * kind.plane_of(float(force.sum()), plane, punches.period), unit * size, step)
+    plane = float(force.sum()) / punches.period if kind.dual else plane
+    return Forces(unit * force, unit * plane, unit * size, step)
 
 
 def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:

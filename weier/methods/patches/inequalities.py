@@ -30,7 +30,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import GAP
+from weier.methods.patches.kind import GAP, MAX_THINNESS, NEW_WIDTHS
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
@@ -117,7 +117,7 @@ def find_negative_intervals(state: ContactState) -> Records:
     found = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
-        found["height"] *= kind.height_of_negative(width)
+        found["height"] *= (np.pi * width) ** (1 - kind.dual)  # a crack in the tension p opens by 2 pi b p
     return found
 
 
@@ -283,7 +283,7 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    Also return all minima below the margin, including these. The width of a new segment is `new_width` times that of
+    Also return all minima below the margin, including these. The width of a new segment is `NEW_WIDTHS` times that of
     the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
     punches, kind = step.punches, problem.kind
@@ -291,7 +291,7 @@ def find_missing(
     # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         total = field_of_forces(punches, step.forces.force, x)
-        plane = kind.plane_outside * step.forces.plane
+        plane = (1 - kind.dual) * step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
     x, interval = _probes(punches.segments, problem.series)
@@ -304,11 +304,11 @@ def find_missing(
         # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
         b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
         scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
-        minima = minima[(b > kind.thin_outside * scale) & (-2 * np.pi * b * minima["value"] > opening)]
+        minima = minima[(b > MAX_THINNESS * scale) & (-2 * np.pi * b * minima["value"] > opening)]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
-    half_width = np.minimum(kind.new_width * reach, MAX_NEW_WIDTH * room)
+    half_width = np.minimum(NEW_WIDTHS[kind.dual] * reach, MAX_NEW_WIDTH * room)
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 

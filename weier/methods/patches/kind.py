@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.surface import CosineSeries, Extent, Sides
-from weier.methods.punches import Inverse
 
 POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 PRESSURE, GAP = 0, 1
@@ -26,100 +25,66 @@ NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension,
 # Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
 # many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
+NEW_WIDTHS = NEW_CONTACT_WIDTH, NEW_GAP_WIDTH
 
 
 class Kind(NamedTuple):
-    """Contacts or gaps: the formulas that differ.
+    """Contacts or gaps: what differs.
+
+    Where a formula for both kinds has a factor or power, that is `dual`, 0 or 1.
 
     Solution on given edges
     dual : whether these are gaps; selects the kernel between nodes and the factors of a segment's self-influence
-    right_sign : sign of psi at the right edge where it is positive at the left one
     k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
         between two segments
     strength_factor : strength of the pressure at an edge over that of the density
-    tangent_forcing : derivative of the forcing with respect to the load
-    sign_of_plane : sign of the resistance over the change of the plane with the load
     rounding_power : rounding changes b_n by n to half this power
-    on_diagonal : constant added to all influences to make them positive definite
     close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
     factor : of sums over all forces, from the period
-    invert_punches : from half-widths, middles and period, the inverse of the influence of flat punches, by which
-        contacts interact in the preconditioner; None for gaps, which carry no load
-    plane_of : from the sum of the forces, the Lagrange multiplier of the load and the period, the plane
-    forcing_of_maximum : from series and load, the forcing where the series has its maximum
-    height_of_residual : from half-widths, the height of a residual of 1
     rounded_width : from period and half-widths, the width over which residuals are rounded
-    share : from the number of segments, the fraction of the tolerance for each
 
-    Fields
-    on_segments : `PRESSURE` or `GAP`, which the density on segments gives; the other one is the residual, which
-        vanishes on segments
-    plane_outside : factor of the plane between segments: 1 for the gap, 0 for the pressure
-    integral : of the density, for the residual, `POTENTIAL` or `CAUCHY`
-    integral_factor : its factor there, from the period
-    constant : the constant there, from load, approach and maximum of the series
-    datum : from the largest height, the mean gap plus the approach of a state
+    Fields and inequalities
+    integral_factor : factor of the integral over the density in the residual, from the period
     contacts_of : from the extent of segments and the period, that of contacts
     at_contacts : from values at the edges of segments, those at the edges of contacts
-
-    Inequalities
-    new_width : width of a new segment over the interval that it replaces, where a parabola is negative
-    cut_width : the same of a new interval within a segment
-    thin_inside, thin_outside : largest half-width of a thin gap over its distance to the nearest edge, where it would
-        divide a segment or lie between two, or would be a segment of its own
     limit_outside : from load, limit of overlap and limit of tension over the load, the limit between segments
-    height_of_negative : from the width of an interval on a segment, the height of a pressure or gap of -1 on it
-    overlaps_and_tensions : from minima of the residual, as `MINIMUM`, and negative intervals on segments, as
-        `NEGATIVE`, those of the gap and those of the pressure
     tensions : from the extent of contacts, intervals of tension and the period, the index of each interval's contact,
         middle and half-width in its coordinate t, shape (intervals, 3)
     are_certain : from tensions, the last over the largest coefficients of each segment, the residual and the load,
         whether the tension exceeds these and rounding
-
-    Certificate
-    scale_of_residual : from load, approach and period, the scale of relative residuals
-    imbalance : from the integrals of the density over segments, the load and the period, the deviation of the mean
-        pressure, in p_0*, and the closure error of gaps, in g_0
-    gap_and_pressures : from the residual of each segment and its width, the largest gap, and pressures with widths
-    residual_force : the force of a residual over its height
     largest_indentation : from approach and series, the indentation from first contact or a larger height
     """
 
     dual: bool
-    right_sign: float
     k_0_of_curvature: float
     strength_factor: float
-    tangent_forcing: float
-    sign_of_plane: float
     rounding_power: int
-    on_diagonal: float
     close: Callable[[Array, Array, float, float], tuple[Array, float]]
     factor: Callable[[float], float]
-    invert_punches: Callable[[Array, Array, float], Inverse | None]
-    plane_of: Callable[[float, float, float], float]
-    forcing_of_maximum: Callable[[CosineSeries, float], float]
-    height_of_residual: Callable[[Array], Array]
     rounded_width: Callable[[float, Array], float]
-    share: Callable[[int], float]
-    on_segments: int
-    plane_outside: float
-    integral: int
     integral_factor: Callable[[float], float]
-    constant: Callable[[float, float, float], float]
-    datum: Callable[[float], float]
     contacts_of: Callable[[Extent, float], Extent]
     at_contacts: Callable[[Sides], Sides]
-    new_width: float
-    cut_width: float
-    thin_inside: float
-    thin_outside: float
     limit_outside: Callable[[float, float, float], float]
-    height_of_negative: Callable[[Array], Array]
-    overlaps_and_tensions: Callable[[Records, Records], tuple[Records, Records]]
     tensions: Callable[[Extent, Records, float], NDArray[np.float64]]
     are_certain: Callable[[Records, Array, float, float], Flags]
-    scale_of_residual: Callable[[float, float, float], float]
-    imbalance: Callable[[Array, float, float], tuple[float, float]]
-    gap_and_pressures: Callable[[Array, Array], tuple[float, Array, Array]]
-    residual_force: float
     largest_indentation: Callable[[float, CosineSeries], float]
+
+    @property
+    def right_sign(self) -> float:
+        """Sign of psi at the right edge where it is positive at the left one: the slope falls where a gap closes."""
+        return 1.0 - 2.0 * self.dual
+
+    @property
+    def on_segments(self) -> int:
+        """`PRESSURE` or `GAP`, which the density on segments gives; the other one, the residual, vanishes there."""
+        return GAP if self.dual else PRESSURE
+
+    @property
+    def integral(self) -> int:
+        """Integral of the density for the residual: `POTENTIAL` for contacts, `CAUCHY` for gaps."""
+        return CAUCHY if self.dual else POTENTIAL
+
+    def height_of_residual(self, half_width: Array) -> Array:
+        """Return the height of a residual of 1: a pressure displaces the surface by its product with the width."""
+        return np.asarray((2 * half_width) ** self.dual)

@@ -50,7 +50,7 @@ def run_kernels() -> None:
             make_punches(state.segments, series.period, state.dual, most=0),
             np.zeros_like(state.coefficient),
         )
-        solve_forces_on_contacts(punches, none + state.kind.tangent_forcing, guess.load, none, 0.0, 1.0)
+        solve_forces_on_contacts(punches, none + state.dual, guess.load, none, 0.0, 1.0)
         segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
         still = np.zeros_like(segments.half_width)
         moved_expansion(segments.first_node, segments.half_width, b, b, still, still)

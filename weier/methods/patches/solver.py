@@ -171,7 +171,7 @@ def _curve_point(
     if state is None:
         return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
     fraction = float(2 * half_width.sum() / series.period)
-    h_error, indentation, R = state.error + rounding, top - state.kind.datum(top) + state.approach, state.resistance
+    h_error, indentation, R = state.error + rounding, state.dual * top + state.approach, state.resistance
     R_error = resistance_error(state, series)
     return total - top + indentation, h_error, indentation, R, R_error, fraction, half_width.size, state.residual
 
@@ -235,7 +235,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
     extent, strength = contact_pieces(state, surface.heights.period)
     edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
-    mean_gap = state.kind.datum(surface.heights.maximum) - state.approach
+    mean_gap = (1 - state.dual) * surface.heights.maximum - state.approach
     return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
 
 

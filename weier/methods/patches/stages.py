@@ -40,7 +40,7 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import FIELD_ROUNDING, PRESSURE
+from weier.methods.patches.kind import FIELD_ROUNDING, MAX_THINNESS, NEW_WIDTHS
 from weier.methods.patches.segments import (
     MAX_NODES,
     UNRESOLVED,
@@ -61,6 +61,8 @@ LARGEST_TOLERANCE = 1e-6
 # target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 3
 # measures their sum
 TARGET = 0.01
+# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
+MAX_SHARING = 5
 # largest residual in stage 3 over the target, unless rounding limits the target; a second attempt (`solve_state`)
 # therefore divides its tolerance by it
 MAX_OVER_TARGET = 10.0
@@ -129,7 +131,7 @@ def solve_in_stages(
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
     kind, series = problem.kind, problem.series
     limits = _limits(problem, guess.segments.half_width, tolerance)
-    margin = kind.plane_outside * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series)
+    margin = (1 - kind.dual) * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series)
     now, (_, steps, corrections, _) = make_guess(problem, guess.segments, tolerance), guess.route
     coarser: Converged | None = None  # before nodes were added
     while steps < MAX_STEPS:
@@ -207,7 +209,7 @@ def _scale(problem: ContactProblem) -> float:
 
 def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
-    wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
+    wanted = tolerance * _scale(problem) * min(1.0, MAX_SHARING / half_width.size) ** problem.kind.dual
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
@@ -263,9 +265,9 @@ def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Record
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
-    least = MAX_TENSION if state.kind.on_segments == PRESSURE else 0.0
-    wrong = negative[negative["relative"] < -np.maximum(unresolved, least)[negative["segment"]]]
-    return wrong[(wrong["height"] > opening) & ~are_thin(wrong, state.kind.thin_inside)]
+    of_contacts = 1 - state.kind.dual
+    wrong = negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION * of_contacts)[negative["segment"]]]
+    return wrong[(wrong["height"] > opening) & ~are_thin(wrong, MAX_THINNESS * of_contacts)]
 
 
 def _corrections(
@@ -298,7 +300,7 @@ def _corrections(
 def _thin_gaps(problem: ContactProblem, state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is less than half as wide as the narrowest to be added."""
     r = state.segments.half_width
-    thinness = problem.kind.thin_inside
+    thinness = MAX_THINNESS * (1 - problem.kind.dual)
     if gap.min() >= 2 * thinness * r.max():
         return np.zeros(r.size, bool)
     return np.asarray(gap < 2 * thinness * np.minimum(r, np.roll(r, -1)))
@@ -311,7 +313,7 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     """
     if negative.size == 0:
         return np.empty((0, 2))
-    width = state.kind.cut_width
+    width = NEW_WIDTHS[1 - state.kind.dual]
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
         centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j
@@ -341,7 +343,8 @@ def _certified(
 ) -> ContactState:
     """Return the state with its resistance, its thin gaps and its certificate."""
     tangent = solve_tangent(found.solved.punches, found.solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
-    overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
+    violations = found.minima, found.negative
+    overlaps, tensions = violations[::-1] if found.state.dual else violations
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
     )
@@ -357,5 +360,5 @@ def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
     released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
-    resistance = kind.sign_of_plane * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
+    resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
     return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)
