@@ -16,7 +16,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.kind import FIELD_ROUNDING, GAP, NEW_GAP_WIDTH
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, GAP, NEW_GAP_WIDTH
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
 from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Sides, distances_between, nearest_crests
 
@@ -36,7 +36,6 @@ TANGENT_ERROR = 5e-11
 # half-width, as a move by 2 half-widths of the gap, or 2 a chi of the contact.
 SAFETY_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
-EPS = float(np.finfo(float).eps)
 
 
 def error_bound(

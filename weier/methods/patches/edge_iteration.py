@@ -48,7 +48,7 @@ from weier.methods.patches.surface import (
 
 # range of the factor by which the square of a width changes in a step; contacts vanish before it (`MIN_GROWTH`)
 MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
-MAX_CONTACT_SHIFT, MAX_GAP_SHIFT = 1.4, 0.7  # largest move of a centre in a step, in half-widths
+MAX_SHIFT = 1.0  # largest move of a centre in a step, in half-widths
 # |psi/phi| where phi <= 0, unlike on Hertz's contact: an edge with overlap moves outward, one in tension inward
 RATIO_WITHOUT_CURVATURE = 0.5
 # fraction left by a step below which a gap is tight; it is merged if tight in two successive steps
@@ -108,7 +108,7 @@ def edge_moves(
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         left = _hertzian_ratio(psi[j, first], phi[j, first])
         right = _hertzian_ratio(psi[j, last], phi[j, last])
-        growth, shift = _growth_of_square(0.5 * (left + right)), _clip(0.5 * (right - left), MAX_CONTACT_SHIFT)
+        growth, shift = _growth_of_square(0.5 * (left + right)), _clip(0.5 * (right - left), MAX_SHIFT)
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # by narrow gaps
         k, half = (j + 1) % n, 0.5 * gap[j]
@@ -116,7 +116,7 @@ def edge_moves(
         right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
         narrower_left, narrower_right = half < r[j], half < r[k]
         linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
-        shift = _clip(0.5 * (right - left), MAX_GAP_SHIFT) if narrower_left and narrower_right else 0.0
+        shift = _clip(0.5 * (right - left), MAX_SHIFT) if narrower_left and narrower_right else 0.0
         closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
         if narrower_left:
             outward[j, 1] = -half * (widening - shift)

@@ -13,7 +13,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
-from weier.methods.patches.kind import GAP, POTENTIAL
+from weier.methods.patches.kind import EPS, GAP, POTENTIAL
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
@@ -23,7 +23,7 @@ from weier.theory.halfplane import replace_by_influence, take_logarithms
 # from 250 on for 71 gaps
 MIN_SUM_POINTS = 100
 MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 0.8 ms by fast sums
-LN_ROUNDING = -float(np.log(0.5 * np.finfo(float).eps))  # 36.7
+LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
 # The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
 # pole: rounding from ln(rho) = 18.4/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
 FAR_FIELD_EXPONENT = 0.5 * LN_ROUNDING

@@ -30,7 +30,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import GAP, MAX_THINNESS, NEW_WIDTHS
+from weier.methods.patches.kind import EPS, GAP, MAX_THINNESS, NEW_WIDTHS
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
@@ -50,7 +50,6 @@ MAX_NEW_WIDTH = 0.4
 # largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
 # for other functions
 MAX_FALL = 3
-EPS = float(np.finfo(float).eps)
 
 
 Residual = Callable[[Array], Array]

@@ -13,6 +13,7 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides
 
 POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 PRESSURE, GAP = 0, 1
+EPS = float(np.finfo(float).eps)
 # largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
 # by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
 # digits, at most 750 at the half of it from which existing contacts are merged

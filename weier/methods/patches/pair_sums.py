@@ -28,7 +28,6 @@ ORDER = 17
 POINT = gauss_rule(ORDER, of_second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
 BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
 LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
-MIN_DISTANCE = 1.0  # distance of well-separated intervals over the width of the wider one
 
 
 class Tree(NamedTuple):
@@ -138,7 +137,7 @@ def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
     between = max(other.low[b] - one.high[a], one.low[a] - other.high[b])
     around = min(one.low[a] + period - other.high[b], other.low[b] + period - one.high[a])
     distance, width = min(between, around), max(one.high[a] - one.low[a], other.high[b] - other.low[b])
-    return distance > 0 and distance >= MIN_DISTANCE * width
+    return distance > 0 and distance >= width
 
 
 @kernel

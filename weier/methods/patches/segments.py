@@ -7,7 +7,6 @@ strengths and the number of nodes. A `ContactState` contains the segments at one
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +21,6 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# Nodes of a segment, by the digits of its density: K_0 + K_1 k_f r + K_2/ln(rho), where k_f r are the radians of the
-# finest wave in its half-width and rho belongs to the nearest edge of a neighbour (docs/patches.md, "Chebyshev
-# polynomials"). The factors were fitted to the coefficients of 558 segments.
-DIGITS = np.array([6.0, 8.0, 10.0, 12.0])
-NODES_AT_LEAST = np.array([6.0, 6.5, 7.0, 7.5])
-NODES_PER_RADIAN = np.array([1.45, 1.2, 1.0, 1.0])
-NODES_PER_NEIGHBOUR = np.array([3.0, 6.8, 10.8, 14.8])
 # least distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the coefficients
 # of a solution show whether more nodes are needed
 MIN_DISTANCE = 1e-3
@@ -259,11 +251,14 @@ def _round_up(count: float) -> int:
     return int(min(np.ceil(count / step) * step, MAX_NODES))
 
 
-@lru_cache(maxsize=64)
-def node_factors(tolerance: float) -> tuple[float, ...]:
-    """Return the factors of the formula for the number of nodes, interpolated in the digits of this tolerance."""
-    tables = NODES_AT_LEAST, NODES_PER_RADIAN, NODES_PER_NEIGHBOUR
-    return tuple(float(np.interp(-np.log10(tolerance), DIGITS, table)) for table in tables)
+def node_factors(tolerance: float) -> tuple[float, float, float]:
+    """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), fitted to the coefficients of 558 segments.
+
+    k_f r are the radians of the finest wave in the half-width, and rho belongs to the nearest edge of a neighbour
+    (docs/patches.md, "Chebyshev polynomials").
+    """
+    digits = -float(np.log10(tolerance))
+    return 4.5 + digits / 4, max(1.0, 2.2 - digits / 8), 1.95 * digits - 8.7
 
 
 def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:

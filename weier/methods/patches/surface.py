@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
+from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.surface.crests import crest_heights, find_crests
 from weier.surface.expansions import ORDER, Expansions, expand
 from weier.surface.limits import check_resolvable
@@ -25,10 +26,9 @@ from weier.surface.waves import Waves
 Extent = tuple[Array, Array, Array]
 Sides = NDArray[np.float64]  # values at the left and the right edge of each interval, shape (intervals, 2)
 
-# relative to the sum of amplitudes: crests that differ by less than the first, rounding of the phases, are equally
-# high; those that differ by less than the second are compared in extended precision, since their difference would
-# have fewer than ten digits
-MAX_HEIGHT_ROUNDING, TWIN_HEIGHT = 1e-14, 1e-6
+# relative to the sum of amplitudes: crests that differ by less are compared in extended precision, since their
+# difference would have fewer than ten digits, and are equally high within `COMPLIANCE_ROUNDING`
+TWIN_HEIGHT = 1e-6
 # largest distance, in steps, for the expansion about a crest: it is shifted from a node at most half a step away,
 # whose expansion is valid up to one step
 MAX_CREST_STEPS = 0.5
@@ -112,10 +112,10 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     maximum, most = float(about[:, 0].max()), float(np.abs(amplitude).sum())
     offset = about[:, 0] - maximum
     twins = offset > -TWIN_HEIGHT * most
-    if np.any(twins & (offset < -0.5 * MAX_HEIGHT_ROUNDING * most)):  # else all are equally high
+    if np.any(twins & (offset < -0.5 * COMPLIANCE_ROUNDING * most)):  # else all are equally high
         exact = crest_heights(amplitude, waves_per_period, phase, period, position[twins])
         offset[twins] = [float(height - max(exact)) for height in exact]
-    offset[offset > -MAX_HEIGHT_ROUNDING * most] = 0.0
+    offset[offset > -COMPLIANCE_ROUNDING * most] = 0.0
     about[:, 0], nodes[:, 0] = offset, nodes[:, 0] - maximum
     return CosineSeries(
         amplitude,
