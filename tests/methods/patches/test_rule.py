@@ -6,7 +6,7 @@ from numpy.polynomial.chebyshev import chebval
 
 from weier.methods.patches.rule import (
     add_own_blocks,
-    expand,
+    expansion_of,
     factors_at_nodes,
     forces_of,
     own_tables,
@@ -84,7 +84,6 @@ def test_expansions_are_those_of_the_density(period, dual):
     if dual:
         b[FIRST[:-1]] = 0.0  # a slope with a mean would not close the gap
     force = forces_of(FIRST, r, b, FIRST, np.arange(4), period, dual)
-    _, left, _, _ = factors_at_nodes(FIRST, r, period, dual)
     for j, K in enumerate(COUNTS):
         here, angle = slice(FIRST[j], FIRST[j + 1]), angles(K, dual)
         t = -np.cos(angle)
@@ -95,4 +94,4 @@ def test_expansions_are_those_of_the_density(period, dual):
         else:
             expected = np.pi / K * r[j] * chebval(t, b[here])
         np.testing.assert_allclose(force[here], expected, atol=1e-12 * period**2)
-    np.testing.assert_allclose(expand(FIRST, r, left, force, dual), b, atol=1e-12)
+    np.testing.assert_allclose(expansion_of(FIRST, r, force, period, dual), b, atol=1e-12)

@@ -119,3 +119,14 @@ def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profi
         state = patches.solve_load(profile, load, tolerance).state
         assert state is not None
         assert state.dual
+
+
+def test_equations_with_a_plane_are_solved_without_pivoting():
+    """A symmetric positive definite matrix, with a row and a column of ones for the plane."""
+    random = np.random.default_rng(4)
+    for n in (1, 2, 7, 32):
+        factor = random.normal(size=(n, n))
+        matrix = np.block([[factor @ factor.T + np.eye(n), np.ones((n, 1))], [np.ones((1, n)), np.zeros((1, 1))]])
+        right = random.normal(size=n + 1)
+        expected = np.linalg.solve(matrix, right)
+        np.testing.assert_allclose(start._solve(matrix, right), expected, rtol=1e-9, atol=1e-9)

@@ -133,3 +133,10 @@ def test_positions_are_counted_from_the_image_of_the_nearest_crest(period):
     order, turns = in_order(x, period)
     np.testing.assert_array_equal(turns / period, [-1, 0, 0, 0, 1, -2])
     np.testing.assert_array_equal(order, [1, 2, 4, 0, 3, 5])
+
+
+def test_the_first_index_is_that_of_numpy():
+    x = np.array([0.0, 0.25, 0.25, 0.25, 1.0, 3.0])
+    for count in range(x.size + 1):
+        for value in (-1.0, 0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0):
+            assert surface.first_from(x[:count], value) == np.searchsorted(x[:count], value)

@@ -19,7 +19,6 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
     Forces,
     Punches,
-    expansion_of,
     make_punches,
     moved_expansion,
     regular_part,
@@ -27,6 +26,7 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.kind import Kind
+from weier.methods.patches.rule import expansion_of
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,

@@ -21,7 +21,7 @@ from weier.methods.patches.rule import (
     Rule,
     Table,
     add_own_blocks,
-    expand,
+    expansion_of,
     factors_at_nodes,
     forces_of,
     own_tables,
@@ -295,13 +295,6 @@ def expansion(punches: Punches, force: Array) -> Array:
     """Return the coefficients of psi in T_k, segment by segment, shape (nodes,)."""
     segments = punches.segments
     return expansion_of(segments.first_node, segments.half_width, force, punches.period, punches.dual)
-
-
-@kernel
-def expansion_of(first_node: Indices, half_width: Array, force: Array, period: float, dual: bool) -> Array:
-    """Return the coefficients of psi in T_k on segments of these half-widths."""
-    _, left, _, _ = factors_at_nodes(first_node, half_width, period, dual)
-    return expand(first_node, half_width, left, force, dual)
 
 
 @kernel

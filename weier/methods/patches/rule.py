@@ -52,24 +52,14 @@ class Rule(NamedTuple):
     inverse_scale: Array
 
 
-# Compiled code cannot call the functions of `Kind`: these five choose those of contacts or of gaps (dual); no other
-# formula distinguishes the two.
+# Compiled code cannot call the functions of `Kind`: the kernels of this module choose those of contacts or of gaps
+# (dual).
 
 
 @kernel
 def rule_of(dual: bool) -> tuple[int, float, int, float]:
     """Return `RULE`: the shift, the sign of X(i + j + shift), the power in its sum, and the factor of the kernel."""
     return OF_GAPS if dual else OF_CONTACTS
-
-
-@kernel
-def _node(r: float, sine: float, period: float, dual: bool) -> tuple[float, float, float]:
-    return gap_node(r, sine, period) if dual else contact_node(r, sine, period)
-
-
-@kernel
-def _scales(r: float, angles: int, period: float, dual: bool) -> tuple[float, float]:
-    return gap_scales(r, angles, period) if dual else contact_scales(r, angles, period)
 
 
 @kernel
@@ -97,7 +87,9 @@ def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
             offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
-            left[q], at_node[q], inverse_left[q] = _node(r[j], sine, period, dual)
+            left[q], at_node[q], inverse_left[q] = (
+                gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
+            )
     return offset, left, at_node, inverse_left
 
 
@@ -106,7 +98,8 @@ def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Ar
     """Return the factors of the self-influence of each segment and of its inverse."""
     own, inverse, (shift, _, _, _) = np.empty(r.size), np.empty(r.size), rule_of(dual)
     for j in range(r.size):
-        own[j], inverse[j] = _scales(r[j], first_node[j + 1] - first_node[j] + shift - 1, period, dual)
+        N = first_node[j + 1] - first_node[j] + shift - 1
+        own[j], inverse[j] = gap_scales(r[j], N, period) if dual else contact_scales(r[j], N, period)
     return own, inverse
 
 
@@ -200,13 +193,14 @@ def add_own_blocks(first_node: Indices, r: Array, table: Array, period: float, d
 
 
 @kernel
-def expand(first_node: Indices, r: Array, left: Array, force: Array, dual: bool) -> Array:
-    """Return the coefficients of psi in T_n, segment by segment, shape (nodes,).
+def expansion_of(first_node: Indices, r: Array, force: Array, period: float, dual: bool) -> Array:
+    """Return the coefficients of psi in T_n on segments of these half-widths, shape (nodes,).
 
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     whole turn that has all its digits.
     """
-    b, (shift, _, _, _) = np.zeros(force.size), rule_of(dual)
+    b, (_, left, _, _) = np.zeros(force.size), factors_at_nodes(first_node, r, period, dual)
+    shift, _, _, _ = rule_of(dual)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
