@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,7 @@ def limits() -> dict[str, list[str]]:
     return {module: re.findall(r"`(\w+)`", names) for module, names in rows}
 
 
+@cache
 def solved(factor: float) -> dict[str, np.ndarray]:
     """Compliance and resistance of all curves of each method."""
     program = [sys.executable, "-c", SOLVE, json.dumps(limits()), str(factor)]

@@ -19,6 +19,7 @@ from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods.method import Method
 from weier.methods.registry import find_method
+from weier.pipeline.compile import compile_kernels
 from weier.surface.waves import Waves
 
 FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
@@ -53,8 +54,6 @@ def seconds_of_loads(method: Method, profile: Waves) -> Array:
     full = profile.full_contact_load if math.isfinite(profile.m) else 1.0
     loads = full * np.array([FRACTIONS]).T
     seconds = np.full(len(FRACTIONS), np.nan)
-    with suppress(ConvergenceError):
-        method.solve(profile, loads[0])  # compiles
     for number, load in enumerate(loads):
         start = process_time()
         with suppress(ConvergenceError):
@@ -78,6 +77,7 @@ def row(name: str, profile: Waves, method: Method) -> list[str]:
 def main(most: int, methods: str) -> None:
     """Print the seconds of each load, and their mean ratio to the expected ones."""
     rows = []
+    compile_kernels()
     with one_thread:
         for method in map(find_method, methods.split(",")):
             taken = [(what, profile) for what, profile in surfaces(most) if method.takes(profile)]

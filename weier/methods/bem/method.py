@@ -18,7 +18,7 @@ RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the g
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
 # seconds per load on few points, and their growth (docs/numerics.md, "Expected seconds")
-SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 1e-3, 1500, 1.3
+SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 6e-5, 300, 1.4
 
 
 def _solve(

@@ -26,7 +26,7 @@ from weier.surface.waves import Waves
 
 # Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
-SECONDS_LOAD, SECONDS_WAVE = 3e-3, 1.2e-4  # Of a load, and of a load and each of the finest waves.
+SECONDS_LOAD, SECONDS_WAVE = 7e-4, 1.1e-4  # Of a load, and of a load and each of the finest waves.
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
