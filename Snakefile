@@ -158,43 +158,50 @@ rule figure:
         " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
 
 
-# One process draws all figures of a scene, since starting it takes as long as drawing two; figures that are not outdated
-# stay. Without wildcards, this rule goes before `figure`, which draws those that the command line names.
+# One process draws half of the figures of a scene, or all of a few, since starting it takes as long as drawing two;
+# figures that are not outdated stay. Without wildcards, these rules go before `figure`, which draws those that the
+# command line names.
 for name in [] if figures_are_named() else SCENES:
+    for drawing, figures in scenes.drawing_rules(name).items():
 
-    rule:
-        name:
-            f"figures_of_{name}"
-        input:
-            settled=ancient(scenes.of_all_figures(name, scenes.settled_batches)),
-            unsettled=scenes.of_all_figures(name, scenes.unsettled_batches),
-            outdated=scenes.of_all_figures(name, scenes.outdated_figure),
-        output:
-            [
-                update(path)
-                for path in scenes.figures_of(name)
-                if not path.endswith(".png")
-            ],
-            [update(in_report(name, figure)) for figure in scenes.scene(name).figures],
-        log:
-            f"results/logs/{name}/figures.log",
-        benchmark:
-            f"results/logs/{name}/figures.tsv"
-        conda:
-            "rules/environment.yaml"
-        resources:
-            mem_mb=lambda wildcards, attempt, scene=SimpleNamespace(
-                scene=name
-            ): scenes.memory(scene, attempt),
-            runtime=lambda wildcards, attempt, scene=SimpleNamespace(
-                scene=name
-            ): scenes.minutes(scene, attempt),
-        params:
-            scene=scenes.scene_file(SimpleNamespace(scene=name)),
-        message:
-            f"{name}: draw figures that are missing or outdated"
-        shell:
-            f"python -m weier figures {{params.scene:q}} results/curves results/{name}/figures 2>&1 | tee -i {{log:q}}"
+        rule:
+            name:
+                drawing
+            input:
+                settled=ancient(
+                    scenes.of_figures(name, figures, scenes.settled_batches)
+                ),
+                unsettled=scenes.of_figures(name, figures, scenes.unsettled_batches),
+                outdated=scenes.of_figures(name, figures, scenes.outdated_figure),
+            output:
+                [
+                    update(path)
+                    for figure in figures
+                    for path in scenes.files_of_figure(name, figure)
+                    if not path.endswith(".png")
+                ],
+                [update(in_report(name, figure)) for figure in figures],
+            log:
+                f"results/logs/{name}/{drawing}.log",
+            benchmark:
+                f"results/logs/{name}/{drawing}.tsv"
+            conda:
+                "rules/environment.yaml"
+            resources:
+                mem_mb=lambda wildcards, attempt, scene=SimpleNamespace(
+                    scene=name
+                ): scenes.memory(scene, attempt),
+                runtime=lambda wildcards, attempt, scene=SimpleNamespace(
+                    scene=name
+                ): scenes.minutes(scene, attempt),
+            params:
+                scene=scenes.scene_file(SimpleNamespace(scene=name)),
+                figures=figures,
+            message:
+                f"{name}: draw those of {', '.join(figures)} that are missing or outdated"
+            shell:
+                f"python -m weier figures {{params.scene:q}} results/curves results/{name}/figures {{params.figures:q}}"
+                " 2>&1 | tee -i {log:q}"
 
 
 rule all:

@@ -284,7 +284,7 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
         "everything of test",
         "solve 1 case of long by bem",
         "solve 1 case of long by demelio",
-        "test: draw figures that are missing or outdated",
+        "test: draw those of one, two that are missing or outdated",
         "test: gather all curves and check the claims",
     ]
 

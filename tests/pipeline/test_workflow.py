@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -129,6 +130,23 @@ def digests(now):
     return (*figures, now._inputs("test", "page.html"), now._inputs("test", ""))
 
 
+@pytest.mark.parametrize("count", [1, 3, 4, 5])
+def test_two_processes_draw_each_of_many_figures_once(folder, count):
+    """And a further figure changes what one of them draws."""
+    path = folder / "config/scenes/test.yaml"
+
+    def drawn(count):
+        figures = "".join(f"  number_{each}: {{draw: profiles, studies: [short]}}\n" for each in range(count))
+        path.write_text(SCENE.partition("figures:")[0] + "figures:\n" + figures)
+        return scenes().drawing_rules("test")
+
+    parts = drawn(count)
+    assert sorted(chain.from_iterable(parts.values())) == [f"number_{each}" for each in range(count)]
+    assert len(parts) == (1 if count < 4 else 2)
+    if count > 3:
+        assert sum(drawn(count + 1)[rule] != parts[rule] for rule in parts) == 1
+
+
 def test_digests_change_with_what_they_are_of(folder):
     def changed(first):
         return [old != new for old, new in zip(first, digests(scenes()), strict=True)]
@@ -182,7 +200,9 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
     assert outdated() == [False, False, False, False]
     data, figure = of(), of(figure="one")
     each = [scenes().outdated_figure(of(figure=name)) for name in ("one", "two")]
-    assert scenes().of_all_figures("test", scenes().outdated_figure)(of()) == [path for (path,) in each]
+    assert scenes().of_figures("test", scenes().scene("test").figures, scenes().outdated_figure)(of()) == [
+        path for (path,) in each
+    ]
     for wanted in (data, figure):
         assert scenes().settled_batches(wanted)
         assert not scenes().unsettled_batches(wanted)

@@ -102,7 +102,7 @@ def batch(description: Path, data: Path) -> None:
 @click.argument("folder", type=FILE)
 @click.argument("names", nargs=-1)
 def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
-    """Draw the figures NAMES of a scene, or those that are missing or outdated, or all if none is.
+    """Draw those of the figures NAMES of a scene, or of all, that are missing or outdated, or all of them if none is.
 
     The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
     CSV. A figure that cannot be drawn is removed and named at the end; the others are drawn.
@@ -123,7 +123,7 @@ def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str])
             or not (folder / f"{name}.{VALUES}").exists()
         ]
         failed = []
-        for name in names or outdated or inputs:
+        for name in outdated or inputs:
             click.echo(f"draw {scene_file.stem}: {name}", err=True)
             wanted = scene.figure(name)
             try:

@@ -38,6 +38,9 @@ from weier.scene import Scene
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
 VALUES = "csv"  # format of its values
+MAX_DRAWN = (
+    3  # figures that one process draws, if there are no more; a second one takes as long to start as to draw two
+)
 DATA = ("contact.nc", "claims.md")
 RECORDS = Path(".snakemake")
 LOCKS = RECORDS / "locks"
@@ -131,16 +134,25 @@ class Scenes:
 
     def figures_of(self, name: str) -> list[str]:
         """Return the files of all figures of the scene of this name."""
-        folder = self.results / name / "figures"
-        return [
-            str(folder / f"{figure}.{suffix}") for figure in self.scene(name).figures for suffix in (*FORMATS, VALUES)
-        ]
+        return [file for figure in self.scene(name).figures for file in self.files_of_figure(name, figure)]
 
-    def of_all_figures(self, name: str, files: Callable[[Any], list[str]]) -> Callable[[Any], list[str]]:
-        """Return the function of all figures of a scene from one of these functions of a figure."""
+    def files_of_figure(self, name: str, figure: str) -> list[str]:
+        """Return the files of a figure of the scene of this name."""
+        return [str(self.results / name / "figures" / f"{figure}.{suffix}") for suffix in (*FORMATS, VALUES)]
+
+    def drawing_rules(self, name: str) -> dict[str, list[str]]:
+        """Return the figures of a scene by the rule that draws them: halves of four or more, which two cores draw."""
+        figures = list(self.scene(name).figures)
+        first, second = f"figures_of_{name}", f"more_figures_of_{name}"
+        return {first: figures[::2], second: figures[1::2]} if len(figures) > MAX_DRAWN else {first: figures}
+
+    def of_figures(
+        self, name: str, figures: Iterable[str], files: Callable[[Any], list[str]]
+    ) -> Callable[[Any], list[str]]:
+        """Return the function of several figures of a scene from one of these functions of a figure."""
 
         def of_scene(wildcards: Any) -> list[str]:
-            each = (files(SimpleNamespace(scene=name, figure=figure)) for figure in self.scene(name).figures)
+            each = (files(SimpleNamespace(scene=name, figure=figure)) for figure in figures)
             return list(dict.fromkeys(chain.from_iterable(each)))
 
         return of_scene
