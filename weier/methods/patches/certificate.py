@@ -88,8 +88,7 @@ def imbalance(state: ContactState, period: float) -> tuple[float, float]:
     Both follow from the integrals of the density, (pi/2) r a_0: the force of a contact, the closure error of a gap.
     """
     integral = 0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
-    missing, closure = abs(float(integral.sum()) / period - state.load), float(np.abs(integral).sum())
-    return (0.0, closure) if state.dual else (missing, 0.0)
+    return state.kind.imbalance(integral, state.load, period)
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
@@ -241,7 +240,7 @@ def gap_uncertainty(error: float, series: CosineSeries) -> float:
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
-    scale = state.load * period if state.dual else state.approach
+    scale = state.kind.scale_of_residual(state.load, state.approach, period)
     relative = state.residual / scale if scale > 0 else np.inf  # no indentation: rounding has left no digit
     relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:

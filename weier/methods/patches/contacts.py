@@ -19,12 +19,10 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import (
-    FIELD_ROUNDING,
-    Kind,
-)
+from weier.methods.patches.kind import FIELD_ROUNDING, POTENTIAL, PRESSURE, Kind
 from weier.methods.patches.surface import Extent
-from weier.methods.punches import OFFSET
+from weier.methods.punches import OFFSET, Inverse, invert_punches
+from weier.theory.halfplane import displacement_of_punch
 
 # of the self-influence: shift of theta_i = pi (i + 1/2)/K, sign of X(i + j + shift), power of k in the sum, and the
 # factor of the kernel that the sum over all nodes contains
@@ -67,6 +65,17 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
     return closed, OFFSET * load * period - shift
 
 
+def _invert_punches(half_width: Array, middle: Array, period: float) -> Inverse:
+    """Return the inverse of the influence of contacts as flat punches."""
+    compliance = displacement_of_punch(half_width, period)
+    return invert_punches(np.arange(compliance.size), middle, compliance, period)
+
+
+def _imbalance(integral: Array, load: float, period: float) -> tuple[float, float]:
+    """Return the difference of the mean pressure and the load; there are no gaps to close."""
+    return abs(float(integral.sum()) / period - load), 0.0
+
+
 def _tensions(contacts: Extent, negative: Records, period: float) -> NDArray[np.float64]:
     """Return intervals of tension on contacts: index, middle and half-width in the coordinate t."""
     middle, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
@@ -80,17 +89,29 @@ def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -
 
 CONTACTS = Kind(
     dual=False,
+    right_sign=1.0,
     k_0_of_curvature=-0.75,  # of a gap in a parabola of tension
     strength_factor=1.0,
     rounding_power=2,
     close=_close,
     factor=lambda period: -2.0,
+    invert_punches=_invert_punches,
+    plane_of=lambda total, multiplier, period: multiplier,
+    height_of_residual=np.ones_like,
     rounded_width=lambda period, half_width: period,
+    share=lambda count: 1.0,
+    on_segments=PRESSURE,
+    integral=POTENTIAL,
     integral_factor=lambda period: -2.0,
+    constant=lambda load, approach, maximum: -approach,
     contacts_of=lambda extent, period: extent,
     at_contacts=lambda values: values,
     limit_outside=lambda load, height, tension: height,
+    height_of_negative=lambda width: np.pi * width,  # a crack of half-width b under the tension p opens by 2 pi b p
+    overlaps_and_tensions=lambda minima, negative: (minima, negative),
     tensions=_tensions,
     are_certain=_are_certain,
+    scale_of_residual=lambda load, approach, period: approach,
+    imbalance=_imbalance,
     largest_indentation=lambda approach, series: approach,
 )

@@ -243,12 +243,8 @@ def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indic
     kind, origin = state.kind, series.crest_position[crest]
     integral = density_integrals(state, series.period, origin, y, kind.integral)
     integral *= kind.integral_factor(series.period)
-    return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + integral)
-
-
-def _constant(state: ContactState, series: CosineSeries) -> float:
-    """Return the residual at the maximum of the series without the integral."""
-    return state.load - series.maximum if state.dual else -state.approach
+    constant = kind.constant(state.load, state.approach, series.maximum)
+    return np.asarray(constant - evaluate_at(series, crest, y, 0) + integral)
 
 
 def residuals_by_sums(
@@ -270,7 +266,7 @@ def residuals_by_sums(
     total, factor = potential(tree, force, make_tree(origin, offset), period, kind.dual), kind.factor(period)
     near = kind.integral, kind.integral_factor(period) / factor
     value[order] = _correct_near_segments(*density, kind.dual, *near, force, origin, offset, period, total)
-    constant = _constant(state, series)
+    constant = kind.constant(state.load, state.approach, series.maximum)
     return np.asarray(constant - evaluate_at(series, crest, y, 0) + factor * value)
 
 

@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import (
-    FIELD_ROUNDING,
-    Kind,
-)
+from weier.methods.patches.kind import CAUCHY, FIELD_ROUNDING, GAP, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between
 
+# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
+MAX_SHARING = 5
 # of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), power of n in the sum, and
 # the factor of the kernel that the sum over all nodes contains
 RULE = 2, -1.0, 1, 0.25
@@ -85,17 +84,29 @@ def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -
 
 GAPS = Kind(
     dual=True,
+    right_sign=-1.0,  # the slope is negative where a gap closes
     k_0_of_curvature=0.25,  # of a contact between gaps
     strength_factor=0.5 / np.pi,  # strength of the pressure beyond an edge over that of the slope of the gap
     rounding_power=0,
     close=_close,
     factor=lambda period: -0.5 / period**2,
+    invert_punches=lambda half_width, middle, period: None,
+    plane_of=lambda total, multiplier, period: total / period,
+    height_of_residual=lambda half_width: 2 * half_width,  # a pressure displaces by its product with the width
     rounded_width=lambda period, half_width: 2 * float(half_width.max()),
+    share=lambda count: min(1.0, MAX_SHARING / count),
+    on_segments=GAP,
+    integral=CAUCHY,
     integral_factor=lambda period: 0.5 / (np.pi * period),
+    constant=lambda load, approach, maximum: load - maximum,
     contacts_of=intervals_between,
     at_contacts=_at_contacts,
     limit_outside=lambda load, height, tension: tension * load,
+    height_of_negative=np.ones_like,
+    overlaps_and_tensions=lambda minima, negative: (negative, minima),
     tensions=_tensions,
     are_certain=_are_certain,
+    scale_of_residual=lambda load, approach, period: load * period,
+    imbalance=lambda integral, load, period: (0.0, float(np.abs(integral).sum())),
     largest_indentation=_largest_indentation,
 )

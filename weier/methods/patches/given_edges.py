@@ -30,8 +30,8 @@ from weier.methods.patches.rule import (
 )
 from weier.methods.patches.segments import Segments, kind_of
 from weier.methods.patches.surface import distances_between
-from weier.methods.punches import OFFSET, Inverse, invert_punches, solve_forces
-from weier.theory.halfplane import displacement_of_punch, replace_by_influence
+from weier.methods.punches import OFFSET, Inverse, solve_forces
+from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
 # conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m weier.accuracy.direct_solution`)
@@ -183,12 +183,6 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
     return force
 
 
-def _invert_punches(segments: Segments, period: float) -> Inverse:
-    """Return the inverse of the influence of contacts as flat punches."""
-    compliance = displacement_of_punch(segments.half_width, period)
-    return invert_punches(np.arange(compliance.size), segments.middle, compliance, period)
-
-
 def solve_forces_on_contacts(
     punches: Punches, forcing: Array, load: float, start: Array, residual: float, reduction: float = 0.0
 ) -> Forces:
@@ -238,7 +232,7 @@ def _solve_iteratively(
     """
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, force, least = forcing / unit, start / unit, least / unit
-    inverse = None if kind.dual else _invert_punches(segments, punches.period)
+    inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
     scale = punches.at_nodes(kind.height_of_residual(segments.half_width))
     even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
     if inverse is not None:
@@ -263,8 +257,7 @@ def _solve_iteratively(
         length = energy / float(direction @ product)
         force = force + length * direction
         residual -= length * product
-    plane = float(force.sum()) / punches.period if kind.dual else plane
-    return Forces(unit * force, unit * plane, unit * size, step)
+    return Forces(unit * force, unit * kind.plane_of(float(force.sum()), plane, punches.period), unit * size, step)
 
 
 def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:

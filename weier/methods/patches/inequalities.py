@@ -116,7 +116,7 @@ def find_negative_intervals(state: ContactState) -> Records:
     found = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
-        found["height"] *= (np.pi * width) ** (1 - kind.dual)  # a crack in the tension p opens by 2 pi b p
+        found["height"] *= kind.height_of_negative(width)
     return found
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.surface import CosineSeries, Extent, Sides
+from weier.methods.punches import Inverse
 
 POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
 PRESSURE, GAP = 0, 1
@@ -32,60 +33,69 @@ NEW_WIDTHS = NEW_CONTACT_WIDTH, NEW_GAP_WIDTH
 class Kind(NamedTuple):
     """Contacts or gaps: what differs.
 
-    Where a formula for both kinds has a factor or power, that is `dual`, 0 or 1.
+    Where a formula for both kinds has a term or factor for one of them, that is multiplied by `dual`, 0 or 1.
 
     Solution on given edges
     dual : whether these are gaps; selects the kernel between nodes and the factors of a segment's self-influence
+    right_sign : sign of psi at the right edge where it is positive at the left one
     k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
         between two segments
     strength_factor : strength of the pressure at an edge over that of the density
     rounding_power : rounding changes b_n by n to half this power
     close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
     factor : of sums over all forces, from the period
+    invert_punches : from half-widths, middles and period, the inverse of the influence of flat punches, by which
+        contacts interact in the preconditioner; None for gaps, which carry no load
+    plane_of : from the sum of the forces, the Lagrange multiplier of the load and the period, the plane
+    height_of_residual : from half-widths, the height of a residual of 1
     rounded_width : from period and half-widths, the width over which residuals are rounded
+    share : from the number of segments, the fraction of the tolerance for each
 
     Fields and inequalities
+    on_segments : `PRESSURE` or `GAP`, which the density on segments gives; the other one is the residual, which
+        vanishes on segments
+    integral : of the density, for the residual, `POTENTIAL` or `CAUCHY`
     integral_factor : factor of the integral over the density in the residual, from the period
+    constant : the residual at the maximum of the series without the integral, from load, approach and that maximum
     contacts_of : from the extent of segments and the period, that of contacts
     at_contacts : from values at the edges of segments, those at the edges of contacts
     limit_outside : from load, limit of overlap and limit of tension over the load, the limit between segments
+    height_of_negative : from the width of an interval on a segment, the height of a pressure or gap of -1 on it
+    overlaps_and_tensions : from minima of the residual, as `MINIMUM`, and negative intervals on segments, as
+        `NEGATIVE`, those of the gap and those of the pressure
     tensions : from the extent of contacts, intervals of tension and the period, the index of each interval's contact,
         middle and half-width in its coordinate t, shape (intervals, 3)
     are_certain : from tensions, the last over the largest coefficients of each segment, the residual and the load,
         whether the tension exceeds these and rounding
+    scale_of_residual : from load, approach and period, the scale of relative residuals
+    imbalance : from the integrals of the density over segments, the load and the period, the deviation of the mean
+        pressure, in p_0*, and the closure error of gaps, in g_0
     largest_indentation : from approach and series, the indentation from first contact or a larger height
     """
 
     dual: bool
+    right_sign: float
     k_0_of_curvature: float
     strength_factor: float
     rounding_power: int
     close: Callable[[Array, Array, float, float], tuple[Array, float]]
     factor: Callable[[float], float]
+    invert_punches: Callable[[Array, Array, float], Inverse | None]
+    plane_of: Callable[[float, float, float], float]
+    height_of_residual: Callable[[Array], Array]
     rounded_width: Callable[[float, Array], float]
+    share: Callable[[int], float]
+    on_segments: int
+    integral: int
     integral_factor: Callable[[float], float]
+    constant: Callable[[float, float, float], float]
     contacts_of: Callable[[Extent, float], Extent]
     at_contacts: Callable[[Sides], Sides]
     limit_outside: Callable[[float, float, float], float]
+    height_of_negative: Callable[[Array], Array]
+    overlaps_and_tensions: Callable[[Records, Records], tuple[Records, Records]]
     tensions: Callable[[Extent, Records, float], NDArray[np.float64]]
     are_certain: Callable[[Records, Array, float, float], Flags]
+    scale_of_residual: Callable[[float, float, float], float]
+    imbalance: Callable[[Array, float, float], tuple[float, float]]
     largest_indentation: Callable[[float, CosineSeries], float]
-
-    @property
-    def right_sign(self) -> float:
-        """Sign of psi at the right edge where it is positive at the left one: the slope falls where a gap closes."""
-        return 1.0 - 2.0 * self.dual
-
-    @property
-    def on_segments(self) -> int:
-        """`PRESSURE` or `GAP`, which the density on segments gives; the other one, the residual, vanishes there."""
-        return GAP if self.dual else PRESSURE
-
-    @property
-    def integral(self) -> int:
-        """Integral of the density for the residual: `POTENTIAL` for contacts, `CAUCHY` for gaps."""
-        return CAUCHY if self.dual else POTENTIAL
-
-    def height_of_residual(self, half_width: Array) -> Array:
-        """Return the height of a residual of 1: a pressure displaces the surface by its product with the width."""
-        return np.asarray((2 * half_width) ** self.dual)

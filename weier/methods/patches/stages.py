@@ -61,8 +61,6 @@ LARGEST_TOLERANCE = 1e-6
 # target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 3
 # measures their sum
 TARGET = 0.01
-# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
-MAX_SHARING = 5
 # largest residual in stage 3 over the target, unless rounding limits the target; a second attempt (`solve_state`)
 # therefore divides its tolerance by it
 MAX_OVER_TARGET = 10.0
@@ -209,7 +207,7 @@ def _scale(problem: ContactProblem) -> float:
 
 def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
-    wanted = tolerance * _scale(problem) * min(1.0, MAX_SHARING / half_width.size) ** problem.kind.dual
+    wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
@@ -343,8 +341,7 @@ def _certified(
 ) -> ContactState:
     """Return the state with its resistance, its thin gaps and its certificate."""
     tangent = solve_tangent(found.solved.punches, found.solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
-    violations = found.minima, found.negative
-    overlaps, tensions = violations[::-1] if found.state.dual else violations
+    overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
     )
