@@ -7,16 +7,25 @@ from numpy.polynomial.chebyshev import chebval
 from weier.methods.patches.rule import (
     add_own_blocks,
     expansion_of,
-    factors_at_nodes,
     forces_of,
     own_tables,
-    scales,
+    place_nodes,
     times_own,
 )
 
 PERIODS, COUNTS = (1.0, 2.0, 9.0), np.array([1, 2, 5, 12])
 FIRST = np.append(0, np.cumsum(COUNTS))
 RADII = np.array([0.3, 0.01, 0.1, 0.2])  # of L
+
+
+def placed(first, r, period, dual):
+    """The nodes of segments that are 0.01 L apart: offsets, factors and diagonal."""
+    middle = np.cumsum(2 * r + 0.01 * period) - r
+    gap, offset, left, diagonal, is_apart = place_nodes(first, np.zeros(r.size), middle, r, period, dual)
+    np.testing.assert_allclose(gap[:-1], 0.01 * period)
+    np.testing.assert_allclose(2 * r.sum() + gap.sum(), period)
+    assert is_apart == (gap[-1] > 0)
+    return offset, left, diagonal
 
 
 def angles(nodes, dual):
@@ -34,8 +43,8 @@ def waves(nodes, dual):
 def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     """-ln 2 - 2 sum T_k T_k/k for ln|t_i - t_j|, and -2 sum (k+1) U_k U_k for 1/(t_i - t_j)^2, on each segment."""
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
-    add_own_blocks(FIRST, r, own_tables(FIRST, dual, False), period, dual, dense)
-    offset, left, at_node, _ = factors_at_nodes(FIRST, r, period, dual)
+    offset, left, diagonal = placed(FIRST, r, period, dual)
+    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, dual, False), dual, dense)
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)
         t, k = -np.cos(angles(K, dual)), np.arange(K)
@@ -52,9 +61,9 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
         scale = np.abs(expected).max()
         np.testing.assert_allclose(dense[here, here][upper], expected[upper], atol=2e-13 * scale)
     assert not np.any(np.tril(dense, -1))
-    force, total = np.random.default_rng(0).normal(size=FIRST[-1]), at_node.copy()
-    total *= force
-    times_own(FIRST, own_tables(FIRST, dual, False), left, scales(FIRST, r, period, dual)[0], dual, force, total)
+    force = np.random.default_rng(0).normal(size=FIRST[-1])
+    total = diagonal * force
+    times_own(FIRST, own_tables(FIRST, dual, False), left, dual, force, total)
     both = dense + dense.T - np.diag(np.diag(dense))
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
 
@@ -62,15 +71,18 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", PERIODS)
 def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
-    """The displacement T_k needs the forces k/(2K) T_k, and the pressure U_k in a gap 2 pi r^2 w_i U_k/(k+1)."""
+    """The displacement T_k needs the forces k/(2K) T_k, and the pressure U_k in a gap 2 pi r^2 w_i U_k/(k+1).
+
+    The kernels of both have the factors -2 and -1/(2 L^2).
+    """
     nodes, r = 9, np.array([0.13]) * period
     first, wave = np.array([0, nodes]), waves(nodes, dual)
-    _, _, _, left = factors_at_nodes(first, r, period, dual)
-    _, scale = scales(first, r, period, dual)
+    _, left, _ = placed(first, r, period, dual)
     weight = np.pi / (nodes + 1) * np.sin(angles(nodes, dual)) ** 2 * 2 * np.pi * r**2
     for k in range(nodes):
         force = np.zeros(nodes)
-        times_own(first, own_tables(first, dual, True), left, scale, dual, wave[k], force)
+        times_own(first, own_tables(first, dual, True), 1 / left, dual, wave[k], force)
+        force *= 2 * period**2 if dual else 0.5
         expected = weight * wave[k] / (k + 1) if dual else k / (2 * nodes) * wave[k]
         np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)
 
@@ -83,7 +95,8 @@ def test_expansions_are_those_of_the_density(period, dual):
     b = random.normal(size=FIRST[-1])
     if dual:
         b[FIRST[:-1]] = 0.0  # a slope with a mean would not close the gap
-    force = forces_of(FIRST, r, b, FIRST, np.arange(4), period, dual)
+    _, left, _ = placed(FIRST, r, period, dual)
+    force = forces_of(FIRST, r, left, b, FIRST, np.arange(4), period, dual)
     for j, K in enumerate(COUNTS):
         here, angle = slice(FIRST[j], FIRST[j + 1]), angles(K, dual)
         t = -np.cos(angle)
@@ -94,4 +107,4 @@ def test_expansions_are_those_of_the_density(period, dual):
         else:
             expected = np.pi / K * r[j] * chebval(t, b[here])
         np.testing.assert_allclose(force[here], expected, atol=1e-12 * period**2)
-    np.testing.assert_allclose(expansion_of(FIRST, r, force, period, dual), b, atol=1e-12)
+    np.testing.assert_allclose(expansion_of(FIRST, r, left, force, period, dual), b, atol=1e-12)

@@ -30,15 +30,9 @@ RULE = 1, 1.0, -1, 1.0
 
 
 @kernel
-def contact_node(r: float, sine: float, period: float) -> tuple[float, float, float]:
-    """Return the factor of a node in the self-influence, its diagonal, and its factor in the inverse."""
-    return 1.0, np.log(2 * np.pi / period * r * sine), 1.0
-
-
-@kernel
-def contact_scales(r: float, angles: int, period: float) -> tuple[float, float]:
-    """Return the factors of the self-influence of a segment and of its inverse."""
-    return 1.0, 0.5 / angles**2
+def contact_node(r: float, sine: float, period: float) -> tuple[float, float]:
+    """Return the factor of a node in the self-influence, and its diagonal."""
+    return 1.0, np.log(2 * np.pi / period * r * sine)
 
 
 @kernel

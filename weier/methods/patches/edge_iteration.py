@@ -19,6 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.given_edges import (
     Forces,
     Punches,
+    expansion,
     make_punches,
     moved_expansion,
     regular_part,
@@ -26,7 +27,6 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.kind import Kind
-from weier.methods.patches.rule import expansion_of
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,
@@ -257,9 +257,10 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
-    extent, signs = (segments.first_node, segments.half_width, punches.gap), (kind.right_sign, kind.k_0_of_curvature)
-    changes = _changes_of_edges(*extent, forces.force, guess.tight, punches.period, kind.dual, *signs)
-    b, a, outward, closed, relative, vanishing, merging, tight, singular, settled = changes
+    b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
+    signs = kind.right_sign, kind.k_0_of_curvature
+    changes = _changes_of_edges(*extent, forces.force, b, guess.tight, *signs)
+    a, outward, closed, relative, vanishing, merging, tight, singular, settled = changes
     moves = EdgeMoves(outward, closed, relative)
     return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, settled)
 
@@ -270,21 +271,19 @@ def _changes_of_edges(
     r: Array,
     gap: Array,
     force: Array,
+    b: Array,
     was_tight: Flags,
-    period: float,
-    dual: bool,
     right_sign: float,
     k_0_of_curvature: float,
-) -> tuple[Array, Array, Sides, Flags, Array, Flags, Flags, Flags, Array, bool]:
-    """Return the fields of `NewtonStep` and of its moves that follow from forces."""
-    b = expansion_of(first_node, r, force, period, dual)
+) -> tuple[Array, Sides, Flags, Array, Flags, Flags, Flags, Array, bool]:
+    """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
     vanishing, merging, tight = _changes(first_node, r, gap, force, outward, closed, was_tight)
     settled = True
     for j in range(r.size):
         settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j] or tight[j])
-    return b, a, outward, closed, relative, vanishing, merging, tight, singular, settled
+    return a, outward, closed, relative, vanishing, merging, tight, singular, settled
 
 
 @kernel

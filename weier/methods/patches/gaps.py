@@ -30,15 +30,10 @@ RULE = 2, -1.0, 1, 0.25
 
 
 @kernel
-def gap_node(r: float, sine: float, period: float) -> tuple[float, float, float]:
-    """Return the factor of a node in the self-influence, its diagonal, and its factor in the inverse."""
-    return 1 / sine, 1 / 3 - (0.5 * period / (np.pi * r * sine**2)) ** 2, sine
-
-
-@kernel
-def gap_scales(r: float, angles: int, period: float) -> tuple[float, float]:
-    """Return the factors of the self-influence of a segment and of its inverse."""
-    return (period / (np.pi * r)) ** 2, 2 * (np.pi * r / angles) ** 2
+def gap_node(r: float, sine: float, period: float) -> tuple[float, float]:
+    """Return the factor of a node in the self-influence, and its diagonal."""
+    left = period / (np.pi * r * sine)
+    return left, 1 / 3 - (0.5 * left / sine) ** 2
 
 
 @kernel
@@ -48,9 +43,9 @@ def gap_wave(angle: float) -> float:
 
 
 @kernel
-def gap_degree(n: int, r: float) -> float:
-    """Return b_n over the sum of sin(n theta) f/sin(theta)."""
-    return -2 * n / (np.pi * r**2)
+def gap_degree(n: int, r: float, period: float) -> float:
+    """Return b_n over the sum of sin(n theta) f L/(pi r sin(theta))."""
+    return -2 * n / (r * period)
 
 
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:

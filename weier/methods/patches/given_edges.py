@@ -22,14 +22,12 @@ from weier.methods.patches.rule import (
     Table,
     add_own_blocks,
     expansion_of,
-    factors_at_nodes,
     forces_of,
     own_tables,
-    scales,
+    place_nodes,
     times_own,
 )
 from weier.methods.patches.segments import Segments, kind_of
-from weier.methods.patches.surface import distances_between
 from weier.methods.punches import OFFSET, Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
@@ -45,6 +43,7 @@ class Punches(NamedTuple):
     segments : in order round the period; only the number of their nodes is used
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
     offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
+    left, diagonal : factors of the nodes in the self-influences, and further diagonal entries, shape (nodes,)
     rule, matrix : tables of each segment and kernel between all nodes, for conjugate gradients; None for a direct
         solution
     period : L, in lambda_0
@@ -54,6 +53,8 @@ class Punches(NamedTuple):
     segments: Segments
     gap: Array
     offset: Array
+    left: Array
+    diagonal: Array
     rule: Rule | None
     matrix: PairMatrix | None
     period: float
@@ -91,36 +92,16 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
 
     ConvergenceError is raised if two of them overlap.
     """
-    gap, offset, is_apart = place_nodes(segments.first_node, *segments.extent, period, dual)
+    gap, offset, left, diagonal, is_apart = place_nodes(segments.first_node, *segments.extent, period, dual)
     if not is_apart:
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = _make_rule(segments.first_node, segments.half_width, period, dual)
+        rule = Rule(*(own_tables(segments.first_node, dual, is_inverse) for is_inverse in (False, True)))
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
-    return Punches(segments, gap, offset, rule, matrix, period, kind_of(dual))
-
-
-@kernel
-def place_nodes(
-    first_node: Indices, origin: Array, centre: Array, half_width: Array, period: float, dual: bool
-) -> tuple[Array, Array, bool]:
-    """Return the gaps on the right of segments, the nodes' offsets, and whether no two segments overlap."""
-    offset, _, _, _ = factors_at_nodes(first_node, half_width, period, dual)
-    gap, is_apart = distances_between(origin, centre, half_width, period), True
-    for j in range(gap.size):
-        is_apart = is_apart and half_width[j] > 0 and gap[j] > 0
-    return gap, offset, is_apart
-
-
-def _make_rule(first_node: Indices, r: Array, period: float, dual: bool) -> Rule:
-    """Return the tables of each segment."""
-    _, left, at_node, inverse_left = factors_at_nodes(first_node, r, period, dual)
-    scale, inverse_scale = scales(first_node, r, period, dual)
-    own, inverse = own_tables(first_node, dual, False), own_tables(first_node, dual, True)
-    return Rule(own, left, scale, at_node, inverse, inverse_left, inverse_scale)
+    return Punches(segments, gap, offset, left, diagonal, rule, matrix, period, kind_of(dual))
 
 
 @kernel
@@ -128,8 +109,9 @@ def _equations(
     first: Indices,
     origin: Array,
     centre: Array,
-    half_width: Array,
     offset: Array,
+    left: Array,
+    diagonal: Array,
     table: Array,
     forcing: Array,
     period: float,
@@ -151,7 +133,7 @@ def _equations(
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
     replace_by_influence(influence, period, dual)
-    add_own_blocks(first, half_width, table, period, dual, matrix)
+    add_own_blocks(first, left, diagonal, table, dual, matrix)
     at = 0
     for a in range(n):
         right[0, a], right[1, a] = forcing[a], 1.0
@@ -166,17 +148,17 @@ def displacement(punches: Punches, force: Array) -> Array:
     assert punches.rule is not None
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
-    total += rule.at_node * force
-    times_own(punches.segments.first_node, rule.own, rule.left, rule.scale, punches.dual, force, total)
+    total += punches.diagonal * force
+    times_own(punches.segments.first_node, rule.own, punches.left, punches.dual, force, total)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """Apply the preconditioner: segments interact as flat punches, or not at all."""
     assert punches.rule is not None
-    segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
-    scale = rule.inverse_left, rule.inverse_scale
-    times_own(segments.first_node, rule.inverse, *scale, punches.dual, residual, force)
+    segments, force = punches.segments, np.zeros(residual.size)
+    times_own(segments.first_node, punches.rule.inverse, 1 / punches.left, punches.dual, residual, force)
+    force /= -punches.kind.factor(punches.period)
     if inverse is not None:
         mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
         force += punches.at_nodes(solve_forces(inverse, mean) / segments.node_count)
@@ -212,8 +194,11 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    placed = segments.first_node, *segments.extent, punches.offset, own_tables(segments.first_node, kind.dual, False)
-    matrix, right = _equations(*placed, forcing, period, kind.dual, kind.factor(period), OFFSET * (1 - kind.dual))
+    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind.dual, False)
+    factors = kind.factor(period), OFFSET * (1 - kind.dual)
+    matrix, right = _equations(
+        segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, kind.dual, *factors
+    )
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
         raise ConvergenceError("two contacts or gaps are closer to each other than floating point resolves")
@@ -287,7 +272,7 @@ def direct_sums(position: Array, force: Array, x: Array, period: float, dipoles:
 def expansion(punches: Punches, force: Array) -> Array:
     """Return the coefficients of psi in T_k, segment by segment, shape (nodes,)."""
     segments = punches.segments
-    return expansion_of(segments.first_node, segments.half_width, force, punches.period, punches.dual)
+    return expansion_of(segments.first_node, segments.half_width, punches.left, force, punches.period, punches.dual)
 
 
 @kernel
@@ -344,5 +329,5 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
 
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on new segments from those on their old segments `origin`; 0 if that is -1."""
-    extent = new.segments.first_node, new.segments.half_width
-    return forces_of(*extent, b, segments.first_node, origin, new.period, new.dual)
+    nodes = new.segments.first_node, new.segments.half_width, new.left
+    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.dual)

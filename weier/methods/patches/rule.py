@@ -8,9 +8,9 @@ is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "
 The self-influence of a segment, minus the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
 of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j:
 
-    own_ij = scale left_i left_j [X(i - j) +- X(i + j + shift)],   i != j,
+    own_ij = left_i left_j [X(i - j) +- X(i + j + shift)],   i != j,
 
-a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inverse has the same form.
+a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inverse has the same form, with 1/left.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.patches import contacts, gaps
-from weier.methods.patches.contacts import contact_degree, contact_node, contact_scales, contact_wave
-from weier.methods.patches.gaps import gap_degree, gap_node, gap_scales, gap_wave
+from weier.methods.patches.contacts import contact_degree, contact_node, contact_wave
+from weier.methods.patches.gaps import gap_degree, gap_node, gap_wave
+from weier.methods.patches.surface import distances_between
 from weier.theory.halfplane import replace_by_influence
 
 Table = NDArray[np.float64]
@@ -34,22 +35,12 @@ OF_CONTACTS, OF_GAPS = contacts.RULE, gaps.RULE
 class Rule(NamedTuple):
     """Self-influences of segments, for conjugate gradients.
 
-    The table of segment j begins at the entry 2 first_node[j] + j of `own` and `inverse`.
-
-    own : X of each segment
-    left, scale : its factors, shape (nodes,) and (segments,)
-    at_node : diagonal entry of each node in addition to X, shape (nodes,)
+    own : X of each segment; that of segment j begins at the entry 2 first_node[j] + j
     inverse : the table of the inverse on what it can invert: all of a gap, and all but the mean of a contact
-    inverse_left, inverse_scale : its factors, the diagonal being that of the table
     """
 
     own: Array
-    left: Array
-    scale: Array
-    at_node: Array
     inverse: Array
-    inverse_left: Array
-    inverse_scale: Array
 
 
 # Compiled code cannot call the functions of `Kind`: the kernels of this module choose those of contacts or of gaps
@@ -63,8 +54,8 @@ def rule_of(dual: bool) -> tuple[int, float, int, float]:
 
 
 @kernel
-def _degree(n: int, r: float, dual: bool) -> float:
-    return gap_degree(n, r) if dual else contact_degree(n, r)
+def _degree(n: int, r: float, period: float, dual: bool) -> float:
+    return gap_degree(n, r, period) if dual else contact_degree(n, r)
 
 
 @kernel
@@ -78,29 +69,25 @@ def _turn_of_waves(N: int, dual: bool) -> Array:
 
 
 @kernel
-def factors_at_nodes(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array, Array, Array]:
-    """Return the offset of each node from the middle of its segment, `left`, `at_node` and `inverse_left`."""
+def place_nodes(
+    first_node: Indices, origin: Array, centre: Array, r: Array, period: float, dual: bool
+) -> tuple[Array, Array, Array, Array, bool]:
+    """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
+
+    The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
+    self-influence in addition to X.
+    """
     nodes, (shift, _, _, _) = first_node[-1], rule_of(dual)
-    offset, left, at_node, inverse_left = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
+        is_apart = is_apart and r[j] > 0 and gap[j] > 0
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
             offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
-            left[q], at_node[q], inverse_left[q] = (
-                gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
-            )
-    return offset, left, at_node, inverse_left
-
-
-@kernel
-def scales(first_node: Indices, r: Array, period: float, dual: bool) -> tuple[Array, Array]:
-    """Return the factors of the self-influence of each segment and of its inverse."""
-    own, inverse, (shift, _, _, _) = np.empty(r.size), np.empty(r.size), rule_of(dual)
-    for j in range(r.size):
-        N = first_node[j + 1] - first_node[j] + shift - 1
-        own[j], inverse[j] = gap_scales(r[j], N, period) if dual else contact_scales(r[j], N, period)
-    return own, inverse
+            left[q], diagonal[q] = gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
+    return gap, offset, left, diagonal, is_apart
 
 
 @kernel
@@ -128,7 +115,7 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
     """Return the tables X of all segments, optionally those of the inverse.
 
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
-    q/2N)].
+    q/2N)]. For the inverse it is the sum of the reciprocal powers over N^2.
     """
     n, previous_K, (shift, _, power, factor) = first_node.size - 1, -1, rule_of(dual)
     table, power = np.empty(2 * first_node[-1] + n), -power if inverse else power
@@ -151,14 +138,12 @@ def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
                 here[q] = here[2 * N - q]
             else:
                 total = _cosine_sum(N, q, power, cosine)
-                here[q] = total if inverse else -total - factor * at_nodes[q]
+                here[q] = total / (N * N) if inverse else -total - factor * at_nodes[q]
     return table
 
 
 @kernel
-def times_own(
-    first_node: Indices, table: Array, left: Array, scale: Array, dual: bool, f: Array, result: Array
-) -> None:
+def times_own(first_node: Indices, table: Array, left: Array, dual: bool, f: Array, result: Array) -> None:
     """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
     shift, sign, _, _ = rule_of(dual)
     total, mirrored = np.empty(first_node[-1]), np.empty(2 * first_node[-1])
@@ -174,33 +159,32 @@ def times_own(
             for i in range(K):
                 here[i] += g * (mirrored[K - k + i] + sign * X[k + shift + i])
         for i in range(K):
-            result[first + i] += scale[j] * left[first + i] * here[i]
+            result[first + i] += left[first + i] * here[i]
 
 
 @kernel
-def add_own_blocks(first_node: Indices, r: Array, table: Array, period: float, dual: bool, matrix: Table) -> None:
+def add_own_blocks(
+    first_node: Indices, left: Array, diagonal: Array, table: Array, dual: bool, matrix: Table
+) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
     shift, sign, _, _ = rule_of(dual)
-    _, left, at_node, _ = factors_at_nodes(first_node, r, period, dual)
-    scale, _ = scales(first_node, r, period, dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
             for k in range(i, last):
                 both = table[start + k - i] + sign * table[start + i + k - 2 * first + shift]
-                matrix[i, k] += scale[j] * left[i] * left[k] * both
-            matrix[i, i] += at_node[i]
+                matrix[i, k] += left[i] * left[k] * both
+            matrix[i, i] += diagonal[i]
 
 
 @kernel
-def expansion_of(first_node: Indices, r: Array, force: Array, period: float, dual: bool) -> Array:
+def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, period: float, dual: bool) -> Array:
     """Return the coefficients of psi in T_n on segments of these half-widths, shape (nodes,).
 
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     whole turn that has all its digits.
     """
-    b, (_, left, _, _) = np.zeros(force.size), factors_at_nodes(first_node, r, period, dual)
-    shift, _, _, _ = rule_of(dual)
+    b, (shift, _, _, _) = np.zeros(force.size), rule_of(dual)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
@@ -213,20 +197,26 @@ def expansion_of(first_node: Indices, r: Array, force: Array, period: float, dua
                 if index >= 4 * N:
                     index -= 4 * N
         for n in range(last - first):
-            b[first + n] *= _degree(n, r[j], dual)
+            b[first + n] *= _degree(n, r[j], period, dual)
     return b
 
 
 @kernel
 def forces_of(
-    first_node: Indices, r: Array, b: Array, old_first_node: Indices, origin: Indices, period: float, dual: bool
+    first_node: Indices,
+    r: Array,
+    left: Array,
+    b: Array,
+    old_first_node: Indices,
+    origin: Indices,
+    period: float,
+    dual: bool,
 ) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
     Coefficients of a degree too high for the nodes are omitted.
     """
-    force, (_, left, _, _) = np.zeros(first_node[-1]), factors_at_nodes(first_node, r, period, dual)
-    shift, _, _, _ = rule_of(dual)
+    force, (shift, _, _, _) = np.zeros(first_node[-1]), rule_of(dual)
     for j in range(r.size):
         if origin[j] < 0:
             continue
@@ -237,7 +227,7 @@ def forces_of(
         for i in range(first, last):
             total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift
             for n in range(count):
-                degree = _degree(n, r[j], dual)
+                degree = _degree(n, r[j], period, dual)
                 if degree != 0:
                     total += (1 if n == 0 else 2) * b[old + n] / degree * wave[index]
                 index += step
