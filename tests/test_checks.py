@@ -146,7 +146,7 @@ def functions():
         for method, function in inspect.getmembers(value, inspect.isfunction):
             if not method.startswith("_") and set(inspect.signature(function).parameters) - {"self"}:
                 found[f"{name}.{method}"] = getattr(instance, method)
-    extra = (conduction.holm, conduction.greenwood, conduction.composite_modulus, conduction.specific_resistance)
+    extra = (conduction.composite_modulus, conduction.specific_resistance)
     return found | {function.__name__: function for function in (*extra, contact().weier.cases)}
 
 
@@ -352,8 +352,6 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
             "with_resistance of bem must be true or false",
         ),
         (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
-        (lambda: conduction.holm([0], 1, 1), "radii must be positive, got 0.0 at position 0"),
-        (lambda: conduction.holm([], 1, 1), "radii must be those of at least one contact"),
         (lambda: INTERFACE.pressure(xr.Dataset()), "normalised must be a number or an array of numbers, got <x"),
         (lambda: weier.solve([], [0.1]), "profile must have at least one element"),
         (lambda: weier.Trace(xr.Dataset(), 1e-3, unit="m"), "heights must be a number or an array of numbers"),

@@ -8,7 +8,7 @@ from weier.digests import PACKAGE
 
 FLOORS = ("kernels", "surface", "theory", "methods", "data", "scene", "pipeline", "accuracy", "figures", "cli")
 LIBRARY = FLOORS[: FLOORS.index("methods") + 1]  # could be taken away and used alone
-EVERYWHERE = {"checks", "digests", "tables", "units"}  # modules beside the rooms
+EVERYWHERE = {"checks", "digests", "units"}  # modules beside the rooms
 
 
 def imports(path):

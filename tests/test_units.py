@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import weier
-from weier.theory.conduction import composite_modulus, holm, specific_resistance
+from weier.theory.conduction import composite_modulus, specific_resistance
 from weier.units import factor
 
 UREG = pint.UnitRegistry()
@@ -85,7 +85,6 @@ def test_quantities_of_bodies_are_converted(of):
 def test_pressures_with_a_unit_are_converted(of):
     expected = BODIES.normalised_pressure([10e6, 20e6])
     assert BODIES.normalised_pressure(of([10, 20], "MPa")) == pytest.approx(expected, rel=1e-14)
-    assert holm(of([1, 2], "um"), 1e-7, 1e-7) == pytest.approx(holm([1e-6, 2e-6], 1e-7, 1e-7), rel=1e-14)
 
 
 @pytest.mark.parametrize("of", ARRAYS)

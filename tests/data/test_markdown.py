@@ -1,6 +1,6 @@
-"""Tables of Markdown, and text that a reader of it sees as written."""
+"""Tables of Markdown, text that a reader of it sees as written, and numbers with few digits."""
 
-from weier.data.markdown import plain, table
+from weier.data.markdown import plain, significant, table
 
 
 def test_a_table_has_a_line_a_row():
@@ -9,3 +9,8 @@ def test_a_table_has_a_line_a_row():
 
 def test_plain_text_neither_ends_a_cell_nor_turns_slanted():
     assert plain("|gap| in g_0, p in p_0*") == r"\|gap\| in g\_0, p in p\_0\*"
+
+
+def test_numbers_are_written_in_full_unless_they_are_too_long():
+    written = {428.3: "430", 0.0123: "0.012", 1.234e7: "1.2e+07", 2.1e-7: "2.1e-07"}
+    assert {value: significant(value, 2) for value in written} == written

@@ -299,7 +299,7 @@ PROFILES = [
 ]
 
 
-@pytest.mark.parametrize("profile", PROFILES, ids=Profile.describe_with_phases)
+@pytest.mark.parametrize("profile", PROFILES, ids=Profile.describe)
 def test_a_curve_gives_its_profile_back(profile, tmp_path):
     """By the heights or, where there are none, the phases of its first terms; from memory and from files."""
     curve = weier.solve(profile, [0.1, 1.0], "demelio")

@@ -210,13 +210,6 @@ def test_a_seed_is_that_of_random_phases():
     assert Profile(1.5, 3, 3, seed=7) == Profile(1.5, 3, 3, random_phases(7))
 
 
-def test_phases_tell_profiles_apart():
-    described = [Profile(1.5, 3, 3, phases).describe_with_phases() for phases in (0.0, (0, 1, 2.5), random_phases(7))]
-    ends = ["phase 0", "phases 0, 1, 2.5", "seed 7"]
-    assert described == [f"D = 1.5, gamma = 3, m = 3, {end}" for end in ends]
-    assert Profile(1.5, 3, 9, [0.0] * 9).describe_with_phases().endswith("0, 0, ...")
-
-
 @given(st.integers(0, 2**63), st.integers(1, 50), st.integers(1, 50))
 @settings(deadline=None, derandomize=True)
 def test_random_phases_of_a_longer_series_extend_the_shorter(seed, m, more):

@@ -187,7 +187,7 @@ def test_missing_heights_that_are_filled_move_a_fit_little():
 def test_the_fit_gives_a_profile():
     profile = Profile(1.5, 2, 6, seed=2)
     found = fit(trace_of(profile, 25, 0.2), **band(profile))
-    assert found.profile(seed=4).describe_with_phases().endswith("m = 6, seed 4")
+    assert found.profile(seed=4) == Profile(found.D, 2, 6, seed=4)
     assert math.isinf(found.profile(m=math.inf).m)
 
 
@@ -253,7 +253,7 @@ def test_what_is_no_power_law_is_refused():
         fit(Trace(noise, 1.0, unit="m"))
 
 
-def test_the_fits_of_an_ensemble_are_a_table_with_their_scatter():
+def test_the_fits_of_an_ensemble_are_those_of_its_traces():
     random = np.random.default_rng(5)
     traces = [
         Trace(1e-8 * random_line(1.4, 600, random, 1 / 4)[0], 1e-3, unit="m", source=f"line {n}.csv")
@@ -261,13 +261,8 @@ def test_the_fits_of_an_ensemble_are_a_table_with_their_scatter():
     ]
     found = fit(traces)
     assert list(found) == [fit(trace) for trace in traces]
-    table = found._repr_html_()
-    for one in found:
-        assert f">{one.source}<" in table
-        assert f">{one.D:.6g}<" in table
-        assert f">{one.g_0_error:.1g}<" in table
-    assert f">{found.D.mean():.6g}<" in table
-    assert f">{found.g_0.std(ddof=1):.2g}<" in table
+    assert found.D.tolist() == [one.D for one in found]
+    assert found.g_0.tolist() == [one.g_0 for one in found]
     with pytest.raises(ValueError, match=r"^trace line 2\.csv: shortest must be at least"):
         fit(traces[2:], shortest=1e-9)
     with pytest.raises(ValueError, match=r"trace must be a weier\.Trace, or a list of some, got \[\]"):

@@ -1,4 +1,4 @@
-"""Markdown tables, and escaped text."""
+"""Markdown tables, escaped text, and numbers with few digits."""
 
 from __future__ import annotations
 
@@ -13,3 +13,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def plain(text: str) -> str:
     """Return text that Markdown does not read as emphasis or a new column."""
     return text.replace("_", r"\_").replace("*", r"\*").replace("|", r"\|")
+
+
+def significant(value: float, count: int) -> str:
+    """Format a number with this many significant digits, without exponent if short: 430, not 4.3e+02."""
+    return f"{float(f'{value:.{count}g}'):g}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from weier.data.markdown import significant
 from weier.kernels.arrays import Array
 from weier.methods import auto, registry
 from weier.methods.registry import find_method
@@ -11,7 +12,6 @@ from weier.pipeline.curves import Batch
 from weier.pipeline.progress import LONG
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
-from weier.tables import significant
 
 MAX_SECONDS = 1e5  # A solution of more than a day is refused.
 

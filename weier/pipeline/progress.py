@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
+from weier.data.markdown import significant
 from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.progress import reporting_to
-from weier.tables import significant
 
 ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
 LONG = 10.0  # A solution that takes longer, in seconds, is announced.

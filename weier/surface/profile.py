@@ -23,14 +23,11 @@ from weier.checks import checked_count, checked_number, checked_numbers, shown
 from weier.kernels.arrays import Array
 from weier.surface import series
 from weier.surface.waves import Waves
-from weier.tables import html_table
 
 # parameters of a series besides its phases: fields of a profile and coordinates of data
 PARAMETERS = ("D", "gamma", "m")
-MAX_PHASES_DESCRIBED = 8  # in a description, to stay in one line
 MAX_DEGREES = 3600  # phases between 2 pi and ten turns are probably in degrees
 MAX_PHASES_LISTED = 1000  # random phases in labels; the seed defines them
-MAX_TERMS_SHOWN = 12  # rows of a table in a notebook
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
 
@@ -228,26 +225,6 @@ class Profile(Waves):
         """Return the parameters in a few words, as in `D = 1.25, gamma = 5, m = 3`."""
         gamma = self.gamma if self.gamma.denominator <= MAX_DENOMINATOR else float(self.gamma)
         return f"D = {self.D:g}, gamma = {gamma}, m = {self.m}"
-
-    def describe_with_phases(self) -> str:
-        """Return the parameters with the phases or their seed, as in `D = 1.25, gamma = 5, m = 3, phases 0, 1, 2`."""
-        if isinstance(self.phases, RandomPhases):
-            return f"{self.describe()}, seed {self.phases.seed}"
-        if isinstance(self.phases, float):
-            return f"{self.describe()}, phase {self.phases:g}"
-        first = ", ".join(f"{phase:g}" for phase in self.phases[:MAX_PHASES_DESCRIBED])
-        return f"{self.describe()}, phases {first}{', ...' if len(self.phases) > MAX_PHASES_DESCRIBED else ''}"
-
-    def _repr_html_(self) -> str:
-        """Return a table of the terms, for notebooks."""
-        total = f"sum of the amplitudes: {self.total_amplitude:.6g} g_0"
-        if math.isinf(self.m):
-            return html_table(self.describe_with_phases(), ["term"], [["every n = 0, 1, 2, ..."]], total)
-        numbers = np.transpose([self.amplitude, self.full_contact_pressure, self.phase])
-        rows = [[str(n), *(f"{value:.6g}" for value in row)] for n, row in enumerate(numbers)]
-        more = f"; {len(rows) - MAX_TERMS_SHOWN} more terms" if len(rows) > MAX_TERMS_SHOWN else ""
-        header = ["n", "amplitude, g_0", "full-contact pressure, p_0*", "phase, rad"]
-        return html_table(self.describe_with_phases(), header, rows[:MAX_TERMS_SHOWN], total + more)
 
 
 def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: float) -> Phases:

@@ -23,7 +23,6 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.surface.measured.trace import DECIMAL_ROUNDING, MIRRORED, PERIODIC, TAPER, TAPERED, Trace
 from weier.surface.profile import Profile, checked_ratio
 from weier.surface.series import amplitude
-from weier.tables import html_table
 
 PARTS = 20  # parts of a line, each omitted from the spectrum in turn
 # standard errors of D or ln g_0 without a part from the median over the parts, from which that part dominates the
@@ -76,24 +75,13 @@ class Fit:
     g_0_error: float
     source: str = ""
 
-    def _repr_html_(self) -> str:
-        """Return a table with the standard errors, for notebooks."""
-        rows = [
-            ["fractal dimension D", f"{self.D:.6g}", f"{self.D_error:.1g}"],
-            ["ratio of wavelengths gamma", str(self.gamma), "as given"],
-            ["number of waves m", str(self.m), ""],
-            ["wavelength lambda_0, m", f"{self.lambda_0:.6g}", ""],
-            ["amplitude g_0, m", f"{self.g_0:.6g}", f"{self.g_0_error:.1g}"],
-        ]
-        return html_table("Weierstrass series with the spectrum of a trace", ["", "value", "standard error"], rows)
-
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
         """Return the series with these phases, which a spectrum does not determine; `m` overrides its length."""
         return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
 
 
 class Fits(tuple[Fit, ...]):
-    """The series of an ensemble of traces, in their order; a notebook shows a table with the mean and the scatter."""
+    """The series of an ensemble of traces, in their order."""
 
     @property
     def D(self) -> Array:
@@ -104,20 +92,6 @@ class Fits(tuple[Fit, ...]):
     def g_0(self) -> Array:
         """Amplitudes of the coarsest waves in m, shape (traces,)."""
         return np.array([found.g_0 for found in self])
-
-    def _repr_html_(self) -> str:
-        """Return a table of the fits, with the mean and the standard deviation between traces, for notebooks."""
-        rows = [
-            [found.source, f"{found.D:.6g}", f"{found.D_error:.1g}", f"{found.g_0:.6g}", f"{found.g_0_error:.1g}"]
-            for found in self
-        ]
-        if len(self) > 1:
-            D, g_0 = self.D, self.g_0
-            scatter = [f"{values.std(ddof=1):.2g}" for values in (D, g_0)]
-            rows.append(["mean, and standard deviation between traces", f"{D.mean():.6g}", scatter[0]])
-            rows[-1] += [f"{g_0.mean():.6g}", scatter[1]]
-        header = ["trace", "D", "standard error", "g_0, m", "standard error"]
-        return html_table("Weierstrass series with the spectra of traces", header, rows)
 
 
 def fit(

@@ -13,28 +13,6 @@ from weier.checks import checked_numbers
 from weier.kernels.arrays import Array
 
 
-def force_coefficients(epsilon: ArrayLike, modulus: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
-    """Return C_1 and C_2 of the bounds C_1 zeta^(3/2) > F > C_2 zeta^(3/2), in N/m^(3/2) (B.3), (B.4).
-
-    Parameters
-    ----------
-    epsilon : array_like
-        Roughness, in [0, 1).
-    modulus : array_like
-        Composite modulus M (3), in Pa.
-    radius : array_like
-        Radius R of the smooth punch, in m.
-
-    Raises
-    ------
-    ValueError
-        If epsilon lies outside [0, 1).
-    """
-    epsilon, radius = _checked(epsilon), np.asarray(radius, float)
-    smooth = 8 / 3 * np.asarray(modulus, float)
-    return smooth * np.sqrt(radius / (1 - epsilon)), smooth * np.sqrt(radius / (1 + epsilon))
-
-
 def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
     """Return positive roots x_1 <= x_2 of 2 lambda x^3 - 3 x^2 + 1 = 0, lambda = C_2/C_1 (B.8), (B.9).
 

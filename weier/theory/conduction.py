@@ -20,7 +20,6 @@ from weier.checks import Condition, checked_number, checked_numbers, checked_wor
 from weier.kernels.arrays import Array
 from weier.surface.measured.trace import MAX_SLOPE
 from weier.surface.waves import checked_surface
-from weier.tables import html_table
 
 beyond_floats = np.errstate(over="ignore")  # Values larger than the largest float become inf.
 
@@ -85,40 +84,7 @@ def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """
     slope = checked_numbers("compliance_slope", compliance_slope, unit="m/Pa")
-    return np.asarray(_checked("modulus", modulus) * _sum(rho_1, rho_2) * slope)
-
-
-@beyond_floats
-def holm(radii: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Return resistance of circular contacts far apart, in ohm (4).
-
-    Parameters
-    ----------
-    radii : array_like, shape (..., contacts)
-        Radii a_i, in m.
-    rho_1, rho_2 : array_like, shape (...)
-        Resistivities, in ohm m.
-
-    Notes
-    -----
-    (4) prints (rho_1 + rho_2)/(2 sum a_i). A circular contact has the stiffness dF/dh = 4 M a and so, by (2),
-    the resistance (rho_1 + rho_2)/(4 a), which is Holm's rho/(2 a) for two bodies of one metal.
-    """
-    radii = _checked("radii", radii)
-    if radii.ndim == 0 or radii.shape[-1] == 0:
-        raise ValueError(f"radii must be those of at least one contact, as a list, got {shown(radii)}")
-    return np.asarray(_sum(rho_1, rho_2) / (4 * np.sum(radii, axis=-1)))
-
-
-@beyond_floats
-def greenwood(radii: ArrayLike, contour_radius: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Return resistance of circular contacts clustered in a circle of radius `contour_radius`, in ohm (5).
-
-    `radii` has shape (..., contacts) and is in m; the other arguments have shape (...). As for `holm`, half of
-    what (5) prints.
-    """
-    contour = _sum(rho_1, rho_2) / (4 * _checked("contour_radius", contour_radius))
-    return np.asarray(holm(radii, rho_1, rho_2) + contour)
+    return np.asarray(_checked("modulus", modulus) * (_checked("rho_1", rho_1) + _checked("rho_2", rho_2)) * slope)
 
 
 def _sum(rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
@@ -137,7 +103,6 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
         ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf), units.OHM_METRE),
     ),
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
-    **dict.fromkeys(("radii", "contour_radius"), ("be positive", lambda radius: radius > 0, units.METRE)),
 }
 # ranges outside which a warning names the likely mistake
 USUAL = {
@@ -226,18 +191,6 @@ class Bodies:
                 f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
                 f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m: is a unit wrong?"
             )
-
-    def _repr_html_(self) -> str:
-        """Return a table of both bodies, for notebooks."""
-        rows = [
-            [str(body), *(f"{vars(self)[f'{name}_{body}']:.6g}" for name in ("mu", "nu", "rho"))] for body in (1, 2)
-        ]
-        header = ["body", "shear modulus mu, Pa", "Poisson's ratio nu", "resistivity rho, ohm m"]
-        modulus = f"M = {self.composite_modulus:.6g} Pa"
-        if self.lambda_0 is None:
-            return html_table(modulus, header, rows)
-        scale = f"lambda_0 = {self.lambda_0:.6g} m, g_0 = {self.g_0:.6g} m, {modulus}"
-        return html_table(scale, header, rows, f"p_0* = {self.full_contact_pressure:.6g} Pa")
 
     @property
     def composite_modulus(self) -> float:

@@ -14,9 +14,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from weier.data import curves
+from weier.data.markdown import significant
 from weier.data.variables import Check
 from weier.pipeline.claims.case import Case
-from weier.tables import significant
 
 Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided

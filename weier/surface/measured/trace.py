@@ -33,7 +33,6 @@ from weier.surface.measured.positions import on_grid
 from weier.surface.measured.units import UNITS, agreed_unit, in_words, known_unit
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
-from weier.tables import html_table
 
 MIRRORED, PERIODIC, TAPERED = ENDS = ("mirrored", "periodic", "tapered")
 TAPER = 0.1  # fraction of the length at each end over which a tapered trace falls to its mean
@@ -427,20 +426,6 @@ class Trace(Waves):
         return (
             f"{name} of {self.samples} heights{filled} over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
         )
-
-    def _repr_html_(self) -> str:
-        """Return a table of what it is, for notebooks."""
-        rows = [
-            ["length lambda_0", f"{self.lambda_0:.6g} m"],
-            ["root mean square height g_0", f"{self.g_0:.6g} m"],
-            ["highest point", f"{self.total_amplitude:.6g} g_0 above the mean"],
-            ["shortest wavelength kept", f"{self.shortest:.6g} m"],
-            ["removed by least squares", self.detrend],
-            ["ends", self.ends],
-            ["heights interpolated, cut off", f"{self.filled.heights}, {self.filled.cut}"],
-            *(["line of the file left out", line] for line in self.left_out),
-        ]
-        return html_table(self.describe(), ["property", "value"], rows)
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:
