@@ -25,12 +25,12 @@ from benchmarks.threads import use_one_thread
 from weier import Profile
 from weier.data import markdown
 from weier.data.files import write_text
+from weier.data.markdown import significant
 from weier.figures import save, style
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.bem import curve as solve_curve
-from weier.tables import significant
 
 # The problem, which is that of `python -m benchmarks`, and the programs.
 PROFILE = Profile(D=1.25, gamma=5, m=3, phases=PHASES)

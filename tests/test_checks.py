@@ -72,8 +72,6 @@ SOUND = {
     "terms": 1,
     "normalised": [0.1, 0.2],
     "pressure": 1e6,
-    "radii": [1e-6],
-    "contour_radius": 1e-5,
     "modulus": 1e9,
     "compliance_slope": 1e-9,
     "heights": HEIGHTS,
@@ -245,7 +243,7 @@ NAMES = {"method", "quantity", "study", "path", "source", "ends", "detrend", "mi
 UNITS = {"unit", "x_unit", "height_unit"}
 NOT_NUMBERS = {"profile", "surface", "subject", "trace", "topography", "data", "contact_edges", *NAMES, *UNITS}
 TEXT_TOO = {"gamma"}
-TEXTS = {"fft", "direct", "compliance", "resistance"}  # that settings with a text as their default take
+TEXTS = {"compliance", "resistance"}  # that settings with a text as their default take
 NONE_TOO = {
     "Profile": {"seed"},
     "fields": {"points"},
@@ -347,11 +345,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.Profile(LIST, 5, 3), r"D must lie in \(1, 2\), got an array of shape \(2,\)"),
         (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
         (lambda: weier.solve([0.1], [0.1]), "profile must be a weier.Profile or a weier.Trace, got 0.1"),
-        (
-            lambda: weier.solve(PROFILE, [0.1], "bem", with_resistance="no"),
-            "with_resistance of bem must be true or false",
-        ),
-        (lambda: weier.solve(PROFILE, [0.1], "bem", points=10**400), "points of bem must be .* more than 40 digits"),
+        (lambda: weier.solve(PROFILE, [0.1], "layer", points=10**400), "points of layer must .* more than 40 digits"),
         (lambda: INTERFACE.pressure(xr.Dataset()), "normalised must be a number or an array of numbers, got <x"),
         (lambda: weier.solve([], [0.1]), "profile must have at least one element"),
         (lambda: weier.Trace(xr.Dataset(), 1e-3, unit="m"), "heights must be a number or an array of numbers"),
@@ -367,7 +361,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
             "none of these is among the methods",
         ),
         (lambda: weier.solve(PROFILE, [0.1], "patches", tolerance_=0.1), "did you mean 'tolerance'[?]"),
-        (lambda: weier.solve(PROFILE, [0.1], "bem", tolerance=0.1, points=64), "and no two of them"),
+        (lambda: weier.solve(PROFILE, [0.1], "bem", tolerance=0.1, points_per_wave=64), "and not both"),
         (
             lambda: weier.solve(PROFILE, [0.1], "bem", tolerance=1e-13),
             'take a larger tolerance or .* "patches"',

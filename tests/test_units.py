@@ -122,7 +122,7 @@ def test_quantities_of_another_kind_are_refused(call, unit, of):
         lambda value: weier.fields(PROFILE, value),
         lambda value: weier.events(PROFILE, 1e-3, value),
         lambda value: weier.solve(PROFILE, [0.1], "bem", tolerance=value),
-        lambda value: weier.solve(PROFILE, [0.1], "bem", points=value),
+        lambda value: weier.solve(PROFILE, [0.1], "bem", points_per_wave=value),
     ],
 )
 def test_plain_numbers_have_no_unit(call, of):

@@ -12,7 +12,7 @@ from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, RUN, Variable
 from weier.scene import Case
 
-COARSE, FINE = (Variant(f"bem {points}", "bem", {"points": points}) for points in (12, 24))
+COARSE, FINE = (Variant(f"bem {points}", "bem", {"points_per_wave": points}) for points in (12, 24))
 SUM = Variant("demelio", "demelio", {})
 OWN = {"mood": Variable(CURVE, "a number"), "remark": Variable(RUN, "a text", dtype="O")}
 
@@ -41,7 +41,7 @@ def test_each_value_stands_at_its_case_variant_and_load(comparisons):
     assert np.isnan(data["mood"].values[0, :2]).all()
     assert data["remark"].values[0].tolist() == ["", "", "one by demelio"]
     assert data["remark"].values[1].tolist() == [f"two by {name}" for name in data.variant.values]
-    assert json.loads(data["settings"].values[1, 1]) == {"points": 24}
+    assert json.loads(data["settings"].values[1, 1]) == {"points_per_wave": 24}
     assert data["m"].values.tolist() == [1, 2]
     assert {"compliance", "settings", "mood", "remark", "total_amplitude"} <= set(data.data_vars)
     assert not {"unknown", "resistance"} & set(data.data_vars)

@@ -15,7 +15,13 @@ from weier.methods import bem
 @pytest.fixture(scope="module")
 def one_draw() -> families.Draw:
     profile, loads = Profile(1.3, 2, 2, (0.0, 1.0)), np.array([0.01, 0.3])
-    return families.Draw("usual", profile, loads, {"points_per_wave": 16}, *families.solve_exactly(profile, loads))
+    return families.Draw(
+        "usual",
+        profile,
+        loads,
+        {"points": 16 * 2},
+        *families.solve_exactly(profile, loads),
+    )
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -29,7 +35,7 @@ def test_draws_are_series_within_limits(family, monkeypatch):
         assert 1 <= draw.loads.size <= LOADS
         assert np.all(np.diff(draw.loads) > 0)
         assert draw.loads[0] > 0
-        assert bem.checked_points(draw.profile, draw.settings.get("points"), draw.settings.get("points_per_wave"))
+        assert bem.checked_points(draw.profile, draw.settings["points"])
 
 
 def test_an_error_beyond_what_is_stated_is_found(one_draw):

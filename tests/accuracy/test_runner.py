@@ -49,7 +49,7 @@ def test_a_run_is_the_curve_with_its_cost(listed):
     assert found.outcome.tolist() == [Outcome.finite] * 3
     assert found.seconds >= 0
     assert found.solution_error == 0
-    assert attempt(Variant("bem", "bem", {"points": 64}), ONE, LOADS).others["points"] == 64
+    assert attempt(Variant("bem", "bem", {"points_per_wave": 64}), ONE, LOADS).others["points"] == 64
 
 
 def test_the_median_of_some_runs_is_kept_and_long_ones_are_not_repeated(listed, monkeypatch):

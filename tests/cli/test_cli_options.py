@@ -19,9 +19,9 @@ WRONG_USAGE = [
     ([*SOLVE, "--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
     ([*SOLVE, "--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
     ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),
-    ([*SOLVE, "--set", "bem.points="], 'must read "method.name=value"'),
-    ([*SOLVE, "--set", "bem.points=!!python/name:os.system"], "must be a number or a word"),
-    ([*SOLVE, "--set", f"bem.points={'[' * 5000}"], "must be a number or a word"),
+    ([*SOLVE, "--set", "bem.points_per_wave="], 'must read "method.name=value"'),
+    ([*SOLVE, "--set", "bem.points_per_wave=!!python/name:os.system"], "must be a number or a word"),
+    ([*SOLVE, "--set", f"bem.points_per_wave={'[' * 5000}"], "must be a number or a word"),
     ([*SOLVE, "--method", "bme"], "bme"),
     ([*SOLVE, "--lods", "1"], "No such option"),
     ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
@@ -50,8 +50,8 @@ BAD_INPUT = [
     (["solve", "-D", "1.5", "--gamma", "1000000.5", "-m", "2"], "gamma must be at most 1000000, got 1000000.5"),
     (["solve", "-D", "1.25", "--gamma", "1.4142135", "-m", "3"], 'take gamma = "140/99"'),
     (
-        [*SOLVE, "--method", "bem", "--set", "bem.points=1e9"],
-        "points of bem must be a whole number, from 1 to 10000000, got 1000",
+        [*SOLVE, "--method", "bem", "--set", "bem.points_per_wave=1e9"],
+        "points_per_wave of bem must be a whole number, from 1 to 10000000, got 1000",
     ),
     (
         [*SOLVE, "--method", "bem", "--set", "bem.tolerance=nan"],

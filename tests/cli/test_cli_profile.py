@@ -75,13 +75,13 @@ def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
 
 
 def test_settings_reach_the_method(run):
-    chosen = ("--set", "bem.points=40", "--set", "bem.staircase=kept")
+    chosen = ("--set", "bem.points_per_wave=8", "--set", "bem.staircase=kept")
     code, out, _ = run("solve", *PROFILE, "--loads", "1", "--method", "bem", *chosen)
     assert code == 0
     assert json.loads(out)["methods"]["bem"]["points"] == 40
-    code, _, err = run("solve", *PROFILE, "--loads", "1", "--method", "bem", "--set", "bem.points=10")
+    code, _, err = run("solve", *PROFILE, "--loads", "1", "--method", "bem", "--set", "bem.points_per_wave=2")
     assert code != 0
-    assert "points must be a whole number above 10" in err
+    assert "points_per_wave must be a whole number, at least 3" in err
 
 
 def test_csv_is_printed_and_written(run, tmp_path):
@@ -436,4 +436,4 @@ def test_a_plot_of_a_trace_takes_the_methods_that_take_traces(run, shaft, tmp_pa
 def test_settings_are_completed():
     (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
     found = [item.value for item in option.shell_complete(None, "bem.po")]
-    assert found == ["bem.points_per_wave=", "bem.points="]
+    assert found == ["bem.points_per_wave="]

@@ -26,7 +26,7 @@ SCENE = """
 title: Small
 loads: [0.02, 0.3, 1.5]
 methods: [archard, demelio, bem, patches]
-settings: {bem: {points: 80}}
+settings: {bem: {points_per_wave: 16}}
 contact_edges: true
 studies:
   terms:

@@ -37,7 +37,7 @@ def test_the_loads_of_the_extremes_are_spread_where_things_happen() -> None:
 
 def trade() -> xr.Dataset:
     """Two profiles of two waves, and one of three, by a closed form, and by two methods with a tolerance."""
-    settings = ["{}", '{"points": 24, "staircase": "kept"}', '{"tolerance": 0.1}', '{"tolerance": 0.001}']
+    settings = ["{}", '{"points_per_wave": 24, "staircase": "kept"}', '{"tolerance": 0.1}', '{"tolerance": 0.001}']
     settings += ['{"tolerance": 0.1}', '{"tolerance": 1e-06}']
     seconds = np.array([[1, 5, 10, 50, 40, 60], [3, 5, 30, 150, 120, 180], [1, 5, 10, np.nan, 20, 30]]) * 1e-3
     h = np.array([[0.2, 2e-2, 1e-2, 1e-4, 1e-4, 1e-12], [0.3, 3e-2, 2e-2, 2e-4, 2e-4, 0], [0.2, 1, 1, np.nan, 0, 0]])

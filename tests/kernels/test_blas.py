@@ -10,7 +10,6 @@ from threadpoolctl import OpenBLASController, threadpool_info, threadpool_limits
 
 import weier
 from weier.kernels.blas import one_thread
-from weier.methods.bem import direct
 from weier.methods.patches import given_edges
 
 PATIENCE = 60  # seconds
@@ -34,7 +33,6 @@ def two_threads():
     ("place", "name", "method", "settings"),
     [
         (given_edges, "_solve_directly", "patches", {}),
-        (direct, "_on_contact", "bem", {"points": 24, "solver": "direct"}),
     ],
 )
 def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):

@@ -34,7 +34,6 @@ def of(method):
 
 calls = {method.name: of(method) for method in METHODS}
 calls["nodes"] = lambda: weier.solve(profile(), LOADS, "bem", staircase="kept")
-calls["direct"] = lambda: weier.solve(profile(3), LOADS, "bem", solver="direct", points=200)
 calls["fields"] = lambda: weier.fields(profile(), 0.1)
 calls["events"] = lambda: weier.events(profile(3), 0.05, 0.5)
 calls["choice"] = lambda: weier.solve(weier.Profile(1.25, 5, math.inf), LOADS, tolerance=1e-2)

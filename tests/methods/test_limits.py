@@ -34,7 +34,7 @@ loads, few = [1e-4, 0.03, 0.5, 2.0, 30.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.
 found = {
     "layer": [layer.curve(loads, *series)[:2] for series in [(1.25, 5, 3), (1.25, 5, inf), (1.8, 2, inf)]],
     "hybrid": [hybrid.curve(Profile(1.25, 5, inf), loads, 2)[:2]],
-    "bem": [bem.curve(few, loads[1:4], solver, 256)[:2] for solver in ("fft", "direct")],
+    "bem": [bem.curve(few, loads[1:4], 256)[:2]],
 }
 print(json.dumps({method: [[v.tolist() for v in both] for both in curves] for method, curves in found.items()}))
 """

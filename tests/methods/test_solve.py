@@ -1,7 +1,6 @@
 """Loads that cannot be, refused by every way to solve."""
 
 import warnings
-from functools import partial
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ def test_loads_in_pa_and_phases_in_degrees_are_doubted():
         weier.Profile(1.25, 5, 3, (0, 7, 1))
 
 
-@pytest.mark.parametrize("curve", [weier.solve, bem.curve, partial(bem.curve, solver="direct"), patches.curve])
+@pytest.mark.parametrize("curve", [weier.solve, bem.curve, patches.curve])
 @pytest.mark.parametrize(
     ("loads", "message"),
     [

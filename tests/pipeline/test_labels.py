@@ -17,10 +17,10 @@ title: Grids
 loads: [0.1, 1.0]
 methods: [bem]
 studies:
-  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 40, staircase: kept}}}
-  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: kept}}}
-  between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: removed}}}
-  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points: 80, staircase: kept}}}
+  coarse: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points_per_wave: 40, staircase: kept}}}
+  fine: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points_per_wave: 80, staircase: kept}}}
+  between: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points_per_wave: 80, staircase: removed}}}
+  alike: {product: {D: 1.25, gamma: 5, m: 1}, settings: {bem: {points_per_wave: 80, staircase: kept}}}
   drawn: {product: {D: 1.25, gamma: 5, m: 2, seed: [7, 8]}, methods: [demelio]}
 """
 
@@ -36,21 +36,21 @@ def path(tmp_path_factory):
 def test_a_file_labels_its_cases(path):
     with xr.open_dataset(path) as data:
         assert data.study.values.tolist() == ["coarse", "fine, alike", "between", "drawn", "drawn"]
-        np.testing.assert_array_equal(data.bem_points, [40, 80, 80, np.nan, np.nan])
+        np.testing.assert_array_equal(data.bem_points_per_wave, [40, 80, 80, np.nan, np.nan])
         assert data.bem_staircase.values.tolist() == ["kept", "kept", "removed", "", ""]
         np.testing.assert_array_equal(data.seed, [np.nan, np.nan, np.nan, 7, 8])
         assert "bem_tolerance" not in data.coords  # is left out only by a method that is not run
-        assert data.bem_points.attrs["long_name"] == "setting points of method bem"
-        assert {"study", "bem_points", "seed"} <= set(data["compliance"].coords)
+        assert data.bem_points_per_wave.attrs["long_name"] == "setting points_per_wave of method bem"
+        assert {"study", "bem_points_per_wave", "seed"} <= set(data["compliance"].coords)
 
 
 @pytest.mark.parametrize(
     ("labels", "study"),
     [
         ({"study": "alike"}, ["fine, alike"]),
-        ({"bem_points": 40}, ["coarse"]),
-        ({"bem_points": 80, "bem_staircase": "removed"}, ["between"]),
-        ({"bem_points": [40, 80], "bem_staircase": "kept"}, ["coarse", "fine, alike"]),
+        ({"bem_points_per_wave": 40}, ["coarse"]),
+        ({"bem_points_per_wave": 80, "bem_staircase": "removed"}, ["between"]),
+        ({"bem_points_per_wave": [40, 80], "bem_staircase": "kept"}, ["coarse", "fine, alike"]),
         ({"seed": 8}, ["drawn"]),
     ],
 )
@@ -62,8 +62,8 @@ def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ({"bem_points": 50}, "no case has bem_points = 50: choose from 40, 80"),
-        ({"bem_nodes": 50}, "there is no label 'bem_nodes' of cases: select by .*bem_points"),
+        ({"bem_points_per_wave": 50}, "no case has bem_points_per_wave = 50: choose from 40, 80"),
+        ({"bem_nodes": 50}, "there is no label 'bem_nodes' of cases: select by .*bem_points_per_wave"),
         ({"method": "bem"}, "there is no label 'method' of cases: select by .*D, .*phases"),
     ],
 )
@@ -75,29 +75,32 @@ def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, messa
 def test_each_case_has_a_name_that_tells_it_from_the_others(path):
     with weier.open_dataset(path) as data:
         names = [
-            "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 40, bem_staircase = kept",
-            "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_staircase = kept",
-            "between: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points = 80, bem_staircase = removed",
+            "coarse: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points_per_wave = 40, bem_staircase = kept",
+            "fine, alike: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points_per_wave = 80, bem_staircase = kept",
+            "between: D = 1.25, gamma = 5, m = 1, phases = 0, bem_points_per_wave = 80, bem_staircase = removed",
             "drawn: D = 1.25, gamma = 5, m = 2, seed = 7",
             "drawn: D = 1.25, gamma = 5, m = 2, seed = 8",
         ]
         assert data.case.values.tolist() == names
         series = data.compliance.sel(solution_method="demelio").to_series()
         assert series.index.names == ["case", "mean_pressure"]
-        assert data.sel(case=names[1]).bem_points == 80
+        assert data.sel(case=names[1]).bem_points_per_wave == 80
 
 
 def test_the_page_offers_cases_by_their_labels(path):
     data = dataset.read(path)
     first, second, _, *drawn = explorer._labels(data, "case")
-    assert first == "coarse: bem_points = 40, bem_staircase = kept"
-    assert second == "fine, alike: bem_points = 80, bem_staircase = kept"
+    assert first == "coarse: bem_points_per_wave = 40, bem_staircase = kept"
+    assert second == "fine, alike: bem_points_per_wave = 80, bem_staircase = kept"
     assert drawn == ["drawn", "drawn"]
     assert [label.partition(":")[0] for label in explorer._labels(data, "phase")[3:]] == ["seed 7", "seed 8"]
-    assert explorer._labels(data.drop_vars(["study", "bem_points", "bem_staircase", "seed"]), "case") == ["case"] * 5
+    assert (
+        explorer._labels(data.drop_vars(["study", "bem_points_per_wave", "bem_staircase", "seed"]), "case")
+        == ["case"] * 5
+    )
 
 
 def test_labels_come_from_the_scene_alone(path):
     """So a file of ten thousand cases gets them in no time, and no batch is solved again for a new name."""
     labels = case_labels(scene.load(path.parent / "scene.yaml"))
-    assert list(labels.coords) == ["study", "bem_points", "bem_staircase"]
+    assert list(labels.coords) == ["study", "bem_points_per_wave", "bem_staircase"]

@@ -21,9 +21,8 @@ INFINITE = Profile(D=1.02, gamma=10, m=math.inf)
 @pytest.mark.parametrize(
     ("name", "settings"),
     [
-        ("bem", {"points": 32}),
-        ("bem", {"points": 32, "solver": "direct"}),
-        ("bem", {"points": 32, "staircase": "kept"}),
+        ("bem", {"points_per_wave": 16}),
+        ("bem", {"points_per_wave": 16, "staircase": "kept"}),
         ("hybrid", {"terms": 1}),
         ("patches", {}),
     ],

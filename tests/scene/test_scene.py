@@ -165,7 +165,7 @@ loads: {from: 1.0e-3, to: 4, n: 30}
 studies:
   one:
     product: &p {D: 2.5, gama: 5, m: 0}
-    settings: {bem: {points: many}}
+    settings: {bem: {points_per_wave: many}}
   two:
     product: {<<: *p, gamma: 1}
     methods: [bme]
@@ -191,7 +191,7 @@ def test_all_mistakes_are_reported_together_with_their_lines(tmp_path):
         ("2", "method"),
         ("3", "loads.n"),
         *(("6", f"studies.{study}.product.{key}") for study in ("one", "two") for key in ("D", "gama", "m")),
-        ("7", "studies.one.settings.bem.points"),
+        ("7", "studies.one.settings.bem.points_per_wave"),
         ("9", "studies.two.product.gamma"),
         ("10", "studies.two.methods.0"),
         ("16", "figures.f.studies.1"),

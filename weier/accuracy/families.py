@@ -142,14 +142,14 @@ def _near(random: Generator) -> Array:
 
 def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
     """Draw the default of 64 points per wave, or another number, such as the 12 of the paper."""
-    return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
+    return {"points": int(random.choice([12, 16, 32, 64, 64, 64, 128])) * profile.waves_per_period[-1]}
 
 
 def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
     """Draw odd numbers of points per wave, or any number in the period."""
     waves = profile.waves_per_period[-1]
     if random.random() < 0.5:
-        return {"points_per_wave": 2 * int(random.integers(6, 51)) + 1}
+        return {"points": (2 * int(random.integers(6, 51)) + 1) * waves}
     return {"points": int(random.integers(12 * waves, 65 * waves))}
 
 

@@ -45,13 +45,13 @@ def parse_phases(text: str) -> float | list[float]:
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return settings of methods from texts such as "bem.points=512"."""
+    """Return settings of methods from texts such as "bem.points_per_wave=32"."""
     settings: dict[str, dict[str, Any]] = {}
     for text in texts:
         name, _, value = text.partition("=")
         method, _, setting = name.partition(".")
         if not (method and setting and value):
-            raise ValueError(f'a setting must read "method.name=value", such as bem.points=512, got {text!r:.80}')
+            raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
         try:
             settings.setdefault(method, {})[setting] = parse_yaml(value)
         except ValueError:
@@ -147,7 +147,7 @@ OF_SOLUTION = (
         metavar="METHOD.NAME=VALUE",
         shell_complete=lambda context, option, text: [name for name in SETTINGS if name.startswith(text)],
         callback=_read(parse_settings),
-        help="Setting of a method, such as bem.points=512; repeatable.",
+        help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
     ),
     click.Option(
         ["--workers"],

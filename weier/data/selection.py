@@ -69,7 +69,7 @@ class CurvesAccessor:
         study : str or list of str
             Studies of the scene.
         **settings
-            Any other coordinate of the cases, such as `bem_points`: a setting that differs between them.
+            Any other coordinate of the cases, such as `layer_points`: a setting that differs between them.
 
         Returns
         -------

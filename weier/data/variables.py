@@ -221,9 +221,7 @@ VARIABLES = {
         content=QUALITY,
         files=(TRADEOFF, CONVERGENCE),
     ),
-    "work": Variable(
-        CURVE, "pairs of FFTs, dense solutions or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)
-    ),
+    "work": Variable(CURVE, "pairs of FFTs or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)),
     "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
     "settings": Variable(
         RUN,

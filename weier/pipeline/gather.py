@@ -110,7 +110,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
 
     `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
     1 for the cases of a study and 0 for others; it is not a coordinate, so that files of other studies can be joined.
-    `METHOD_SETTING`, such as `bem_points`, exists for each setting that differs between cases. It is NaN or an empty
+    `METHOD_SETTING`, as `layer_points`, exists for each setting that differs between cases. It is NaN or an empty
     text where the method is not run, or chooses the setting itself.
     """
     studies = np.array([", ".join(names) for names in scene.studies_of_cases])

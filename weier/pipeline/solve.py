@@ -58,7 +58,7 @@ def solve(
         Time limit. A solution of more than ten seconds is announced once on standard error; a terminal shows its
         progress.
     **settings
-        Settings of the method; with a list of methods, under the name of each, as `bem={"points": 640}`. A common
+        Settings of the method; with a list of methods, under the name of each, as `layer={"points": 48}`. A common
         `tolerance`, the accepted error of the compliance in g_0, applies to all methods that take one. Settings and
         defaults:
 
@@ -205,7 +205,7 @@ def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> d
     for name, own in settings.items():
         if not isinstance(own, Mapping):
             raise ValueError(
-                f'settings of several methods must be given by the method, such as bem={{"points": 640}}, got '
+                f'settings of several methods must be given by the method, such as layer={{"points": 48}}, got '
                 f"{name}={shown(own)} for {', '.join(methods)}"
             )
         if name not in methods:

@@ -12,7 +12,6 @@ MAX_WAVES = 100_000  # finest waves per period: 6.4 million nodes by default, 1.
 # largest relative difference of a suggested rational gamma
 NEARBY = 0.01
 NEARBY_DENOMINATOR = 99  # largest denominator of a suggestion
-MAX_DENSE_POINTS = 10_000  # dense matrix of 0.8 GB, and its factors again
 
 
 def resolvable(profile: Waves) -> bool:
@@ -29,11 +28,10 @@ def check_resolvable(profile: Waves) -> None:
         )
 
 
-def check_points(points: float, dense: bool = False) -> None:
-    """Refuse a grid whose nodes, or whose dense matrix, no computer can hold."""
-    most, instead = (MAX_DENSE_POINTS, 'take solver "fft", or fewer') if dense else (MAX_POINTS, "take fewer")
-    if points > most:
-        raise ValueError(f"points must be at most {most}, got {shown(points)}: {instead}")
+def check_points(points: float) -> None:
+    """Refuse a grid whose nodes no computer can hold."""
+    if points > MAX_POINTS:
+        raise ValueError(f"points must be at most {MAX_POINTS}, got {shown(points)}: take fewer")
 
 
 def _nearby_ratio(profile: Waves) -> str:

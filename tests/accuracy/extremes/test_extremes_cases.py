@@ -17,19 +17,9 @@ def names(profile, loads=USUAL):
 
 
 def test_every_method_meets_what_it_applies_to():
-    assert {"westergaard", "layer", "bem", "bem direct", "patches", "auto"} <= names(Profile(1.25, 5, 1)).keys()
+    assert {"westergaard", "layer", "bem", "patches", "auto"} <= names(Profile(1.25, 5, 1)).keys()
     assert "westergaard" not in names(Profile(1.25, 5, 3))
     assert "hybrid" not in names(Profile(1.25, 5, 3))
-
-
-def test_a_second_algorithm_is_tried_on_the_coarsest_grid_of_the_trade():
-    """The paper's 12 points for each of the finest waves; not at all where its dense matrices are too large."""
-    assert names(Profile(1.25, 5, 3))["bem direct"] == {
-        "solver": "direct",
-        "points_per_wave": 12,
-        "staircase": "kept",
-    }
-    assert "bem direct" not in names(Profile(1.25, 1000, 2))
 
 
 def test_slow_methods_meet_few_loads():
@@ -41,7 +31,7 @@ def test_slow_methods_meet_few_loads():
 
 def test_what_no_computer_holds_is_tried_for_its_refusal():
     found = names(Profile(1.5, 10**6, 1000))
-    assert {"bem", "bem direct", "patches"} <= found.keys()
+    assert {"bem", "patches"} <= found.keys()
     assert "layer" not in found
 
 

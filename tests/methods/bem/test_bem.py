@@ -1,4 +1,4 @@
-"""Boundary elements with their staircase: against Westergaard and reference values, and by two solvers."""
+"""Boundary elements with their staircase: against Westergaard, reference values, and the paper's dense solver."""
 
 import json
 import os
@@ -8,6 +8,8 @@ import sys
 import numpy as np
 import pytest
 
+import weier
+from tests.dense import dense_curve
 from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
@@ -94,7 +96,7 @@ def test_both_solvers_solve_the_same_discrete_problem(reference):
     points = 32 * reference.profile.waves_per_period[-1] if reference.profile.terms < 4 else 1000
     loads = reference.mean_pressure
     fast = curve(reference.profile, loads, points=points)
-    dense = curve(reference.profile, loads, points=points, solver="direct")
+    dense = dense_curve(reference.profile, loads, points=points, staircase="kept")
     assert fast.compliance == pytest.approx(dense.compliance, abs=1e-9)
     assert np.all(fast.patch_count == dense.patch_count)
     # The tangent pressure has a residual of 1e-4. The resistance is an energy, whose error is the square of that, and
@@ -135,7 +137,7 @@ def test_fields_of_one_wave_are_westergaards():
 @pytest.mark.parametrize("points", [51, 53, 64, 97])
 def test_any_number_of_points_above_two_a_wave_will_do(points):
     loads = np.geomspace(1e-3, 5, 12)
-    found, dense = (curve(THREE_WAVES, loads, points=points, solver=solver) for solver in ("fft", "direct"))
+    found, dense = (solve(THREE_WAVES, loads, points, staircase="kept") for solve in (bem.curve, dense_curve))
     assert found.compliance == pytest.approx(dense.compliance, abs=1e-9)
 
 
@@ -147,19 +149,27 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
         ({"points": "a"}, "whole number"),
         ({"points": np.nan}, "whole number"),
         ({"points": 1e300}, r"at most 10000000, got 1e\+300"),
-        ({"points": 10001, "solver": "direct"}, 'at most 10000, got 10001: take solver "fft"'),
-        ({"max_residual": -1.0}, "positive"),
-        ({"max_residual": np.nan}, "positive"),
-        ({"solver": "lu"}, "solver must be one of fft, direct, got 'lu'"),
         ({"staircase": "taken off"}, "staircase must be one of removed, kept, got"),
-        ({"points_per_wave": 16.5}, "points_per_wave must be a whole number"),
-        ({"points_per_wave": 2}, "at least 3, got 2"),
-        ({"points_per_wave": 16, "points": 80}, "got 16 with points = 80: give one of the two"),
     ],
 )
 def test_bad_settings_are_refused(settings, message):
     with pytest.raises(ValueError, match=message):
         bem.curve(Profile(1.25, 5, 2), [0.1], **settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"points_per_wave": 16.5}, "points_per_wave of bem must be a whole number"),
+        ({"points_per_wave": 2}, "at least 3, got 2"),
+        ({"points_per_wave": 16, "tolerance": 0.1}, "a grid takes tolerance or points_per_wave, and not both"),
+        ({"points_per_wave": 10_000_000}, "points must be at most 10000000, got 50000000: take fewer"),
+        ({"staircase": "taken off"}, "staircase must be one of removed, kept, got"),
+    ],
+)
+def test_bad_grids_are_refused(settings, message):
+    with pytest.raises(ValueError, match=message):
+        weier.solve(Profile(1.25, 5, 2), [0.1], "bem", **settings)
 
 
 @pytest.mark.parametrize("load", [0.0, -1.0, np.nan, np.inf, [0.1, 0.3]])
@@ -168,14 +178,13 @@ def test_bad_loads_have_no_fields(load):
         field(THREE_WAVES, load, points=60)
 
 
-@pytest.mark.parametrize("solver", ["fft", "direct"])
-def test_beyond_full_contact_everything_is_known(solver):
+def test_beyond_full_contact_everything_is_known():
     loads = np.array([1.0, 1e2, 1e17, 1e100, 1e300])
-    found = curve(THREE_WAVES, loads, points=100, solver=solver)
+    found = curve(THREE_WAVES, loads, points=100)
     assert found.compliance[1:] == pytest.approx(np.full(4, THREE_WAVES.total_amplitude), rel=1e-15)
     assert found.resistance[1:].tolist() == [0, 0, 0, 0]
     assert found.contact_fraction[0] < 1 == found.contact_fraction[1]
-    only = curve(THREE_WAVES, loads[1:], points=100, solver=solver)
+    only = curve(THREE_WAVES, loads[1:], points=100)
     assert only.compliance.tolist() == found.compliance[1:].tolist()
 
 
@@ -188,10 +197,9 @@ def test_what_is_not_a_number_is_an_error():
     assert active_set.violations(0.0, grid, state) == (np.inf, np.inf)
 
 
-@pytest.mark.parametrize("solver", ["fft", "direct"])
-def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve(solver):
+def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve():
     with pytest.raises(ConvergenceError, match="residual") as caught:
-        curve(THREE_WAVES, np.array([1.0]), points=400, max_residual=1e-30, solver=solver)
+        curve(THREE_WAVES, np.array([1.0]), points=400, max_residual=1e-30)
     assert caught.value.residual > 1e-30
 
 
@@ -204,21 +212,19 @@ def test_a_missed_resistance_is_distinguished_from_a_residual(monkeypatch):
 PLAIN = """
 from weier import Profile
 from weier.methods.bem import curve
-for solver in ("fft", "direct"):
-    found = curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48, solver=solver)
-    print([found.compliance.tolist(), found.resistance.tolist()])
+found = curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48)
+print([found.compliance.tolist(), found.resistance.tolist()])
 """
 
 
 def test_kernels_as_plain_python_give_what_they_give_compiled():
-    """To the residual of 1e-10 that both stop at."""
+    """To the residual of 1e-10 at which they stop."""
     environment, program = os.environ | {"NUMBA_DISABLE_JIT": "1"}, [sys.executable, "-c", PLAIN]
     done = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
-    for solver, line in zip(("fft", "direct"), done.stdout.splitlines(), strict=True):
-        compliance, resistance = json.loads(line)
-        found = bem.curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48, solver=solver)
-        assert found.compliance == pytest.approx(compliance, abs=1e-9)
-        assert found.resistance == pytest.approx(resistance, rel=1e-9, abs=1e-12)
+    compliance, resistance = json.loads(done.stdout)
+    found = bem.curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48)
+    assert found.compliance == pytest.approx(compliance, abs=1e-9)
+    assert found.resistance == pytest.approx(resistance, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("load", [0.02, 0.4])

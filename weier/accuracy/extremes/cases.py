@@ -11,21 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.reference import is_in_reach
-from weier.accuracy.variants import Variant, variants_of
+from weier.accuracy.variants import Variant
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Method, Settings
+from weier.methods.method import Method
 from weier.pipeline.fields import events
 from weier.scene import Case
-from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 
 MAX_RUN_SECONDS = 60.0  # A method is left out if it takes longer for a curve and for its loads one by one.
-DENSE: Settings = {"solver": "direct"}  # The other algorithm of boundary elements.
-MIN_NODES, MAX_NODES = 3, 2**20  # The coarsest and the finest grid of the extremes.
-MAX_DENSE_NODES = 2000  # A dense solution then takes a quarter of a second, and a curve some hundred solutions.
 DISTANCES = (1e-12, 1e-8, 1e-4)  # The loads around an event are at these distances, relative to its load.
 EVENT_STEP = 3  # Every third birth or merger is examined, which bounds the time.
 
@@ -42,8 +37,9 @@ def extremes() -> Iterator[Comparison]:
     for name, case, chosen in EXTREMES:
         loads = chosen(case) if callable(chosen) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
-    for name, case, grid in GRIDS:
-        yield Comparison(name, case, USUAL, _on_grid(grid))
+    for name, case, points in GRIDS:
+        variant = Variant(bem.METHOD.name, bem.METHOD.name, {"points_per_wave": points})
+        yield Comparison(name, case, USUAL, (variant,))
 
 
 def beside(*loads: float) -> Array:
@@ -60,12 +56,9 @@ def around(loads: ArrayLike) -> Array:
 
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
-    """Return all methods that take the profile and end in time, each with all its algorithms."""
+    """Return all methods that take the profile and end in time."""
     return tuple(
-        Variant(_name(method, algorithm), method.name, settings)
-        for method in registry.METHODS
-        if _meets(method, profile, loads)
-        for algorithm, settings in _algorithms(method, profile, loads)
+        Variant(method.name, method.name, {}) for method in registry.METHODS if _meets(method, profile, loads)
     )
 
 
@@ -76,26 +69,6 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
         return method.numerical and math.isfinite(profile.m)
     load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
     return method.seconds(profile, loads) + load_by_load <= MAX_RUN_SECONDS
-
-
-def _algorithms(method: Method, profile: Profile, loads: Array) -> Iterator[tuple[Settings, Settings]]:
-    """Yield each algorithm with all its settings: the default, and dense matrices where a reference is in reach.
-
-    These have the coarsest settings of the tradeoff, and are left out above `MAX_DENSE_NODES` nodes.
-    """
-    yield {}, {}
-    if method is not bem.METHOD:
-        return
-    if not resolvable(profile):
-        yield DENSE, DENSE
-    elif is_in_reach(profile, loads):
-        coarsest = next(variants_of(method, profile)).settings
-        if bem.points_of(profile, **coarsest) <= MAX_DENSE_NODES:
-            yield DENSE, {**coarsest, **DENSE}
-
-
-def _name(method: Method, algorithm: Settings) -> str:
-    return " ".join([method.name, *map(str, algorithm.values())])
 
 
 def around_events(case: Case, apart: float = 0.0) -> Array:
@@ -113,12 +86,6 @@ def around_events(case: Case, apart: float = 0.0) -> Array:
 def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> Case:
     parameters: dict[str, Any] = {"D": D, "gamma": gamma, "m": m}
     return Case(parameters if phases is None else parameters | {"phases": phases}, (), {})
-
-
-def _on_grid(grid: Settings) -> tuple[Variant, ...]:
-    """Return boundary elements on a grid, by each of their algorithms."""
-    method = bem.METHOD
-    return tuple(Variant(_name(method, own), method.name, {**own, **grid}) for own in ({}, DENSE))
 
 
 def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, Array]]:
@@ -153,8 +120,9 @@ EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("finer waves flat to rounding", _case(1 + 1e-9, "1000000", 1000), USUAL),
     ("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
 )
+# points a wave of boundary elements: the fewest, and a million nodes
 GRIDS = (
-    ("3 nodes", ONE_WAVE, {"points": MIN_NODES}),
-    ("2^20 nodes, one wave", ONE_WAVE, {"points": MAX_NODES}),
-    ("2^20 nodes, three waves", THREE_WAVES, {"points": MAX_NODES}),
+    ("3 nodes", ONE_WAVE, 3),
+    ("10^6 nodes, one wave", ONE_WAVE, 1_000_000),
+    ("10^6 nodes, three waves", THREE_WAVES, 40_000),
 )

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, BemCurve, check_words, checked_points, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, BemCurve, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import Method, Style, applies_to_resolvable
-from weier.surface.limits import check_points
+from weier.surface.limits import check_points, check_resolvable
 from weier.surface.waves import Waves
 
+MIN_POINTS_PER_WAVE = 3  # two points do not resolve a wave
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
@@ -26,26 +28,21 @@ def _solve(
     loads: Array,
     tolerance: float | None = None,
     points_per_wave: int | None = None,
-    points: int | None = None,
     staircase: str = "removed",
-    solver: str = "fft",
-    with_resistance: bool = True,
 ) -> BemCurve:
-    residual = RESIDUAL
-    if tolerance is not None:
-        points, residual = _grid_within(profile, tolerance, points, points_per_wave)
-    return curve(profile, loads, solver, points, residual, with_resistance, staircase, points_per_wave)
+    points, residual = grid(profile, tolerance, points_per_wave)
+    return curve(profile, loads, points, residual, staircase=staircase)
 
 
-def _grid_within(
-    profile: Waves, tolerance: float, points: int | None = None, points_per_wave: int | None = None
-) -> tuple[int, float]:
-    """Return the least number of points whose bound is within a tolerance, in g_0, and the residual in this bound.
+def grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None) -> tuple[int, float]:
+    """Return the points per period and the residual: with a tolerance, in g_0, the fewest whose bound is within it.
 
     ValueError is raised if points are given, too; OutOfReachError if too many are needed.
     """
-    if points is not None or points_per_wave is not None:
-        raise ValueError("a grid takes tolerance, points or points_per_wave, and no two of them")
+    if tolerance is None:
+        return _points(profile, points_per_wave), RESIDUAL
+    if points_per_wave is not None:
+        raise ValueError("a grid takes tolerance or points_per_wave, and not both")
     found, least = points_within(profile, tolerance), RESIDUAL_FACTOR * MIN_RESIDUAL
     if math.isinf(found):
         raise OutOfReachError(
@@ -58,6 +55,12 @@ def _grid_within(
             f'{error_model.MAX_POINTS}: take a larger tolerance or the method "patches"'
         )
     return int(found), _residual_within(tolerance)
+
+
+def _points(profile: Waves, points_per_wave: int | None) -> int:
+    per_wave = POINTS_PER_WAVE if points_per_wave is None else points_per_wave
+    check_resolvable(profile)
+    return checked_count("points_per_wave", per_wave, MIN_POINTS_PER_WAVE) * profile.waves_per_period[-1]
 
 
 def points_within(profile: Waves, tolerance: float) -> float:
@@ -76,33 +79,17 @@ def within_few_points(profile: Waves, tolerance: float) -> bool:
     return points_within(profile, tolerance) <= few
 
 
-def _check(
-    profile: Waves,
-    solver: str = "fft",
-    staircase: str = "removed",
-    points: int | None = None,
-    points_per_wave: int | None = None,
-    tolerance: float | None = None,
-    **others: Any,
-) -> None:
+def _check(profile: Waves, staircase: str = "removed", **settings: Any) -> None:
     """Refuse settings that exclude each other, or a grid that does not resolve the finest wave."""
-    check_words(solver, staircase)
-    if tolerance is not None:
-        points, _ = _grid_within(profile, tolerance, points, points_per_wave)
-    check_points(checked_points(profile, points, points_per_wave), solver == "direct")
+    checked_word("staircase", staircase, STAIRCASES)
+    check_points(grid(profile, **settings)[0])
 
 
 def points_of(
-    profile: Waves,
-    tolerance: float | None = None,
-    points_per_wave: int | None = None,
-    points: int | None = None,
-    **settings: Any,
+    profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None, **others: Any
 ) -> float:
     """Return the points in a period by the settings."""
-    if tolerance is not None:
-        return points_within(profile, tolerance)
-    return checked_points(profile, points, points_per_wave)
+    return _points(profile, points_per_wave) if tolerance is None else points_within(profile, tolerance)
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
@@ -119,10 +106,7 @@ METHOD = Method(
         "tolerance": f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
         'it sets the points, and bounds R poorly: for this use patches, or auto with quantity="resistance"',
         "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
-        "points": "nodes per period, instead of points_per_wave",
         "staircase": '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',
-        "solver": '"fft", or "direct" for the dense inversion of Section 5.1',
-        "with_resistance": "whether to compute the resistance",
     },
     applies=applies_to_resolvable,
     numerical=True,

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_count, checked_number, checked_word, shown
+from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array, Indices
-from weier.methods.bem import active_set, direct, error_model
+from weier.methods.bem import active_set, error_model
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.staircase import ContactPoint, contact_on_nodes, remove_staircase
 from weier.methods.errors import ConvergenceError
@@ -23,10 +23,8 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
-SOLVERS, STAIRCASES = ("fft", "direct"), ("removed", "kept")
-MIN_POINTS_PER_WAVE = 3  # two points do not resolve a wave
+STAIRCASES = ("removed", "kept")
 RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
-LARGEST_RESIDUAL = 1.0  # g_0: upper limit of the setting
 
 
 class BemCurve(NamedTuple):
@@ -37,7 +35,7 @@ class BemCurve(NamedTuple):
     contact_fraction : length in contact per length
     patch_count : contacts in one period; 0 in full contact
     residual : largest violation of a contact condition at the nodes, on a freshly applied operator, in g_0
-    work : pairs of FFTs (solver "fft"; those of other grids by their size) or dense solutions ("direct")
+    work : pairs of FFTs, those of coarser grids by their size
     compliance_error : bound on the error at first contact plus that by the residual, in g_0; never exceeded in tests
         at other loads
     resistance_error : from chords of the concave curve h(p), in g_0/p_0*; a bound if `compliance_error` is one
@@ -61,12 +59,10 @@ class BemCurve(NamedTuple):
 def curve(
     profile: Waves,
     mean_pressure: ArrayLike,
-    solver: str = "fft",
     points: int | None = None,
     max_residual: float = RESIDUAL,
     with_resistance: bool = True,
     staircase: str = "removed",
-    points_per_wave: int | None = None,
 ) -> BemCurve:
     """Return compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
@@ -76,20 +72,16 @@ def curve(
         With a finite number of terms.
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
-    solver : "fft" or "direct"
-        The fast solver, or the paper's dense one: the same discrete system, equal to rounding.
     points : int, optional
         Nodes in one period; 64 for each of the finest waves by default.
     max_residual : float
         Largest residual that is accepted, in g_0.
     with_resistance : bool
-        Whether to compute the resistance; otherwise it is NaN, which saves the fast solver a third of its time if the
-        staircase is kept. Removing the staircase needs the same second solution.
+        Whether to compute the resistance; otherwise it is NaN, which saves a third of the time if the staircase is
+        kept. Removing the staircase needs the same second solution.
     staircase : "removed" or "kept"
         Whether the staircase of edges that move from node to node is corrected (docs/bem.md, "The
         staircase"). Kept, all is as in Section 5.1, with edges on nodes.
-    points_per_wave : int, optional
-        Nodes for each of the finest waves, instead of `points`: the same for profiles of any period.
 
     Returns
     -------
@@ -99,29 +91,27 @@ def curve(
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, `solver` or `staircase` is unknown, there are too few points
-        for the finest wave, or too many, or both their numbers are given.
+        If the loads are not positive and increasing, `staircase` is unknown, or there are too few points for the
+        finest wave, or too many.
     ConvergenceError
         If a load leaves a larger residual.
 
     Notes
     -----
-    The loads are independent of each other (with the dense solver, to rounding), except that more loads reduce
-    `resistance_error`. The compliance converges approximately as N^-2.
+    The loads are independent of each other, except that more loads reduce `resistance_error`. The compliance
+    converges approximately as N^-2.
 
     With the staircase kept, the resistance converges as N^-1: it is the exact derivative of the discrete h(p), a
     polygon, and the contact edges move by whole nodes.
 
     """
     loads = checked_loads(mean_pressure)
-    check_words(solver, staircase)
-    check_max_residual(max_residual)
-    points = checked_points(profile, points, points_per_wave)
-    check_points(points, dense=solver == "direct")
+    checked_word("staircase", staircase, STAIRCASES)
+    points = checked_points(profile, points)
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = [], loads[loads < full]
     if partial.size:  # At loads of full contact no matrix is needed.
-        grid = (active_set.NestedSolver if solver == "fft" else direct.DenseSolver)(profile, points, max_residual)
+        grid = active_set.NestedSolver(profile, points, max_residual)
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     for load in map(float, partial[::-1]):
         solution = grid.solve_discrete(load, with_resistance or staircase == "removed")
@@ -158,25 +148,11 @@ def full_contact_load(profile: Waves, points: int) -> float:
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
 
 
-def checked_points(profile: Waves, points: int | None = None, points_per_wave: int | None = None) -> int:
-    """Return the points per period: given, given per finest wave, or by default.
-
-    Raises
-    ------
-    ValueError
-        If there are no more than two points a wave, or too many for a computer; or if both numbers are given.
-
-    """
+def checked_points(profile: Waves, points: int | None = None) -> int:
+    """Return the points per period, given or by default; ValueError if they are too few for a wave, or too many."""
     check_resolvable(profile)
     finest = profile.waves_per_period[-1]
-    if points is None:
-        given = POINTS_PER_WAVE if points_per_wave is None else points_per_wave
-        return checked_count("points_per_wave", given, MIN_POINTS_PER_WAVE) * finest
-    if points_per_wave is not None:
-        raise ValueError(
-            f"points_per_wave must be left out if points are given, got {shown(points_per_wave)} with "
-            f"points = {shown(points)}: give one of the two"
-        )
+    points = POINTS_PER_WAVE * finest if points is None else points
     condition = (
         f"be a whole number above {2 * finest}, two for each of the {finest} finest waves in a period "
         f"({POINTS_PER_WAVE * finest} is the default)"
@@ -184,18 +160,6 @@ def checked_points(profile: Waves, points: int | None = None, points_per_wave: i
     count = checked_number("points", points, condition, lambda count: count > 2 * finest and count == count // 1)
     check_points(count)
     return int(count)
-
-
-def check_words(solver: str, staircase: str) -> None:
-    """Refuse an unknown solver or treatment of the staircase by a ValueError."""
-    checked_word("solver", solver, SOLVERS)
-    checked_word("staircase", staircase, STAIRCASES)
-
-
-def check_max_residual(max_residual: float) -> None:
-    """Refuse a largest residual, in g_0, that is not positive, or larger than any compliance, by a ValueError."""
-    condition = f"be a positive length in g_0, such as 1e-10, and at most {LARGEST_RESIDUAL:g}"
-    checked_number("max_residual", max_residual, condition, lambda t: 0 < t <= LARGEST_RESIDUAL)
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:

@@ -131,7 +131,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
     try:
         with reporting_to():  # These loads are a part of others.
-            solved = bem.METHOD.solve(kept, loads, tolerance=tolerance, with_resistance=False, staircase="kept")
+            solved = bem.curve(kept, loads, *bem.grid(kept, tolerance), with_resistance=False, staircase="kept")
     except OutOfReachError as error:
         raise OutOfReachError(
             f"terms must be fewer, got {terms}: their bounds take more points than boundary elements solve"
