@@ -111,13 +111,46 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
 
 
+@pytest.mark.parametrize("probe", np.linspace(-2.3, 2.3, 12))
+def test_a_minimum_is_found_from_probes_beyond_an_inflection(probe):
+    """The lowest of three probes of a cosine may lie where it is concave."""
+    bracket = np.array([-2.8]), np.array([probe]), np.array([3.2]), np.zeros(1, np.int64)
+    found = inequalities._negative_minima(bracket, lambda x: 0.5 - np.cos(x), lambda x, interval: np.ones(x.size))
+    assert found["position"].tolist() == pytest.approx([0.0], abs=1e-4)
+    assert found["value"][0] == pytest.approx(-0.5, abs=1e-8)
+    assert found["curvature"][0] == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("period", [1.0, 9.0])
+@pytest.mark.parametrize("distance", [0.012, 0.03, 0.1])
+@pytest.mark.parametrize("at_right", [False, True])
+@pytest.mark.parametrize("is_gap", [False, True])
+def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, period):
+    """Next to an edge it may be much narrower than the distance of probes: w = s^power [(s/e - 1)^2 - 0.01]."""
+    series = make_series(np.array([1.0]), [1], np.zeros(1), period)
+    crest, half_width = series.crest_position, 0.2 * period
+    segments = make_segments(np.zeros(1, np.int64), crest, np.zeros(1), np.array([half_width]), np.array([12]))
+    place = distance * period
+
+    def residual(x):
+        s = (crest[0] + period - half_width) - x if at_right else x - (crest[0] + half_width)
+        return np.abs(s) ** (1.5 if is_gap else 0.5) * ((s / place - 1) ** 2 - 0.01)
+
+    found = inequalities._minima_between(segments, series, residual, is_gap, 0.0)
+    assert found.size == 1
+    s = found["position"][0] - (crest[0] + half_width)
+    s = 0.6 * period - s if at_right else s
+    assert s == pytest.approx(place, rel=0.02)
+    assert found["value"][0] == pytest.approx(-0.01 * place ** (1.5 if is_gap else 0.5), rel=0.05)
+
+
 @one_thread
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypatch):
     """A lower crest beside one contact, or a lower crest of the tension beside one gap, that was left out."""
     series = make_series(np.array([0.2, 1.0]), [1, 3], np.array([0.5, 0.0]), period)
-    load = 0.6 * series.maximum if dual else 0.5 / period
+    load = 0.6 * series.maximum if dual else 0.1 / period
     half_width = np.array([0.05 * period])
     segments = make_segments(
         np.array([np.argmax(series.crest_offset)]),

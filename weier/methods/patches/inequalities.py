@@ -6,9 +6,9 @@ opening of a crack.
 The equations on the segments do not imply the inequalities, so that violations are searched:
 
 - Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
-  segment is missing. It is evaluated at `_probe_points`; `_brackets` selects the probes next to which a minimum may
-be negative, and `_negative_minima` finds it. `find_missing` uses fast sums while the set is corrected,
-`minima_outside` closed forms for a solution.
+  segment is missing. `_minima_between` evaluates it at `_probe_points` and divides it by its power of the distances
+from both edges; `_brackets` selects the probes next to which a minimum may be negative, and `_negative_minima` finds
+it. `find_missing` uses fast sums while the set is corrected, `minima_outside` closed forms for a solution.
 - On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
 Remaining violations enter the bound on the error (`certificate`).
 """
@@ -52,7 +52,8 @@ MAX_NEW_WIDTH = 0.4
 MAX_FALL = 3
 
 
-Residual = Callable[[Array], Array]
+Residual = Callable[[Array], Array]  # of positions
+EdgeFactor = Callable[[Array, Indices], Array]  # of positions and the intervals in which these lie
 # For each bracket: left end, minimum, right end and interval, each of shape (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
 
@@ -68,19 +69,14 @@ Brackets = tuple[Array, Array, Array, Indices]
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end value relative height", np.float64, ()))
 
 
-def _probes(segments: Segments, series: CosineSeries) -> tuple[Array, Indices]:
-    """Return the points of `_probe_points`."""
-    return _probe_points(*segments.extent, series.crest_position, series.period, float(series.wavenumber[-1]))
-
-
 @kernel
 def _probe_points(
     origin: Array, centre: Array, half_width: Array, crest: Array, period: float, finest: float
 ) -> tuple[Array, Indices]:
     """Return ascending points in the intervals between segments, and the interval of each point.
 
-    In each interval they are closer together at its ends, where the residual rises from 0 as a power of the distance.
-    The crests of the series and the midpoints between them are added, to resolve adjacent crests.
+    In each interval they are closer together at its ends. The crests of the series and the midpoints between them are
+    added, to resolve adjacent crests.
     """
     left, n = origin + (centre + half_width), 2 * crest.size
     length = distances_between(origin, centre, half_width, period)
@@ -107,6 +103,39 @@ def _probe_points(
                 last += 1
                 point[last], interval[last] = x, j
     return point[: last + 1], interval[: last + 1]
+
+
+@kernel
+def _edge_factor(
+    x: Array, interval: Indices, origin: Array, centre: Array, half_width: Array, period: float, power: float
+) -> Array:
+    """Return (u (1-u))^power at points x, with u from 0 to 1 in the interval of each point between segments."""
+    left, length = origin + (centre + half_width), distances_between(origin, centre, half_width, period)
+    factor = np.empty(x.size)
+    for i in range(x.size):
+        u = (x[i] - left[interval[i]]) / length[interval[i]]
+        factor[i] = max(abs(u * (1 - u)), EPS) ** power
+    return factor
+
+
+def _minima_between(
+    segments: Segments, series: CosineSeries, residual: Residual, is_gap: bool, limit: float
+) -> Records:
+    """Return negative minima of a residual between segments: of a gap, or of a pressure.
+
+    Near an edge, a gap is proportional to s^(3/2) and a pressure to s^(1/2), with the distance s from it. A negative
+    minimum there may be much narrower than the distance of probes, but the quotient by these powers is smooth.
+    Minima above the limit are excluded without refinement.
+    """
+    extent, period, power = segments.extent, series.period, 1.5 if is_gap else 0.5
+
+    def edge_factor(x: Array, interval: Indices) -> Array:
+        return _edge_factor(x, interval, *extent, period, power)
+
+    x, interval = _probe_points(*extent, series.crest_position, period, float(series.wavenumber[-1]))
+    factor = edge_factor(x, interval)
+    brackets = _brackets(x, interval, residual(x) / factor, limit / factor)
+    return _negative_minima(brackets, residual, edge_factor)
 
 
 def find_negative_intervals(state: ContactState) -> Records:
@@ -190,8 +219,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
-    x, interval = _probes(state.segments, series)
-    minima = _negative_minima(_brackets(x, interval, residual(x), 0.0), residual)
+    minima = _minima_between(state.segments, series, residual, state.kind.on_segments != GAP, 0.0)
     minima["value"] += margin
     return minima
 
@@ -224,12 +252,12 @@ def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficien
 
 
 @kernel
-def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brackets:
-    """Return the probes, ascending in each interval, next to which a minimum may lie below the margin.
+def _brackets(x: Array, interval: Indices, value: Array, limit: Array) -> Brackets:
+    """Return the probes, ascending in each interval, next to which a minimum may lie below their limit.
 
     Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
     lies within half the wider spacing, hence at most half the curvature times its square below the probe. A minimum
-    is excluded if it would stay above the margin at `MAX_FALL` times that depth.
+    is excluded if it would stay above the limit at `MAX_FALL` times that depth.
     """
     at, count = np.empty(x.size, np.int64), 0
     for i in range(1, x.size - 1):
@@ -237,15 +265,16 @@ def _brackets(x: Array, interval: Indices, value: Array, margin: float) -> Brack
         before, after = value[i - 1] - value[i], value[i + 1] - value[i]
         if before >= 0 and after >= 0 and before + after < np.inf and interval[i - 1] == interval[i + 1]:
             bend = 2 * (after / right + before / left) / (left + right)
-            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + margin:
+            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit[i]:
                 at[count], count = i, count + 1
     at = at[:count]
     return x[at - 1], x[at], x[at + 1], interval[at]
 
 
-def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
+def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:
     """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
 
+    The first half of the steps finds the minimum of the quotient by the edge factor, the others that of the function.
     A bracket is dropped as soon as its minimum is certainly positive. The result is the lowest value evaluated, since
     differences across two adjacent crests may miss both.
     """
@@ -256,25 +285,37 @@ def _negative_minima(brackets: Brackets, residual: Residual) -> Records:
     for refinement in range(1, REFINEMENTS + 1):
         if middle.size == 0:
             break
-        points = np.stack([middle - stencil, middle, middle + stencil], axis=1)
+        points = np.stack([middle - stencil, middle, middle + stencil])
         order, value = np.argsort(points, axis=None), np.empty(points.size)
         value[order] = residual(points.ravel()[order])
-        below, here, above = value.reshape(-1, 3).T
-        slope, curvature = (above - below) / (2 * stencil), (below - 2 * here + above) / stencil**2
-        lowest = np.where(here < lowest[1], [middle, here, curvature], lowest)
-        shift = -slope / np.where(curvature > 0, curvature, np.inf)
+        value = value.reshape(points.shape)
+        curvature = _curvature(value, stencil)
+        lowest = np.where(value[1] < lowest[1], [middle, value[1], curvature], lowest)
+        if refinement <= REFINEMENTS // 2:
+            value /= edge_factor(points.ravel(), np.tile(interval, 3)).reshape(points.shape)
+            curvature = _curvature(value, stencil)
+        slope, is_convex = (value[2] - value[0]) / (2 * stencil), curvature > 0
+        newton = middle - slope / np.where(is_convex, curvature, np.inf)
         # The next stencil must stay within the bracket; of the last one only the middle is used.
         inner_end = 1.01 * STENCIL_RATIO * stencil * (refinement < REFINEMENTS - 1)
-        shift = np.clip(middle + shift, low + inner_end, high - inner_end) - middle
+        newton = np.clip(newton, low + inner_end, high - inner_end)
+        # Beyond an inflection Newton's method does not lead to the minimum, but bisection downhill does.
+        halfway = 0.5 * (middle + np.where(slope > 0, low, high))
+        shift = np.where(is_convex, newton, halfway) - middle
         # The position may be wrong by the width of the stencil, and the minimum lower by the fall over it.
         fall = 0.5 * MAX_FALL * np.maximum(curvature, 0) * (np.abs(shift) + stencil) ** 2
-        some = np.minimum(here - fall, lowest[1]) < 0
-        some = some | (curvature <= 0) if refinement < REFINEMENTS else lowest[1] < 0
+        some = np.minimum(value[1] - fall, lowest[1]) < 0
+        some = some | ~is_convex if refinement < REFINEMENTS else lowest[1] < 0
         low, middle, high, interval = low[some], (middle + shift)[some], high[some], interval[some]
         stencil, lowest = STENCIL_RATIO * stencil[some], lowest[:, some]
     minima = np.empty(middle.size, MINIMUM)
     minima["position"], minima["value"], minima["curvature"], minima["interval"] = *lowest, interval
     return minima
+
+
+def _curvature(value: Array, stencil: Array) -> Array:
+    """Return second derivatives from values at three points, shape (3, brackets), at these distances."""
+    return np.asarray((value[0] - 2 * value[1] + value[2]) / stencil**2)
 
 
 def find_missing(
@@ -293,13 +334,13 @@ def find_missing(
         plane = (1 - kind.dual) * step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
-    x, interval = _probes(punches.segments, problem.series)
-    found = _negative_minima(_brackets(x, interval, residual(x), tolerance + margin), residual)
+    is_gap = kind.on_segments != GAP
+    found = _minima_between(punches.segments, problem.series, residual, is_gap, tolerance + margin)
     if found.size == 0:
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if kind.on_segments == GAP:
+    if not is_gap:
         # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
         b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
         scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
