@@ -15,7 +15,7 @@ from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
 from weier.methods.bem import active_set, field
-from weier.methods.bem.grids import grid_of, nested_grids
+from weier.methods.bem.grids import nested_grids
 from weier.theory.halfplane import influence_coefficients
 
 POINTS_PER_WAVE = (16, 32, 64, 128, 256)
@@ -193,7 +193,7 @@ def test_what_is_not_a_number_is_an_error():
     state = active_set.make_grid_state(8)
     state.contact[:] = True
     state.deformed[3] = np.nan
-    grid = grid_of(nested_grids(Profile(1.25, 5, 1), 8, 1e-10), 0)
+    grid = nested_grids(Profile(1.25, 5, 1), 8, 1e-10)[0]
     assert active_set.violations(0.0, grid, state) == (np.inf, np.inf)
 
 

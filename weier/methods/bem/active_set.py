@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Flags, Indices, Record, Records, Spectrum, record_type
+from weier.kernels.arrays import Array, Flags, Indices, Records, Spectrum, record_type
 from weier.kernels.jit import kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import Grid, Hierarchy, add_harmonic, grid_of, nested_grids, refine
+from weier.methods.bem.grids import Grid, Harmonics, add_harmonic, harmonics_of, nested_grids, refine
 from weier.methods.bem.staircase import EDGE_OFFSET, NodalSolution
 from weier.surface.waves import Waves
 
@@ -30,16 +30,15 @@ PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so 
 
 # The progress of a load:
 #
-# level : of the grid that it is on
-# steps, corrections : of conjugate gradients, with the guess, and of the contact, on this grid
-# work : nodes of all pairs of FFTs; 0 before the load begins
+# steps, corrections : of conjugate gradients, and of the contact, on this grid
+# work : nodes of all pairs of FFTs
 # limit : of the work, at which a call returns
 # energy : of the residual before the last step
 # plane, residual, resistance : of the solution so far
 # moved : whether the pressure has changed since the operator was applied afresh
 # kept : whether the last direction is used in the next step, with unchanged contact
 SEARCH = record_type(
-    ("level steps corrections work limit", np.int64, ()),
+    ("steps corrections work limit", np.int64, ()),
     ("energy plane residual resistance", np.float64, ()),
     ("moved kept", np.bool_, ()),
 )
@@ -85,7 +84,6 @@ def make_grid_state(points: int) -> GridState:
     )
 
 
-@kernel
 def leading_part(state: GridState, points: int) -> GridState:
     """Return the state on a grid of `points` nodes, in the leading part of each array."""
     return GridState(
@@ -210,13 +208,6 @@ def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -
 
 
 @kernel
-def _begin_on(level: int, search: Record) -> None:
-    """Begin on another grid."""
-    search.level, search.steps, search.corrections = level, 0, 0
-    search.moved = search.kept = False
-
-
-@kernel
 def solve_load(load: float, grid: Grid, state: GridState) -> bool:
     """Continue with the contact under one load, from the pressure and contact in `state`; return whether it is done.
 
@@ -299,40 +290,18 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
 
 
 @kernel
-def _contact_from_pressure(state: GridState) -> None:
-    """Set the active set to the nodes with positive pressure."""
-    for i in range(state.pressure.size):
-        state.contact[i] = state.pressure[i] > 0
+def start_from_coarser(
+    coarse: int, carried: int, terms: int, harmonics: Harmonics, pressure: Array, finer: Array, contact: Flags
+) -> None:
+    """Carry the pressure from `coarse` nodes to all, add the waves behind those carried, and set the contact.
 
-
-_compiled_grid_of = kernel(grid_of)
-
-
-@kernel
-def cascade(load: float, hierarchy: Hierarchy, fine: GridState) -> bool:
-    """Continue with one load, from the mean on the coarsest grid to the finest, `fine`; return whether it is done."""
-    search = fine.search[0]
-    if search.work == 0:
-        _begin_on(0, search)
-    while search.level < hierarchy.points.size:
-        level = search.level
-        state = leading_part(fine, hierarchy.points[level])
-        if search.steps == 0:
-            carried = 0
-            if level == 0:
-                for i in range(state.pressure.size):
-                    state.pressure[i] = load
-            else:
-                refine(hierarchy.points[level - 1], state.pressure, state.residual)
-                carried = hierarchy.terms[level - 1]
-            for wave in range(carried, hierarchy.terms[level]):
-                add_harmonic(wave, hierarchy.harmonics, state.pressure, state.residual)
-            _contact_from_pressure(state)
-            search.steps = 1  # A part that ends here does not make the guess again.
-        if not solve_load(load, _compiled_grid_of(hierarchy, level), state):
-            return False
-        _begin_on(level + 1, search)
-    return True
+    `finer` is a working array.
+    """
+    refine(coarse, pressure, finer)
+    for wave in range(carried, terms):
+        add_harmonic(wave, harmonics, pressure, finer)
+    for i in range(pressure.size):
+        contact[i] = pressure[i] > 0
 
 
 class NestedSolver:
@@ -340,26 +309,34 @@ class NestedSolver:
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Make the grids, and the arrays for a solution on the finest."""
-        self.hierarchy = nested_grids(profile, points, max_residual)
-        self.grid, self.state = grid_of(self.hierarchy, self.hierarchy.points.size - 1), make_grid_state(points)
+        self.grids, self.harmonics = nested_grids(profile, points, max_residual), harmonics_of(profile)
+        self.grid, self.state = self.grids[-1], make_grid_state(points)
+        self.states = [leading_part(self.state, grid.height.size) for grid in self.grids]
 
     def solve(self, load: float) -> float:
-        """Return the plane under a load."""
-        self.state.search["work"] = 0
-        self._in_parts(cascade, load, self.hierarchy)
+        """Return the plane under a load, from the mean on the coarsest grid."""
+        self.state.search["work"], coarse, carried = 0, self.grids[0].height.size, 0
+        self.states[0].pressure[:] = load
+        for grid, state in zip(self.grids, self.states, strict=True):
+            work_arrays = state.pressure, state.residual, state.contact
+            start_from_coarser(coarse, carried, grid.terms, self.harmonics, *work_arrays)
+            self._in_parts(solve_load, load, grid, state)
+            coarse, carried = grid.height.size, grid.terms
         return float(self.state.search["plane"][0])
 
     def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
         """Return the resistance on the last contact of `solve`, or inf."""
-        self._in_parts(solve_tangent, flatness, self.grid)
+        self._in_parts(solve_tangent, flatness, self.grid, self.state)
         return float(self.state.search["resistance"][0])
 
     def _in_parts(self, search: Callable[..., bool], *arguments: Any) -> None:
-        """Call a kernel until it is done, for `PART` of the work at a time."""
-        done = False
+        """Call a kernel on a grid until it is done, for `PART` of the work at a time."""
+        done, progress = False, self.state.search
+        for name in ("steps", "corrections", "moved", "kept"):
+            progress[name] = 0
         while not done:
-            self.state.search["limit"] = self.state.search["work"] + PART
-            done = search(*arguments, self.state)
+            progress["limit"] = progress["work"] + PART
+            done = search(*arguments)
 
     @property
     def residual(self) -> float:

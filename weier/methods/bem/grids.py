@@ -38,38 +38,17 @@ class Harmonics(NamedTuple):
     full_contact_pressure: Array
 
 
-class Hierarchy(NamedTuple):
-    """Nested grids, coarse to fine, each about twice as fine as the one before; their arrays follow each other.
-
-    points : nodes of each grid, shape (grids,)
-    terms : number of waves on each grid, from the coarsest wave on, shape (grids,)
-    height : profile of these waves, shape (sum of points,), in g_0
-    influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (sum of points//2 + 1,),
-        in g_0/p_0* and p_0*/g_0
-    max_residual : residual to reach on each grid, shape (grids,), in g_0
-    self_influence : A_ii of each grid, shape (grids,), in g_0/p_0*
-    harmonics : all waves of the profile
-    """
-
-    points: Indices
-    terms: Indices
-    height: Array
-    influence: Array
-    inverse: Array
-    max_residual: Array
-    self_influence: Array
-    harmonics: Harmonics
-
-
 class Grid(NamedTuple):
-    """One grid of N nodes: its part of each array of the hierarchy.
+    """A grid of N nodes.
 
-    height : profile of the waves that it carries, shape (N,), in g_0
+    terms : number of waves that it carries, from the coarsest on
+    height : profile of these waves, shape (N,), in g_0
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
     max_residual : residual to reach, in g_0
     self_influence : A_ii, in g_0/p_0*
     """
 
+    terms: int
     height: Array
     influence: Array
     inverse: Array
@@ -77,10 +56,15 @@ class Grid(NamedTuple):
     self_influence: float
 
 
-def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
-    """Return grids of points, points/2, points/4 ... nodes, as long as they show the coarsest wave.
+def harmonics_of(profile: Waves) -> Harmonics:
+    """Return the waves of a profile with a finite number of terms."""
+    return Harmonics(np.array(profile.waves_per_period), profile.phase / (2 * np.pi), profile.full_contact_pressure)
 
-    An odd number is followed by at least half as many nodes, a number with small prime factors.
+
+def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]:
+    """Return grids of ..., points/4, points/2 and points nodes, as long as they show the coarsest wave.
+
+    An odd number is preceded by at least half as many nodes, a number with small prime factors.
 
     Parameters
     ----------
@@ -97,19 +81,15 @@ def nested_grids(profile: Waves, points: int, max_residual: float) -> Hierarchy:
     while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
     terms = [sum(MIN_POINTS_PER_CARRIED_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
-    influence = [eigenvalues(size, profile.period) for size in sizes]
-    return Hierarchy(
-        np.array(sizes),
-        np.array([*terms, profile.terms]),
-        np.concatenate([profile.sampled_height(n, m) for n, m in zip(sizes, [*terms, None], strict=True)]),
-        np.concatenate(influence),
-        np.concatenate([inverse(values) for values in influence]),
-        np.array(
-            [*(max(max_residual, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)), max_residual]
-        ),
-        np.array([influence_coefficients(size, profile.period)[0] for size in sizes]),
-        Harmonics(np.array(profile.waves_per_period), profile.phase / (2 * np.pi), profile.full_contact_pressure),
-    )
+    residuals = [max(max_residual, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)]
+    carried = zip(sizes, [*terms, profile.terms], [*residuals, max_residual], strict=True)
+    return [_make_grid(profile, *of) for of in carried]
+
+
+def _make_grid(profile: Waves, points: int, terms: int, max_residual: float) -> Grid:
+    influence = eigenvalues(points, profile.period).copy()  # not read-only, another type of arrays for kernels
+    own = influence_coefficients(points, profile.period)[0]
+    return Grid(terms, profile.sampled_height(points, terms), influence, inverse(influence), float(max_residual), own)
 
 
 def _half(points: int) -> int:
@@ -128,19 +108,6 @@ def inverse(eigenvalue: Array) -> Array:
 def full_contact_pressure(height: Array, period: float) -> Array:
     """Return the pressures of mean 0 that flatten these heights at the nodes of a period."""
     return np.asarray(np.fft.irfft(inverse(eigenvalues(height.size, period)) * np.fft.rfft(height), height.size))
-
-
-def grid_of(hierarchy: Hierarchy, level: int) -> Grid:
-    """Return one grid of the hierarchy."""
-    node, wave = 0, 0
-    for coarser in range(level):
-        node += hierarchy.points[coarser]
-        wave += hierarchy.points[coarser] // 2 + 1
-    points = hierarchy.points[level]
-    spectrum = slice(wave, wave + points // 2 + 1)
-    height, eigenvalue = hierarchy.height[node : node + points], hierarchy.influence[spectrum]
-    max_residual, self_influence = hierarchy.max_residual[level], hierarchy.self_influence[level]
-    return Grid(height, eigenvalue, hierarchy.inverse[spectrum], max_residual, self_influence)
 
 
 @kernel
