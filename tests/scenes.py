@@ -24,11 +24,10 @@ def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
     """Solve what is missing of a scene in a folder of batches, cut for so many cores."""
     solutions = Solutions(scene, folder)
     for path in solutions.files(cores=cores):
-        if not path.exists():
-            batch = solutions.store.batch(path.stem)
+        for batch in [] if path.exists() else solutions.store.job(path.stem):
             curves = solve_batch(
                 batch.cases, batch.kind.loads, batch.kind.contact_edges, loads_of=batch.kind.loads_of
             )
-            dataset.write(curves, path, batch.title, "solved", name=batch.name)
+            dataset.write(curves, path.with_name(f"{batch.name}.nc"), batch.title, "solved", name=batch.name)
     solutions.store.write()
     return Solutions(scene, folder)

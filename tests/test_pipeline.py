@@ -92,7 +92,7 @@ def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
 
 
 def test_only_the_mistakes_of_a_faulty_scene_are_reported(checkout):
-    """By the jobs of its scene, and by those of one file."""
+    """By the jobs of its scene, and by those of one file; other rules run."""
     path = checkout / "config/scenes/faulty.yaml"
     path.write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
     for target in ((), ("results/faulty/contact.nc",)):
@@ -101,6 +101,7 @@ def test_only_the_mistakes_of_a_faulty_scene_are_reported(checkout):
         assert done.returncode == 1
         assert lines[0].endswith("faulty.yaml has 3 mistakes:")
         assert len(lines) == 4
+    assert planned(checkout, "convergence", scene="faulty") == {"convergence": 1, "measure_convergence": 1, "draw": 1}
     path.unlink()  # later tests look at all scenes
 
 

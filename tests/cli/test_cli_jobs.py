@@ -95,6 +95,25 @@ def test_an_interrupted_batch_goes_on_from_what_it_has_solved(run, scene_file, t
     xr.testing.assert_identical(whole.drop_attrs(), found.drop_attrs())
 
 
+def test_a_job_solves_the_batches_that_its_last_one_names(run, scene_file, tmp_path, monkeypatch):
+    """And those that are there stay as they are."""
+    scene_file.write_text(SCENE.replace("[demelio]", "[archard, demelio, persson]"))
+    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
+    (path,) = solutions.files()
+    solutions.store.write()
+    code, _, err = run("batch", path.with_suffix(".json"), path)
+    assert (code, err.count("\n")) == (0, 1)
+    assert err.startswith("solve 3 curves by archard, demelio, persson: ")
+    for batch in solutions.store.job(path.stem):
+        found = dataset.read(path.with_name(f"{batch.name}.nc"))
+        assert found.solution_method.values.tolist() == [batch.kind.method]
+    first, *_ = sorted(path.parent.glob("archard*.nc"))
+    date = first.stat().st_mtime_ns
+    path.unlink()
+    assert run("batch", path.with_suffix(".json"), path)[0] == 0
+    assert (first.stat().st_mtime_ns, path.exists()) == (date, True)
+
+
 def test_the_part_of_another_batch_is_refused(run, description, solved):
     path = description.with_suffix(".nc")
     shutil.copy(path, path.with_suffix(".part"))

@@ -10,7 +10,7 @@ from weier.methods.registry import find_method
 from weier.methods.settings import defaults
 from weier.pipeline import curves
 from weier.pipeline.batches import Solutions, unused
-from weier.pipeline.curves import Store, cut, read_batch
+from weier.pipeline.curves import Store, cut, read_batch, read_job
 from weier.pipeline.gather import read_study
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
@@ -33,7 +33,7 @@ def missing(folder, **changes):
     solutions.files(cores=2)
     assert before == {path: path.stat().st_mtime_ns for path in folder.glob("batches/*.nc")}
     found = {}
-    for batch in solutions.to_solve.values():
+    for batch in (batch for job in solutions.to_solve for batch in job):
         found.setdefault(batch.kind.method, []).extend(batch.cases)
     return found
 
@@ -114,8 +114,44 @@ def test_scenes_that_share_cases_solve_them_once(tmp_path):
     store = Store(tmp_path / "batches")
     one = Solutions(load(tmp_path), store)
     other = Solutions(load(tmp_path, title="other", **product(seed=[2, 3, 4], m=2)), store)
-    assert len(set(one.files())) == 2
-    assert sorted(len(store.batch(path.stem).cases) for path in set(other.files())) == [4, 4, 12, 12]
+    (path,) = one.files()
+    assert sizes(store, path) == [("archard", 12), ("demelio", 12)]
+    again, more = other.files()
+    assert again == path
+    assert sizes(store, more) == [("archard", 4), ("demelio", 4)]
+
+
+def sizes(store, path):
+    """The method of each batch of a job, and the number of its cases."""
+    return [(batch.kind.method, len(batch.cases)) for batch in store.job(path.stem)]
+
+
+def test_one_job_solves_what_needs_the_same_kernels(tmp_path):
+    """In batches of one kind each; and cores share its time equally, whatever the kinds."""
+    settings = {"bem": {"staircase": "kept"}}
+    studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT, "settings": settings}}
+    methods = ["archard", "bem", "demelio", "patches"]
+    solutions = Solutions(load(tmp_path, methods=methods, studies=studies), tmp_path)
+    jobs = [sizes(solutions.store, path) for path in solutions.files()]
+    assert jobs == [[("archard", 12), ("demelio", 12)], [("bem", 12), ("bem", 12)], [("patches", 12)]]
+    assert [sizes(solutions.store, path) for path in solutions.files()] == jobs
+    large = Solutions(load(tmp_path, methods=["archard", "demelio"], batch=8), tmp_path)
+    jobs = [sizes(large.store, path) for path in large.files()]
+    assert jobs == [[("archard", 8)], [("archard", 4), ("demelio", 4)], [("demelio", 8)]]
+    large.store.write()
+    read = [read_job(path.with_suffix(".json")) for path in large.files()]
+    assert [[(batch.kind.method, len(batch.cases)) for batch in job] for job in read] == jobs
+
+
+def test_batches_that_are_solved_are_asked_for_by_themselves(tmp_path):
+    """Whatever job has solved them: if one of them is lost, another job solves it."""
+    done = solve_scene(load(tmp_path), tmp_path / "batches")
+    paths = done.files()
+    assert [path.stem.partition("-")[0] for path in paths] == ["archard", "demelio"]
+    paths[0].unlink()
+    again = Solutions(done.scene, tmp_path / "batches")
+    assert again.files() == paths
+    assert [[batch.kind.method for batch in job] for job in again.to_solve] == [["archard"]]
 
 
 def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):
@@ -192,7 +228,7 @@ def test_the_cases_of_a_description_are_read_only_by_the_job_that_solves_them(tm
     description = path.with_suffix(".json")
     description.write_text(description.read_text().splitlines()[0])
     found = Solutions(solutions.scene, tmp_path / "batches").store.batch(path.stem)
-    assert found.label == solutions.store.batch(path.stem).label
+    assert found.title == solutions.store.batch(path.stem).title
     assert len(found.cases) == len(found.surfaces)
     with pytest.raises(ValueError, match=r"json does not describe a batch: delete it and run snakemake again"):
         list(found.cases)

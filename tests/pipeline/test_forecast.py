@@ -61,7 +61,7 @@ def forecast_of(folder, cores=1, **changes):
     content = {"title": "t", "loads": [0.1, 1.0], "methods": ["patches"], "studies": {"one": {"product": product}}}
     solutions = Solutions(scene_in(folder, content | changes), folder)
     expected = [solutions.store.batch(path.stem).seconds for path in solutions.files(cores=cores)]
-    return forecast_scene(solutions.scene, solutions.to_solve.values(), cores), expected
+    return forecast_scene(solutions.scene, solutions.to_solve, cores), expected
 
 
 def test_a_short_scene_says_nothing_unless_it_has_a_limit(tmp_path, seconds):

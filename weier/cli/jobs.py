@@ -14,7 +14,7 @@ import click
 
 import weier
 from weier.cli.options import FILE, output
-from weier.pipeline.curves import PART
+from weier.pipeline.curves import PART, Batch
 from weier.scene import Figure
 
 if TYPE_CHECKING:
@@ -62,17 +62,29 @@ def compile(methods: Sequence[str]) -> None:
 @click.argument("description", type=FILE)
 @output("data")
 def batch(description: Path, data: Path) -> None:
-    """Solve the batch that the Snakefile has described in the file DESCRIPTION.
+    """Solve the batch that the Snakefile has described in the file DESCRIPTION, after others that this names.
 
-    The curves go to DATA, with the seconds that they took. Ctrl-C, or SIGTERM of a cluster, leaves those that are
-    solved in a file next to it, from which the next run of the job continues.
+    The curves go to DATA, with the seconds that they took, and those of the others to files next to it, unless they
+    are already there. Ctrl-C, or SIGTERM of a cluster, leaves those that are solved in a further file, from which the
+    next run of the job continues.
     """
+    from weier.pipeline.curves import read_job, title_of
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    *others, last = read_job(description)
+    with job("solve", title_of([*others, last])):
+        for other in others:
+            if not (path := data.with_name(f"{other.name}.nc")).exists():
+                _solve(other, path)
+        _solve(last, data)
+
+
+def _solve(wanted: Batch, data: Path) -> None:
+    """Solve a batch, or continue with it."""
     from weier.data import dataset, netcdf
     from weier.pipeline.batch import solve_batch
-    from weier.pipeline.curves import read_batch
 
-    wanted, part = read_batch(description), data.with_suffix(PART)
-    known = None
+    part, known = data.with_suffix(PART), None
     if part.exists():
         netcdf.check_sealed(part, wanted.name)
         known = dataset.read(part)
@@ -81,19 +93,17 @@ def batch(description: Path, data: Path) -> None:
         dataset.write(curves, part, wanted.title, "solved", name=wanted.name)
         click.echo(f"solve {wanted.title}: stopped after {curves.sizes['case']} cases, which {part} keeps", err=True)
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with job("solve", wanted.title):
-        curves = solve_batch(
-            wanted.cases,
-            wanted.kind.loads,
-            wanted.kind.contact_edges,
-            done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
-            loads_of=wanted.kind.loads_of,
-            known=known,
-            keep=keep,
-        )
-        dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
-        part.unlink(missing_ok=True)
+    curves = solve_batch(
+        wanted.cases,
+        wanted.kind.loads,
+        wanted.kind.contact_edges,
+        done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
+        loads_of=wanted.kind.loads_of,
+        known=known,
+        keep=keep,
+    )
+    dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
+    part.unlink(missing_ok=True)
 
 
 @click.command(hidden=True)

@@ -45,6 +45,12 @@ def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
     return patches.METHOD.name
 
 
+def methods_run_by(name: str) -> tuple[Method, ...]:
+    """Return the methods that a method runs: itself, or all where it chooses among them."""
+    method = find_method(name)
+    return METHODS if method is auto.METHOD else (method,)
+
+
 def names() -> list[str]:
     """Return the names of all methods."""
     return [method.name for method in METHODS]

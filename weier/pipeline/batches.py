@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from weier.digests import digest
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.registry import methods_run_by
 from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
 from weier.scene.case import Case
 from weier.scene.cases import Scene
-from weier.scene.identity import Keys, as_text, distinct, ordered
+from weier.scene.identity import Keys, as_text, distinct, key_of, ordered
 from weier.scene.study import CaseProduct
 
 SEEDS = ("phases", "seed")  # a curve's time hardly depends on these
@@ -72,14 +73,14 @@ class Solutions:
 
     Attributes
     ----------
-    to_solve : dict of Batch
-        The batches that `files` has described, by their paths.
+    to_solve : list of list of Batch
+        The jobs that `files` has described, each a list of batches.
     """
 
     def __init__(self, scene: Scene, curves: Store | str | Path) -> None:
         self.scene = scene
         self.store = curves if isinstance(curves, Store) else Store(curves)
-        self.to_solve: dict[Path, Batch] = {}
+        self.to_solve: list[list[Batch]] = []
 
     @cached_property
     def parts(self) -> list[Part]:
@@ -124,26 +125,28 @@ class Solutions:
         return batch, row, code
 
     def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
-        """Return the batches of these studies, or of the whole scene: the solved ones, and those to be solved.
+        """Return the batches of these studies, or of the whole scene: the solved ones, and the last one of each job.
 
-        The latter contain only curves of these studies that no earlier call has described, so that a case of two
-        figures is solved once. They are sized for this number of cores; `store.write` writes their descriptions.
+        Jobs contain only curves of these studies that no earlier call has described, so that a case of two figures is
+        solved once. They are sized for this number of cores, and each needs the kernels of one method, or none;
+        `store.write` writes their descriptions.
         """
         wanted = self._cases_of(studies)
-        missing: dict[str, list[tuple[Part, Indices]]] = {}
+        missing: dict[tuple[str, ...], dict[str, list[tuple[Part, Indices]]]] = {}
         for part in self.parts:
             batch, _ = self.store.find(part.kind, part.surfaces)
             lacking = np.flatnonzero((batch < 0) & wanted[part.cases])
             if lacking.size:
-                missing.setdefault(part.kind.name, []).append((part, lacking))
-        for lacking_parts in missing.values():
-            self._describe(lacking_parts, cores)
+                compiled = tuple(method.name for method in methods_run_by(part.kind.method) if method.numerical)
+                missing.setdefault(compiled, {}).setdefault(part.kind.name, []).append((part, lacking))
+        for by_kind in missing.values():
+            self._describe(list(itertools.chain.from_iterable(by_kind.values())), cores)
         used = dict[int, None]()
         for part in self.parts:
             batch, _ = self.store.find(part.kind, part.surfaces)
             own = batch[wanted[part.cases]]
             used |= dict.fromkeys(own[np.sort(np.unique(own, return_index=True)[1])].tolist())
-        return [self.store.batches[number].with_suffix(".nc") for number in used]
+        return list(dict.fromkeys(map(self.store.target, used)))
 
     def digest_of_curves(self, studies: Collection[str] | None = None) -> str:
         """Return a digest of all dependencies of the curves of these studies, in whatever batches they are."""
@@ -160,22 +163,27 @@ class Solutions:
         return wanted
 
     def _describe(self, parts: Sequence[tuple[Part, Indices]], cores: int) -> None:
-        """Describe batches of curves of one kind."""
-        surfaces = np.concatenate([part.surfaces[lacking] for part, lacking in parts])
-        first = distinct(surfaces)[0]  # curves shared by cases that differ in other methods
-        surfaces = surfaces[first]
+        """Describe jobs of curves whose parts are in the order of their kinds; a job has a batch for each kind."""
+        keys = [part.surfaces[lacking] + key_of(part.kind.name) for part, lacking in parts]
+        first = distinct(np.concatenate(keys))[0]  # curves shared by cases that differ in other methods
+        surfaces = np.concatenate([part.surfaces[lacking] for part, lacking in parts])[first]
         seconds = np.concatenate([part.seconds()[lacking] for part, lacking in parts])[first]
         owner = np.repeat(np.arange(len(parts)), [len(lacking) for _, lacking in parts])[first]
         number = np.concatenate([lacking for _, lacking in parts])[first]
         case = np.concatenate([part.first + lacking for part, lacking in parts])[first]
+        kinds = [part.kind for part, _ in parts]
+        kind = np.unique([each.name for each in kinds], return_inverse=True)[1][owner]
         names, home = self.scene.homes
         for piece in cut(seconds, self.scene.batch_size, cores):
-            cases = CasesOfParts([part for part, _ in parts], owner[piece], number[piece])
-            homes = [names[each] for each in dict.fromkeys(home[case[piece]].tolist())]
-            studies = list(dict.fromkeys(itertools.chain.from_iterable(homes)))
-            kind = parts[0][0].kind
-            batch = Batch(kind, cases, surfaces[piece], studies, float(seconds[piece].sum()))
-            self.to_solve[self.store.add(batch)] = batch
+            job = []
+            for own in np.split(np.arange(piece.start, piece.stop), np.flatnonzero(np.diff(kind[piece])) + 1):
+                cases = CasesOfParts([part for part, _ in parts], owner[own], number[own])
+                homes = [names[each] for each in dict.fromkeys(home[case[own]].tolist())]
+                studies = list(dict.fromkeys(itertools.chain.from_iterable(homes)))
+                expected = float(seconds[own].sum())
+                job.append(Batch(kinds[owner[own[0]]], cases, surfaces[own], studies, expected))
+            self.store.add(job)
+            self.to_solve.append(job)
 
 
 class CasesOfParts(Sequence[Case]):

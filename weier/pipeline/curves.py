@@ -112,6 +112,7 @@ class Batch(NamedTuple):
     surfaces : the keys of their surfaces, shape (cases, 2)
     studies : the studies that contain them, for messages
     seconds : expected on one core
+    before : names of the batches that the same job solves before this one
     """
 
     kind: Kind
@@ -119,6 +120,7 @@ class Batch(NamedTuple):
     surfaces: Keys
     studies: Sequence[str]
     seconds: float
+    before: Sequence[str] = ()
 
     @property
     def name(self) -> str:
@@ -132,11 +134,6 @@ class Batch(NamedTuple):
         count = f"{len(self.surfaces)} case{'s' * (len(self.surfaces) > 1)}"
         return f"{count} {f'of {first}' if first == last else f'from {first} to {last}'} by {self.kind.method}"
 
-    @property
-    def label(self) -> str:
-        """Its title, and the expected time."""
-        return f"{self.title}, in about {max(1, round(self.seconds))} s"
-
     def describe(self) -> str:
         """Return its description as two lines of JSON: the batch, and its cases, as tables of parameters of one kind.
 
@@ -149,8 +146,23 @@ class Batch(NamedTuple):
             tables.setdefault(names, []).append(list(case.parameters.values()))
             order.append(list(tables).index(names))
         own = {"surfaces": as_text(self.surfaces), "studies": self.studies, "seconds": self.seconds}
+        own |= {"before": self.before} if self.before else {}
         cases = {"tables": list(tables.items()), "order": order, "given": self.cases[0].settings}
         return f"{json.dumps(self.kind._asdict() | own)}\n{json.dumps(cases)}\n"
+
+
+def title_of(job: Sequence[Batch]) -> str:
+    """Return the title of the batches of a job."""
+    if len(job) == 1:
+        return job[0].title
+    methods = dict.fromkeys(batch.kind.method for batch in job)
+    return f"{sum(len(batch.surfaces) for batch in job)} curves by {', '.join(methods)}"
+
+
+def read_job(path: str | Path) -> list[Batch]:
+    """Read the batches of a job from the description of the last one, which names the others."""
+    last = read_batch(path)
+    return [*(read_batch(Path(path).with_name(f"{name}.json")) for name in last.before), last]
 
 
 def read_batch(path: str | Path) -> Batch:
@@ -160,7 +172,7 @@ def read_batch(path: str | Path) -> Batch:
             raw = json.loads(file.readline())
         kind, surfaces = Kind(*(raw[name] for name in Kind._fields)), from_text(raw["surfaces"])
         cases = CasesOfFile(Path(path), kind.method, len(surfaces))
-        return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"])
+        return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"], raw.get("before", ()))
     except (OSError, TypeError, KeyError, ValueError) as error:
         raise _no_batch(path, error) from None
 
@@ -213,6 +225,7 @@ class Store:
         self.folder = Path(folder)
         self.batches: list[Path] = []
         self.described: dict[str, Batch] = {}
+        self._last: dict[str, Path] = {}
         self._written = set[str]()
         self._known: dict[str, list[tuple[int, Keys]]] = {}
         self._lookups: dict[str, tuple[Lookup, Indices, Indices]] = {}
@@ -223,14 +236,21 @@ class Store:
         place = lookup.find(surfaces)  # -1 is the last entry, for no batch
         return np.append(batch, -1)[place], np.append(row, -1)[place]
 
-    def add(self, batch: Batch) -> Path:
-        """Return the path of the description of a batch that is to be solved; `write` writes it."""
-        path = self.folder / f"{batch.name}.json"
-        self._batches_of(batch.kind.name).append((len(self.batches), batch.surfaces))
-        self._lookups.pop(batch.kind.name, None)
-        self.batches.append(path)
-        self.described[path.stem] = batch
-        return path
+    def add(self, job: Sequence[Batch]) -> None:
+        """Add batches that one job is to solve, of which the last one stands for all; `write` describes them."""
+        last = job[-1]._replace(before=[batch.name for batch in job[:-1]])
+        for batch in [*job[:-1], last]:
+            path = self.folder / f"{batch.name}.json"
+            self._batches_of(batch.kind.name).append((len(self.batches), batch.surfaces))
+            self._lookups.pop(batch.kind.name, None)
+            self.batches.append(path)
+            self.described[path.stem] = batch
+            self._last[path.stem] = self.folder / f"{last.name}.nc"
+
+    def target(self, number: int) -> Path:
+        """Return the file that is made when a batch is solved: its own, or that of the last batch of its job."""
+        path = self.batches[number]
+        return self._last.get(path.stem, path.with_suffix(".nc"))
 
     def write(self) -> None:
         """Write the descriptions of this process, each once, also in place of one that an older version has left."""
@@ -241,6 +261,11 @@ class Store:
     def batch(self, name: str) -> Batch:
         """Return the batch of this name."""
         return self.described[name] if name in self.described else read_batch(self.folder / f"{name}.json")
+
+    def job(self, name: str) -> list[Batch]:
+        """Return the batches of the job whose last batch has this name."""
+        last = self.batch(name)
+        return [*map(self.batch, last.before), last]
 
     @cached_property
     def solved(self) -> dict[str, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from weier.data.markdown import significant
 from weier.kernels.arrays import Array
@@ -39,17 +39,17 @@ def forecast(case: Case, loads: Array) -> list[str]:
     return lines
 
 
-def forecast_scene(scene: Scene, batches: Collection[Batch], cores: int) -> tuple[list[str], str]:
-    """Return the expected seconds of the batches as lines of text, and the reason if they must not run.
+def forecast_scene(scene: Scene, jobs: Collection[Sequence[Batch]], cores: int) -> tuple[list[str], str]:
+    """Return the expected seconds of jobs as lines of text, and the reason if they must not run.
 
     There are no lines for a short scene without a limit. A scene that would exceed its limit is refused with the key
     that raises it.
     """
-    times = [batch.seconds for batch in batches]
+    times = [sum(batch.seconds for batch in job) for job in jobs]
     seconds = max(sum(times) / cores, max(times, default=0.0))
-    if not batches or (seconds < LONG and scene.max_seconds is None):
+    if not jobs or (seconds < LONG and scene.max_seconds is None):
         return [], ""
-    curves = sum(len(batch.surfaces) for batch in batches)
+    curves = sum(len(batch.surfaces) for job in jobs for batch in job)
     count, on = f"{curves} curve{'s' * (curves != 1)}", f"{cores} core{'s' * (cores > 1)}"
     lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
     if scene.max_seconds is None or seconds <= scene.max_seconds:

@@ -26,11 +26,10 @@ from weier.checks import shown, suggestion
 from weier.data.files import bring_to_present, check_target, check_writable, remove_leftovers
 from weier.data.netcdf import check_sealed, sealed_name
 from weier.kernels.jit import DISABLED, cache_folder
-from weier.methods import auto
 from weier.methods.method import Method
-from weier.methods.registry import METHODS, find_method
+from weier.methods.registry import methods_run_by
 from weier.pipeline.batches import Solutions, unused
-from weier.pipeline.curves import PART, Store
+from weier.pipeline.curves import PART, Store, title_of
 from weier.pipeline.forecast import forecast_scene
 from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_page, made_of
 from weier.scene import Scene
@@ -93,16 +92,16 @@ class Scenes:
         prune: bool = False,
     ) -> None:
         self.names, self.config, self.cores, self.results = names, config, cores, Path(results)
-        self._load, self._runs, self._locks, self._prune = load, runs, locks, prune
+        self._load, self._runs, self._locks, self._prune = cache(load), runs, locks, prune
         # Snakemake calls these several times: a scene is read, divided into batches and reported once.
-        self.scene, self._batches, self._report = cache(self._checked_scene), cache(self._cut_batches), cache(report)
+        self._batches, self._report = cache(self._cut_batches), cache(report)
         self.solutions, self._begin, self._inputs = cache(self._solved), cache(self.begin), cache(self._made_of)
         self.store = Store(self.results / "curves")
         with ending_in_one_sentence():  # Snakemake writes records in a dry run, too.
             check_writable(RECORDS if RECORDS.is_dir() else Path())
 
-    def _checked_scene(self, name: str) -> Scene:
-        """Return the scene of this name."""
+    def scene(self, name: str) -> Scene:
+        """Return the scene of this name; the run ends if it has mistakes."""
         with ending_in_one_sentence():
             return self._load(name)
 
@@ -141,8 +140,15 @@ class Scenes:
         return [str(self.results / name / "figures" / f"{figure}.{suffix}") for suffix in (*FORMATS, VALUES)]
 
     def drawing_rules(self, name: str) -> dict[str, list[str]]:
-        """Return the figures of a scene by the rule that draws them: halves of four or more, which two cores draw."""
-        figures = list(self.scene(name).figures)
+        """Return the figures of a scene by the rule that draws them: halves of four or more, which two cores draw.
+
+        A scene with mistakes has none of these rules, so that rules without scenes run; its other ones report them.
+        """
+        with ending_in_one_sentence():
+            try:
+                figures = list(self._load(name).figures)
+            except (ValueError, OSError):
+                return {}
         first, second = f"figures_of_{name}", f"more_figures_of_{name}"
         return {first: figures[::2], second: figures[1::2]} if len(figures) > MAX_DRAWN else {first: figures}
 
@@ -195,7 +201,7 @@ class Scenes:
         with ending_in_one_sentence():
             paths = [str(path) for path in solutions.files(studies, self.cores)]
             self._check_batches(name, paths)
-            lines, refusal = forecast_scene(solutions.scene, solutions.to_solve.values(), self.cores)
+            lines, refusal = forecast_scene(solutions.scene, solutions.to_solve, self.cores)
             for line in filter(None, [*lines, refusal]):
                 self._report(line)
             if self._runs():
@@ -216,24 +222,25 @@ class Scenes:
                 check_sealed(path, path.stem)
 
     def description(self, wildcards: Any) -> str:
-        """Return the description of a batch."""
+        """Return the description of the last batch of a job, which names the others."""
         return str(self.store.folder / f"{wildcards.batch}.json")
 
     def batch_label(self, wildcards: Any) -> str:
-        """Return the content of a batch, and its expected time."""
+        """Return the content of a job, and its expected time."""
         with ending_in_one_sentence():
-            return self.store.batch(wildcards.batch).label
+            job = self.store.job(wildcards.batch)
+        return f"{title_of(job)}, in about {max(1, round(sum(batch.seconds for batch in job)))} s"
 
     def batch_memory(self, wildcards: Any, attempt: int) -> int:
-        """Return the megabytes that a batch may need, more at each attempt."""
+        """Return the megabytes that a job may need, more at each attempt."""
         with ending_in_one_sentence():
-            cases = len(self.store.batch(wildcards.batch).surfaces)
+            cases = max(len(batch.surfaces) for batch in self.store.job(wildcards.batch))
         return round(attempt * (BATCH_MB + CASE_MB * cases))
 
     def batch_minutes(self, wildcards: Any, attempt: int) -> int:
-        """Return the minutes that a batch may need, more at each attempt."""
+        """Return the minutes that a job may need, more at each attempt."""
         with ending_in_one_sentence():
-            seconds = self.store.batch(wildcards.batch).seconds
+            seconds = sum(batch.seconds for batch in self.store.job(wildcards.batch))
         return round(attempt * (BATCH_MINUTES + SECONDS_FACTOR * seconds / 60))
 
     def memory(self, wildcards: Any, attempt: int) -> int:
@@ -246,7 +253,7 @@ class Scenes:
 
     def kernels(self, wildcards: Any) -> list[str]:
         """Return the marker files of compiled kernels for the method of a batch."""
-        return kernels_of(methods_of(wildcards.batch.partition("-")[0]))
+        return kernels_of(methods_run_by(wildcards.batch.partition("-")[0]))
 
     def outdated_data(self, wildcards: Any) -> list[str]:
         """Return an input of the data and claims that makes them outdated if their digest has changed."""
@@ -340,12 +347,6 @@ def _temporary_file(name: str) -> Path:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     (folder / name).touch()
     return folder / name
-
-
-def methods_of(name: str) -> Sequence[Method]:
-    """Return the methods that a method runs: itself, or all where it chooses among them."""
-    method = find_method(name)
-    return METHODS if method is auto.METHOD else [method]
 
 
 def kernels_of(methods: Iterable[Method]) -> list[str]:
