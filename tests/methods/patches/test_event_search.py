@@ -54,6 +54,35 @@ def test_contacts_that_have_grown_are_certain_to_have_no_event_while_both_edges_
         assert is_certain == (left == right == near)
 
 
+@pytest.mark.parametrize("period", [1.0, 9.0])
+@pytest.mark.parametrize("dual", [False, True])
+def test_an_edge_that_advances_farther_than_the_load_explains_has_jumped(period, dual):
+    """On one wave dp/da = k_1/(2 B) is the derivative of sin^2(pi a/L)/L, and nearly linear over the advance."""
+    search = event_search._Search(Starts(Profile(1.5, 2, 1), 1e-10))
+    heights = OneWave(period, 0.1 * period, 0.2 * period).series(False)
+    search.starts.surface = search.starts.surface._replace(heights=heights, tensions=heights)
+    low, high = (OneWave(period, part * period, 0.2 * period) for part in (0.1, 0.12))
+    per_advance = np.pi / period**2 * np.sin(2 * low.alpha)
+    np.testing.assert_allclose(event_search._loads_per_advance(low.state(dual), period), per_advance, rtol=1e-8)
+    for share, expected in ((1.0, True), (0.72, True), (0.68, False)):
+        load = low.load + share * (high.load - low.load)
+        changes, is_certain = search._changes(low.state(dual), high.state(dual)._replace(load=load))
+        assert changes == []
+        assert is_certain == expected
+
+
+@pytest.mark.parametrize("birth", [False, True])
+def test_a_gap_that_closes_or_a_contact_that_is_born_too_fast_has_jumped(birth):
+    """p - p_b = c a^2 from a Hertzian birth, p_m - p = c b^2 to a merger, with dp/da = 2 c a at half-widths of 1."""
+    low, event, high = (OneWave(1.0, 0.1, 0.0).state(False)._replace(load=load) for load in (1.0, 2.0, 3.0))
+    for centre in (-0.3, 0.0, 0.3):
+        change = event_search._Event(birth, 0.0, -1.0, 1.0, (2 * (1 + centre), 2 * (1 - centre)))
+        located = change._replace(left=centre, right=centre), event
+        assert event_search._is_direct(low, high, change, located) == (0.7 * (1 + abs(centre)) ** 2 < 1)
+        too_near = event._replace(load=2.4 if birth else 1.6)
+        assert not event_search._is_direct(low, high, change, (located[0], too_near))
+
+
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
     monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False))
     with pytest.raises(ConvergenceError, match="remain uncertain after 101 bisections"):
@@ -92,7 +121,7 @@ def test_events_of_one_load_are_found_together(phase):
         # a contact that merges soon with the neighbour beside which it is born, between two probes
         (
             Profile(1.9336359298628136, "6/5", 3, (4.481869815049773, 4.983182800916742, 2.601251739364986)),
-            0.7,
+            0.699,
             0.7015,
         ),
     ],

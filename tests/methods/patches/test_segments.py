@@ -24,10 +24,11 @@ from weier.methods.patches.segments import (
 def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
     """p = A s^(1/2), or a slope of 2 pi A s^(1/2) in the gap, which is negative at its right end."""
     state = wave.state(dual)
-    (origin, centre, r), strength = contact_pieces(state, wave.period)
+    (origin, centre, r), strength, tangent = contact_pieces(state, wave.period)
     assert np.mod(origin + centre - wave.crest + 0.5 * wave.period, wave.period) == pytest.approx(0.5 * wave.period)
     assert r == pytest.approx(wave.half_width)
     np.testing.assert_allclose(strength, wave.strength, rtol=1e-9)
+    np.testing.assert_allclose(tangent, wave.tangent_strength, rtol=1e-9)
     s = 1e-8 * wave.half_width
     assert strength[0, 1] == pytest.approx(
         float(wave.pressure(np.array([wave.half_width - s]))[0]) / s**0.5, rel=1e-6
@@ -40,15 +41,17 @@ def test_contacts_and_strengths_are_those_of_westergaard(wave, dual):
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_thin_gaps_divide_their_contact(period, dual):
     wave, none = OneWave(period, 0.2 * period, 0.3 * period), np.zeros(2)
-    t, reach, strength = np.array([-0.5, 0.25]), np.array([1e-3, 2e-3]), np.array([3.0, 5.0])
-    cracks = Cracks(np.zeros(2, int), t, reach, reach * wave.half_width, strength, none, none, none, none)
-    (origin, centre, r), at_edges = contact_pieces(wave.state(dual)._replace(cracks=cracks), period)
+    t, reach, strength, tangent = np.array([[-0.5, 0.25], [1e-3, 2e-3], [3.0, 5.0], [2.0, 7.0]])
+    cracks = Cracks(np.zeros(2, int), t, reach, reach * wave.half_width, strength, tangent, none, none, none)
+    (origin, centre, r), at_edges, of_tangent = contact_pieces(wave.state(dual)._replace(cracks=cracks), period)
     left = np.mod(origin + centre - r - (wave.crest - wave.half_width) + 0.01 * period, period) - 0.01 * period
     expected = np.array([[-1, -0.501], [-0.499, 0.248], [0.252, 1]])
     np.testing.assert_allclose(left / wave.half_width, expected[:, 0] + 1, atol=1e-12)
     np.testing.assert_allclose(2 * r / wave.half_width, np.diff(expected, axis=1)[:, 0], rtol=1e-12)
     A = wave.strength
     np.testing.assert_allclose(at_edges, [[A, 3], [3, 5], [5, A]], rtol=1e-9)
+    B = wave.tangent_strength
+    np.testing.assert_allclose(of_tangent, [[B, 2], [2, 7], [7, B]], rtol=1e-9)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])

@@ -193,24 +193,26 @@ def segment_strengths(state: ContactState) -> Sides:
     return np.asarray(factor * np.sqrt(2 / segments.half_width)[:, None] * at_ends)
 
 
-def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides]:
-    """Return the contacts between all gaps, thin ones included, and the strengths A at their edges.
+def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, Sides]:
+    """Return the contacts between all gaps, thin ones included, and the strengths A and B at their edges.
 
-    Strengths are in p_0*/lambda_0^(1/2), shape (contacts, 2).
+    A of the pressure is in p_0*/lambda_0^(1/2), B of its increment in lambda_0^(1/2), shape (contacts, 2).
     """
-    extent = state.kind.contacts_of(state.segments.extent, period)
-    strength, cracks = state.kind.at_contacts(np.abs(segment_strengths(state))), state.cracks
+    extent, cracks = state.kind.contacts_of(state.segments.extent, period), state.cracks
+    strength = state.kind.at_contacts(np.abs(segment_strengths(state)))
+    tangent = state.kind.at_contacts(state.tangent_strength)
     if cracks.contact.size == 0:
-        return extent, strength
+        return extent, strength, tangent
     count = extent[0].size
     of = np.repeat(np.arange(count), 1 + np.bincount(cracks.contact, minlength=count))
     before_crack = cracks.contact + np.arange(cracks.contact.size)
-    start, end, strength = np.full(of.size, -1.0), np.ones(of.size), strength[of]
+    start, end, strength, tangent = np.full(of.size, -1.0), np.ones(of.size), strength[of], tangent[of]
     end[before_crack] = cracks.middle - cracks.reach
     start[before_crack + 1] = cracks.middle + cracks.reach
     strength[before_crack, 1] = strength[before_crack + 1, 0] = cracks.strength
+    tangent[before_crack, 1] = tangent[before_crack + 1, 0] = cracks.tangent_strength
     origin, centre, r = (values[of] for values in extent)
-    return (origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)), strength
+    return (origin, centre + 0.5 * r * (start + end), 0.5 * r * (end - start)), strength, tangent
 
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:

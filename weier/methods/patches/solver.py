@@ -233,7 +233,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
     if state is None:
         none = np.empty(0)
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
-    extent, strength = contact_pieces(state, surface.heights.period)
+    extent, strength, _ = contact_pieces(state, surface.heights.period)
     edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
     mean_gap = (1 - state.dual) * surface.heights.maximum - state.approach
     return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
