@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
@@ -45,82 +44,6 @@ class NodalSolution(NamedTuple):
     contact: Flags
     residual: float
     work: float
-
-
-@kernel
-def _step_corrections(
-    contact: Flags,
-    pressure: Array,
-    gap: Array,
-    tangent_pressure: Array,
-    tangent_displacement: Array,
-    resistance: float,
-) -> tuple[float, float, NDArray[np.float64], Flags]:
-    """Return the corrections of the mean gap (to add) and of R (to subtract), the edge offsets and the closed gaps.
-
-    The edge offset is the distance, in nodes, of an edge from the last node in contact, shape (2, N): right edges of
-    contacts, then left edges. Gaps of one node that are closed in the continuum are flagged, shape (N,).
-
-    Contacts of a single node contribute no correction: their edges are not well separated.
-    """
-    points, gap_correction, resistance_correction = contact.size, 0.0, 0.0
-    edge_offset = np.zeros((2, points))
-    load_since, load_until = np.zeros((2, points)), np.zeros((2, points))
-    for j in range(points):
-        for side in range(2):
-            outwards = 1 - 2 * side
-            outside, inside = (j + outwards) % points, (j - outwards) % points
-            if not contact[j] or contact[outside]:
-                continue
-            edge_offset[side, j] = EDGE_OFFSET
-            q, closing_rate = tangent_pressure[j], resistance - tangent_displacement[outside]
-            if q > 0 and closing_rate > 0:
-                since, until = max(pressure[j], 0.0) / q, max(gap[outside], 0.0) / closing_rate
-                load_since[side, j], load_until[side, j] = since, until
-                if contact[inside] and since + until > 0:
-                    step, f = q * closing_rate / points, since / (since + until)
-                    gap_correction += step * (since + until) * (COMPLIANCE_EXCESS - (f - f * f) / 2)
-                    resistance_correction += (f - 0.5) * step
-                    edge_offset[side, j] += f - 0.5
-    closed = _locate_single_node_edges(contact, load_since, load_until, edge_offset)
-    return gap_correction, resistance_correction, edge_offset, closed
-
-
-@kernel
-def _locate_single_node_edges(
-    contact: Flags,
-    load_since: NDArray[np.float64],
-    load_until: NDArray[np.float64],
-    edge_offset: NDArray[np.float64],
-) -> Flags:
-    """Fill in `edge_offset` at contacts and gaps of one node; return which of these gaps are closed, shape (N,).
-
-    Both follow from a parabola (docs/bem.md, "The staircase"). A contact has the squared half-width f/(2 ln 2), a gap
-    2 (f_c - f)/(1 + f_t) + 2 x_c^2, in nodes. The offset x_c from the node is a quarter of the difference of the load
-    increments on both sides over their sum.
-
-    load_since, load_until : load increments Delta_- and Delta_+ of each edge, shape (2, N), in p_0*
-    """
-    points, closed = contact.size, np.zeros(contact.size, np.bool_)
-    for j in range(points):
-        if contact[j] and not (contact[(j - 1) % points] or contact[(j + 1) % points]):
-            since, until = load_since[0, j], 0.5 * (load_until[0, j] + load_until[1, j])
-            if since > 0 and until > 0:
-                half_width = np.sqrt(SINGLE_NODE_SQUARE * since / (since + until))
-                shift = (load_until[1, j] - load_until[0, j]) / (4 * (since + until))
-                edge_offset[0, j], edge_offset[1, j] = half_width + shift, half_width - shift
-    for j in range(points):  # after the contacts, since the edges of a single-node gap are more accurate
-        left, right = (j - 1) % points, (j + 1) % points
-        if contact[left] and contact[right] and not contact[j]:
-            since, until = 0.5 * (load_since[0, left] + load_since[1, right]), load_until[0, left]
-            if since + until > 0:
-                shift = (load_since[0, left] - load_since[1, right]) / (4 * (since + until))
-                fraction = since / (since + until)
-                square = 2 * (CLOSED_FRACTION - fraction) / (1 + TRANSFERRED_FRACTION) + 2 * shift * shift
-                closed[j] = square <= 0
-                half_width = np.sqrt(max(square, 0.0))
-                edge_offset[0, left], edge_offset[1, right] = 1 + shift - half_width, 1 - shift - half_width
-    return closed
 
 
 class ContactPoint(NamedTuple):
@@ -159,31 +82,84 @@ def remove_staircase(solution: NodalSolution) -> ContactPoint:
 def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indices, Array]:
     """Return corrected mean gap, resistance, nodes and edges of the contacts, as in `ContactPoint`.
 
-    Mean gap and resistance are clipped at 0; both are 0 if all gaps are closed.
+    Contacts of a single node contribute no correction: their edges are not well separated. Mean gap and resistance
+    are clipped at 0; both are 0 if all gaps are closed.
     """
-    gap_correction, resistance_correction, edge_offset, closed = _step_corrections(
-        solution.contact,
-        solution.pressure,
-        solution.gap,
-        solution.tangent_pressure,
-        solution.tangent_displacement,
-        solution.resistance,
-    )
-    contact = solution.contact.copy()
-    for j in range(contact.size):
-        contact[j] = contact[j] or closed[j]
-    first, last = contact_runs(contact)
-    edge = np.empty(2 * first.size)
-    for j in range(first.size):
-        edge[2 * j] = first[j] - edge_offset[1, first[j]]
-        edge[2 * j + 1] = last[j] + edge_offset[0, last[j] % contact.size]
-    plane, resistance = 0.0, 0.0
-    if first.size > 0:
-        plane, resistance = (
-            max(solution.plane + gap_correction, 0.0),
-            max(solution.resistance - resistance_correction, 0.0),
+    points, plane, resistance = solution.contact.size, solution.plane, solution.resistance
+    first, last = contact_runs(solution.contact)
+    edge, since, until = np.empty(2 * first.size), np.zeros(2 * first.size), np.zeros(2 * first.size)
+    for e in range(edge.size):  # left and right edge of each contact in turn
+        j, outwards, offset = e // 2, 2 * (e % 2) - 1, EDGE_OFFSET
+        inside = last[j] if e % 2 else first[j]
+        node, outside = inside % points, (inside + outwards) % points
+        q, closing_rate = (
+            solution.tangent_pressure[node],
+            solution.resistance - solution.tangent_displacement[outside],
         )
-    return plane, resistance, first, last, edge
+        if q > 0 and closing_rate > 0:
+            since[e] = max(solution.pressure[node], 0.0) / q
+            until[e] = max(solution.gap[outside], 0.0) / closing_rate
+            if last[j] > first[j] and since[e] + until[e] > 0:
+                step, f = q * closing_rate / points, since[e] / (since[e] + until[e])
+                plane += step * (since[e] + until[e]) * (COMPLIANCE_EXCESS - (f - f * f) / 2)
+                resistance -= (f - 0.5) * step
+                offset += f - 0.5
+        edge[e] = inside + outwards * offset
+    closed = _locate_single_node_edges(first, last, points, since, until, edge)
+    first, last, edge = _merge(first, last, points, edge, closed)
+    return (
+        (max(plane, 0.0), max(resistance, 0.0), first, last, edge)
+        if first.size > 0
+        else (0.0, 0.0, first, last, edge)
+    )
+
+
+@kernel
+def _locate_single_node_edges(
+    first: Indices, last: Indices, points: int, since: Array, until: Array, edge: Array
+) -> Flags:
+    """Locate the edges at contacts and gaps of one node; return whether the gap on the right of each is closed.
+
+    Both follow from a parabola (docs/bem.md, "The staircase"). A contact has the squared half-width f/(2 ln 2), a gap
+    2 (f_c - f)/(1 + f_t) + 2 x_c^2, in nodes. The offset x_c from the node is a quarter of the difference of the load
+    increments on both sides over their sum.
+
+    since, until : load increments Delta_- and Delta_+ of each edge, shape (2 contacts,), in p_0*
+    """
+    n, closed = first.size, np.zeros(first.size, np.bool_)
+    for j in range(n):
+        before, after = since[2 * j + 1], 0.5 * (until[2 * j] + until[2 * j + 1])
+        if first[j] == last[j] and before > 0 and after > 0:
+            half_width = np.sqrt(SINGLE_NODE_SQUARE * before / (before + after))
+            shift = (until[2 * j] - until[2 * j + 1]) / (4 * (before + after))
+            edge[2 * j], edge[2 * j + 1] = first[j] + shift - half_width, first[j] + shift + half_width
+    for j in range(n):  # after the contacts, since the edges of a single-node gap are more accurate
+        k = (j + 1) % n
+        left, right = since[2 * j + 1], since[2 * k]
+        before, after = 0.5 * (left + right), until[2 * j + 1]
+        if (first[k] - last[j] - 2) % points == 0 and before + after > 0:
+            shift, fraction = (left - right) / (4 * (before + after)), before / (before + after)
+            square = 2 * (CLOSED_FRACTION - fraction) / (1 + TRANSFERRED_FRACTION) + 2 * shift * shift
+            closed[j], half_width = square <= 0, np.sqrt(max(square, 0.0))
+            edge[2 * j + 1], edge[2 * k] = last[j] + 1 + shift - half_width, first[k] - 1 + shift + half_width
+    return closed
+
+
+@kernel
+def _merge(first: Indices, last: Indices, points: int, edge: Array, closed: Flags) -> tuple[Indices, Indices, Array]:
+    """Return nodes and edges of the contacts that are left when some of the gaps on their right are closed."""
+    n, count = first.size, 0
+    merged_first, merged_last, merged_edge = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(2 * n)
+    for j in range(n):
+        if not closed[j - 1]:
+            end = j
+            while closed[end % n]:
+                end += 1
+            k, turn = end % n, end // n * points
+            merged_first[count], merged_last[count] = first[j], last[k] + turn
+            merged_edge[2 * count], merged_edge[2 * count + 1] = edge[2 * j], edge[2 * k + 1] + turn
+            count += 1
+    return merged_first[:count], merged_last[:count], merged_edge[: 2 * count]
 
 
 @kernel
