@@ -98,15 +98,13 @@ def take_logarithms(x: Array) -> None:
     With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The bits
     of x as an integer are those of m plus k in the bits of the exponent, which gives k.
     """
-    power, m = np.empty(x.size), np.empty(x.size)
-    bits_of_x, bits_of_m = x.view(np.int64), m.view(np.int64)
+    bits = x.view(np.int64)
     for i in range(x.size):
-        k = (bits_of_x[i] - ROOT_OF_HALF) >> MANTISSA_BITS
-        power[i], bits_of_m[i] = k, bits_of_x[i] - (k << MANTISSA_BITS)
-    for i in range(x.size):
-        s = (m[i] - 1) / (m[i] + 1)
+        is_positive, k = x[i] > 0, (bits[i] - ROOT_OF_HALF) >> MANTISSA_BITS
+        bits[i] -= k << MANTISSA_BITS  # x is m now
+        s = (x[i] - 1) / (x[i] + 1)
         q = s * s
         series = 1 / 15 + q * (1 / 17 + q * (1 / 19 + q * (1 / 21 + q / 23)))
         series = 1 / 7 + q * (1 / 9 + q * (1 / 11 + q * (1 / 13 + q * series)))
         series = 1 + q * (1 / 3 + q * (1 / 5 + q * series))
-        x[i] = power[i] * LN_2 + 2 * s * series if x[i] > 0 else 0.0
+        x[i] = k * LN_2 + 2 * s * series if is_positive else 0.0
