@@ -8,6 +8,7 @@ from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
 from weier.methods import patches
 from weier.methods.error_model import COMPLIANCE_ROUNDING
+from weier.methods.patches import certificate
 from weier.methods.patches.certificate import (
     EPS,
     GAP_FACTOR,
@@ -408,6 +409,19 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
+
+
+@pytest.mark.parametrize("period", [0.1, 9.0])
+def test_gaps_that_may_hold_a_contact_have_the_uncertainty_of_heights(period, monkeypatch):
+    """Also where the series is that of tensions, with amplitudes of 10 and 1/9: no minimum counts above 1e-13 g_0."""
+    wave, minima = OneWave(period, 0.2 * period, 0.0), np.zeros(2, MINIMUM)
+    state = wave.state(True)._replace(coefficient=np.zeros_like(wave.state(True).coefficient))
+    minima["value"] = np.array([0.9, 1.1]) * FIELD_ROUNDING
+    monkeypatch.setattr(certificate, "minima_of_gaps", lambda state: minima)
+    monkeypatch.setattr(certificate, "error_bound", lambda *arguments: 0.0)
+    nothing = np.zeros(0, MINIMUM)
+    found = certify(state, np.zeros(1), np.ones(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    assert found.narrow_gaps["value"].tolist() == minima["value"][:1].tolist()
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])

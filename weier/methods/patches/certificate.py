@@ -18,7 +18,14 @@ from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, re
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING, GAP, NEW_GAP_WIDTH
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
-from weier.methods.patches.surface import TWIN_HEIGHT, CosineSeries, Sides, distances_between, nearest_crests
+from weier.methods.patches.surface import (
+    TWIN_HEIGHT,
+    CosineSeries,
+    Sides,
+    distances_between,
+    nearest_crests,
+    total_height,
+)
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
 # A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller), a
@@ -193,7 +200,7 @@ def certify(
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
     height_error = error + 2 * SAMPLED_FACTOR * kind.dual * largest
     state = state._replace(error=error, height_error=height_error)
-    uncertainty = gap_uncertainty(height_error, series)
+    uncertainty = gap_uncertainty(height_error, total_height(series, kind.dual))
     if kind.on_segments == GAP:
         overlaps = minima_of_gaps(state)
     elif uncertainty > margin:
@@ -233,9 +240,12 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
     return moved, float(force.sum()) / period, float(np.abs(cracks.lift - cracks.volume / period).sum())
 
 
-def gap_uncertainty(error: float, series: CosineSeries) -> float:
-    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`."""
-    return GAP_FACTOR * error + FIELD_ROUNDING * series.total_amplitude
+def gap_uncertainty(error: float, height: float) -> float:
+    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`.
+
+    height : the total amplitude, to which rounding is relative
+    """
+    return GAP_FACTOR * error + FIELD_ROUNDING * height
 
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
@@ -311,7 +321,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
         return 0.0
-    depth = gap_uncertainty(state.height_error, series) - gaps["value"]
+    depth = gap_uncertainty(state.height_error, series.total_amplitude) - gaps["value"]
     half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
     compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
     origin, centre, r = state.kind.contacts_of(state.segments.extent, period)

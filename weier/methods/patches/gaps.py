@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
 from weier.methods.patches.kind import CAUCHY, FIELD_ROUNDING, GAP, Kind
-from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between
+from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between, total_height
 
 # The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
 MAX_SHARING = 5
@@ -54,8 +54,8 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
 
 
 def _largest_indentation(approach: float, series: CosineSeries) -> float:
-    """Return the compliance sum g_n - d, which is larger than the indentation; p_n* of tensions is k_n g_n."""
-    return float((np.abs(series.amplitude) * 2 * np.pi / series.wavenumber).sum()) + approach
+    """Return the compliance sum g_n - d, which is larger than the indentation."""
+    return total_height(series, True) + approach
 
 
 def _at_contacts(values: Sides) -> Sides:

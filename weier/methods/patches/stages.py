@@ -129,7 +129,7 @@ def solve_in_stages(
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
     kind, series = problem.kind, problem.series
     limits = _limits(problem, guess.segments.half_width, tolerance)
-    margin = (1 - kind.dual) * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series)
+    margin = (1 - kind.dual) * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series.total_amplitude)
     now, (_, steps, corrections, _) = make_guess(problem, guess.segments, tolerance), guess.route
     coarser: Converged | None = None  # before nodes were added
     while steps < MAX_STEPS:
