@@ -40,7 +40,7 @@ def test_draws_are_series_within_limits(family, monkeypatch):
 
 def test_an_error_beyond_what_is_stated_is_found(one_draw):
     right = coverage.judge_all(one_draw)
-    assert list(right) == ["bem", "bem, staircase kept", "patches"]
+    assert list(right) == ["bem", "bem with staircase", "patches"]
     for judged in right.values():
         assert not np.any(judged.ratio > 1)
     assert list(coverage.exceeded([(one_draw, right)])) == []
@@ -65,10 +65,10 @@ def test_refused_and_unsolved_loads_are_counted(one_draw, monkeypatch):
             raise ConvergenceError("too light")
         return bem.curve(draw.profile, loads, **draw.settings)
 
-    monkeypatch.setattr(coverage, "METHODS", {"bem": refuse_light_loads})
+    monkeypatch.setitem(coverage.METHODS, "bem", refuse_light_loads)
     unsolved = one_draw._replace(exact=np.full((2, 2), np.nan), uncertainty=np.full((2, 2), np.nan))
-    found = [(draw, coverage.judge_all(draw)) for draw in (one_draw, unsolved)]
-    family, loads, h, R, refused = coverage.row("usual", found)
+    found = [(draw, coverage.judge_all(draw, ["bem"])) for draw in (one_draw, unsolved)]
+    family, loads, h, R, refused = coverage.row("usual", found, ["bem"])
     assert (family, loads, refused) == ("usual", "4", "2")
     assert h.startswith("0 of 1,")
     assert R.startswith("0 of 1,")
@@ -81,4 +81,7 @@ def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatc
     rows = [line for line in result.stdout.splitlines() if line.startswith("|")]
     assert [line.split(" | ")[0] for line in rows] == ["| family", "| ---", "| usual", "| all"]
     assert len({line.count("|") for line in rows}) == 1
-    assert CliRunner().invoke(coverage.main, ["--families", "unknown"]).exit_code == 2
+    result = CliRunner().invoke(coverage.main, ["--methods", "patches, bem"])
+    assert "h by patches | R by patches | h by bem | R by bem | no solution" in result.stdout
+    for option in ("--families", "--methods"):
+        assert CliRunner().invoke(coverage.main, [option, "unknown"]).exit_code == 2

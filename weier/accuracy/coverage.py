@@ -7,7 +7,7 @@ largest ratio for each family and method, and lists the worst.
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import click
@@ -53,10 +53,9 @@ def by_patches(draw: Draw, loads: Array) -> Any:
 
 METHODS: dict[str, Callable[[Draw, Array], Any]] = {
     "bem": by_elements,
-    "bem, staircase kept": by_staircase,
+    "bem with staircase": by_staircase,
     "patches": by_patches,
 }
-HEADER = ["family", "loads", *(f"{symbol} by {name}" for name in METHODS for symbol in "hR"), "no solution"]
 
 
 def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
@@ -85,18 +84,23 @@ def _solve_or_refuse(draw: Draw, load: float, solve: Callable[[Draw, Array], Any
         return np.full((4, 1), np.nan)
 
 
-def judge_all(draw: Draw) -> dict[str, Judged]:
-    """Return all methods on a draw."""
-    return {name: judge(draw, solve) for name, solve in METHODS.items()}
+def judge_all(draw: Draw, names: Iterable[str] = METHODS) -> dict[str, Judged]:
+    """Return the methods of these names on a draw."""
+    return {name: judge(draw, METHODS[name]) for name in names}
 
 
 Found = list[tuple[Draw, dict[str, Judged]]]
 
 
-def row(family: str, found: Found) -> list[str]:
-    """Return the numbers of a family, below HEADER."""
+def header(names: Iterable[str]) -> list[str]:
+    """Return the headings of `row`."""
+    return ["family", "loads", *(f"{symbol} by {name}" for name in names for symbol in "hR"), "no solution"]
+
+
+def row(family: str, found: Found, names: Iterable[str]) -> list[str]:
+    """Return the numbers of a family, below `header`."""
     cells, refused = [family, str(sum(draw.loads.size for draw, _ in found))], 0
-    for name in METHODS:
+    for name in names:
         for quantity in range(2):
             ratio = np.concatenate([judged[name].ratio[quantity] for _, judged in found])
             ratio = ratio[~np.isnan(ratio)]
@@ -121,13 +125,13 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
                 )
 
 
-def report(found: Found, worst: int) -> None:
+def report(found: Found, names: list[str], worst: int) -> None:
     """Print a row per family, one for all, and the largest errors above the stated ones."""
     rows = []
     for family in (*FAMILIES, "all"):
         if of_family := [one for one in found if family in (one[0].family, "all")]:
-            rows.append(row(family, of_family))
-    click.echo(markdown.table(HEADER, rows))
+            rows.append(row(family, of_family, names))
+    click.echo(markdown.table(header(names), rows))
     for ratio, where in sorted(exceeded(found), reverse=True)[:worst]:
         click.echo(f"{ratio:.3g} times: {where}")
 
@@ -136,25 +140,32 @@ def report(found: Found, worst: int) -> None:
 @click.option("--count", default=6000, help="Loads that are compared.")
 @click.option("--seed", type=int, help="Seed of the draws; another one each time by default.")
 @click.option("--families", default=",".join(FAMILIES), help="Families to draw from, with commas.")
+@click.option("--methods", default=",".join(METHODS), help="Methods to compare, with commas.")
 @click.option("--worst", default=20, help="Exceeded statements to print.")
-def main(count: int, seed: int | None, families: str, worst: int) -> None:
+def main(count: int, seed: int | None, families: str, methods: str, worst: int) -> None:
     """Compare methods with tight contact patches on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
     stated error. Ctrl-C prints the results so far.
     """
-    names = [name.strip() for name in families.split(",")]
-    if unknown := set(names) - set(FAMILIES):
-        raise click.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(FAMILIES)}")
+    of_families, of_methods = _names(families, FAMILIES), _names(methods, METHODS)
     seed = secrets.randbits(32) if seed is None else seed
     click.echo(f"seed {seed}", err=True)
     found: Found = []
     try:
-        for draw in draws(names, np.random.default_rng(seed), count):
-            found.append((draw, judge_all(draw)))
+        for draw in draws(of_families, np.random.default_rng(seed), count):
+            found.append((draw, judge_all(draw, of_methods)))
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
-    report(found, worst)
+    report(found, of_methods, worst)
+
+
+def _names(text: str, known: Iterable[str]) -> list[str]:
+    """Return the names in a list with commas, which must be known."""
+    names = [name.strip() for name in text.split(",")]
+    if unknown := set(names) - set(known):
+        raise click.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(known)}")
+    return names
 
 
 if __name__ == "__main__":
