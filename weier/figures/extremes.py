@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +22,6 @@ VARIABLE = "compliance_digits"
 POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # The labels of the axis of loads are these powers of ten.
 # Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
 NEAR, LINEAR_SCALE = 2, 1.6
-OTHER_ALGORITHM = style.PURPLE  # The colour of algorithms other than the default of a method.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -47,11 +45,12 @@ def _widest(data: xr.Dataset) -> int:
 
 
 def _digits(axes: Axes, case: xr.Dataset) -> None:
-    for variant, row in zip(case["variant"].values.tolist(), case["compliance_digits"].values, strict=True):
+    for name, row in zip(case["solution_method"].values.tolist(), case["compliance_digits"].values, strict=True):
         known = np.isfinite(row)
         if known.any():
-            look = _look(variant, case["solution_method"].sel(variant=variant).item())
-            axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **look)
+            # Markers on the most accurate method separate coinciding lines.
+            marker = {"marker": "o", "markersize": 2} if name == registry.numerical_names()[0] else {}
+            axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **style.line(name) | marker)
     # The axis is the power of ten: the margin of a logarithmic axis would overflow at 1e300, and most changes would
     # be at one place. The powers up to NEAR are spaced evenly, and larger ones logarithmically.
     axes.set_xscale("symlog", linthresh=NEAR, linscale=LINEAR_SCALE)
@@ -59,13 +58,3 @@ def _digits(axes: Axes, case: xr.Dataset) -> None:
     axes.minorticks_off()
     axes.set(xlabel=style.LABELS["mean_pressure"], ylabel=r"correct digits of $h$")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=7)
-
-
-def _look(variant: str, name: str) -> dict[str, Any]:
-    """Return the line style of a method, with markers on the most accurate one to separate coinciding lines."""
-    look = style.line(name)
-    if name == registry.numerical_names()[0]:
-        look |= {"marker": "o", "markersize": 2}
-    if variant != name:
-        look |= {"label": f"{look['label']},{variant.removeprefix(name)}", "color": OTHER_ALGORITHM}
-    return look
