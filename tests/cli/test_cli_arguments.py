@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from importlib import import_module
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -72,7 +71,6 @@ def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_pa
     monkeypatch.setattr(measurement, "extremes", lambda: few)
     shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(plt, "get_backend", lambda: "agg")  # a window would wait to be closed
     required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
     values = [OWN.get((name, argument), REQUIRED[argument]) for argument in required]
     code, out, err = run(name, *NEEDED.get(name, []), *values)

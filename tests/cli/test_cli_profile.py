@@ -12,10 +12,9 @@ import pytest
 import xarray as xr
 
 import weier
-from weier import figures, scene
+from weier import scene
 from weier.cli import profile
 from weier.pipeline import single
-from weier.scene import Figure
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
@@ -240,25 +239,13 @@ def test_a_file_of_an_instrument_says_what_to_install(run, tmp_path, monkeypatch
 
 
 def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypatch):
-    """Where there is no display; a method that does not apply is named, with the reason."""
+    """A method that does not apply is named, with the reason."""
     monkeypatch.chdir(tmp_path)
     code, out, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1:1:3")
     assert (code, out) == (0, "")
     assert "the figure is in compliance.png" in err
     assert (tmp_path / "compliance.png").stat().st_size > 10_000
     assert "patches is left out: m = inf has no finest wave to resolve" in err
-
-
-def test_a_figure_shows_in_a_window_where_there_is_a_display(tmp_path, monkeypatch):
-    import matplotlib.pyplot as plt
-
-    monkeypatch.setattr(plt, "get_backend", lambda: "TkAgg")
-    shown = []
-    monkeypatch.setattr(plt, "show", lambda: shown.append(plt.gcf().canvas.figure))
-    curve = weier.solve([weier.Profile(1.25, 5, 2)], [0.1, 1.0], ["demelio"])
-    assert figures.show(Figure("compliance"), [curve])
-    assert shown[0].axes[0].get_lines()
-    plt.close("all")
 
 
 def test_one_load_is_no_curve(run, tmp_path):

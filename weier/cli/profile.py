@@ -188,8 +188,8 @@ def plot(
 ) -> None:
     """Draw the curves of one profile.
 
-    PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats. Without PATH, a
-    window shows it, or a PNG file is written where there is no display.
+    PATH ends in .png, .pdf or .svg; without such an end, the figure is written in all three formats. Without PATH, it
+    is a PNG file with the name of the quantity.
 
     \b
     weier plot -D 1.25 --gamma 5 -m 3
@@ -198,7 +198,7 @@ def plot(
     weier plot --trace shaft.csv --si bodies.yaml --pressures 1:100:40MPa --quantity resistance ohms.png
     """  # noqa: D301 - click wants the character
     from weier.cli import result
-    from weier.figures import METADATA, draw, show  # matplotlib takes half a second, and only some commands need it
+    from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
 
     request = _request(wanted={}, **options)
     if (count := np.unique(request.loads).size) < MIN_LOADS:
@@ -208,8 +208,6 @@ def plot(
         )
     data = _solve(PLOTTED, request, methods, tolerance, settings, workers)
     figure = Figure(quantity, interface=request.bodies)
-    if path is None and show(figure, [data]):
-        return result.check_solved(data)
     path = path or Path(f"{quantity}.png")
     draw(figure, [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
     click.echo(f"the figure is in {path}" + ("" if path.suffix else f".{{{','.join(METADATA)}}}"), err=True)

@@ -49,13 +49,13 @@ def curve(case: Labelled, name: str, method: str | None) -> Array | None:
     return values if np.isfinite(values).any() else None
 
 
-def most_accurate(study: xr.Dataset) -> tuple[Flags, Indices]:
+def most_accurate(study: Labelled) -> tuple[Flags, Indices]:
     """Return whether a numerical method solved each case of a study, and the column of the most accurate one."""
-    methods = study["solution_method"].values.tolist()
+    methods, h = np.asarray(study["solution_method"]).tolist(), np.asarray(study["compliance"])
     columns = [methods.index(name) for name in numerical_names() if name in methods]
     if not columns:
-        return np.zeros(study.sizes["case"], bool), np.zeros(study.sizes["case"], int)
-    solved = np.isfinite(study["compliance"].values[:, columns]).any(axis=-1)
+        return np.zeros(len(h), bool), np.zeros(len(h), int)
+    solved = np.isfinite(h[:, columns]).any(axis=-1)
     return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
 
 

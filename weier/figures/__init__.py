@@ -125,27 +125,6 @@ def draw(
         save(_drawn(wanted, studies), path, formats, mark)
 
 
-def show(wanted: Figure, studies: Sequence[xr.Dataset]) -> bool:
-    """Show one figure in a window until it is closed; False if there is no display."""
-    import matplotlib.pyplot as plt
-    import matplotlib.style
-    from matplotlib.backends.registry import BackendFilter, backend_registry
-
-    from weier.figures.style import SHEET
-
-    # Without a display, matplotlib chooses one of these; the function has no annotations.
-    without_windows = backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE)  # type: ignore[no-untyped-call]
-    if plt.get_backend().lower() in without_windows:
-        return False
-    with matplotlib.style.context(SHEET):
-        drawn = _drawn(wanted, studies)
-        window = plt.figure(figsize=drawn.get_size_inches())
-        window.canvas.figure = drawn
-        drawn.set_canvas(window.canvas)
-        plt.show()
-    return True
-
-
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     """Return the figure in the current style; ValueError with the reason if it cannot be drawn."""
     known = kinds()

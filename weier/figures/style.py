@@ -55,7 +55,7 @@ SI_LABELS = {
 
 # Okabe and Ito's colours, which colour-blind readers distinguish; dashes distinguish them in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
-PURPLE, ORANGE = "#CC79A7", "#E69F00"
+PURPLE = "#CC79A7"
 DASHES = (
     "-",
     (0, (5, 1.5)),

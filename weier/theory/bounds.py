@@ -118,54 +118,23 @@ def resistance_bounds(
 
     """
     p, h, off = np.broadcast_arrays(*(np.asarray(values, float) for values in (mean_pressure, compliance, error)))
-    G = np.asarray(amplitude, float)[..., None, None]
-    other_p, other_h = p, h - off
+    top, other_p, other_h = h + off + 2 * np.asarray(amplitude, float)[..., None], p, h - off
     if first_contact is not None:
         start = np.broadcast_to(np.asarray(first_contact, float)[..., None], (*h.shape[:-1], 1))
         other_p = np.concatenate([np.zeros_like(start), p], axis=-1)
         other_h = np.concatenate([start, other_h], axis=-1)
-    run = p[..., :, None] - other_p[..., None, :]
-    rise = (h + off)[..., :, None] - other_h[..., None, :] + 2 * G
-    lower, upper = _slopes(run, rise)
-    missing = np.isnan(rise).all(axis=-1) | np.isnan(p)
+    lower, upper = slope_bounds(p, top, other_p[..., None, :], other_h[..., None, :])
+    missing = np.isnan(top) | np.isnan(p)
     return np.where(missing, np.nan, lower), np.where(missing, np.nan, upper)
 
 
-def chord_bounds(
-    mean_pressure: ArrayLike, compliance: ArrayLike, error: ArrayLike, other: ArrayLike, others: ArrayLike
-) -> tuple[Array, Array]:
-    """Return bounds on dh/dp of a concave curve at loads that each have their own neighbouring loads.
+def slope_bounds(p: Array, upper: Array, other: Array, lower: Array) -> tuple[Array, Array]:
+    """Return bounds on the slope at p of a concave curve below `upper` there, and above `lower` at `other` loads.
 
-    As `resistance_bounds`, but the bound at one load does not depend on the neighbours of another, and each
-    compliance has its own error. The curve begins at h >= 0: no crest is higher than the sum of all amplitudes.
-
-    Parameters
-    ----------
-    mean_pressure : array_like, shape (loads,)
-        Mean pressures p > 0.
-    compliance, error : array_like, shape (loads,)
-        Compliance h, and the bound on its error.
-    other : array_like, shape (loads, others)
-        The neighbouring loads p' > 0, above or below each load.
-    others : array_like, shape (2, loads, others)
-        Compliance at these loads, and the bound on its error.
-
-    Returns
-    -------
-    lower, upper : ndarray, shape (loads,)
-        R >= [h(p') - h(p)]/(p' - p) for every p' > p, and R <= [h(p) - h(p')]/(p - p') for every p' < p, with the
-        errors of both compliances in the unfavourable direction.
+    They are the steepest line to heavier loads and the shallowest to lighter ones; 0 and inf where there is none.
+    `other` and `lower` have the shape (..., others).
     """
-    p, top = np.asarray(mean_pressure, float), np.asarray(compliance, float) + np.asarray(error, float)
-    there, (h, margin) = np.asarray(other, float), np.asarray(others, float)
-    run, rise = p[:, None] - there, top[:, None] - (h - margin)
-    lower, upper = _slopes(run, rise)
-    with np.errstate(over="ignore"):
-        return lower, np.minimum(upper, top / p)
-
-
-def _slopes(run: Array, rise: Array) -> tuple[Array, Array]:
-    """Return the steepest line to heavier loads and the shallowest to lighter ones; 0 and inf where there is none."""
+    run, rise = p[..., None] - other, upper[..., None] - lower
     with np.errstate(over="ignore"):  # a slope beyond the largest float bounds nothing: inf
         to_heavier = np.divide(rise, run, out=np.zeros(rise.shape), where=run < 0)
         to_lighter = np.divide(rise, run, out=np.full(rise.shape, np.inf), where=run > 0)

@@ -11,7 +11,7 @@ from weier.methods.bem.grids import MIN_POINTS_PER_CARRIED_WAVE
 from weier.methods.error_model import COMPLIANCE_ROUNDING, RESIDUAL_FACTOR
 from weier.surface.crests import SAMPLES_PER_WAVE, countable, sample
 from weier.surface.waves import Waves
-from weier.theory.bounds import chord_bounds, first_contact
+from weier.theory.bounds import first_contact, slope_bounds
 
 # z'' dx^2/8 with dx = 2 pi over the points per wave: the error at first contact for a crest half a node off the grid
 MISSED_CREST = (2 * math.pi) ** 2 / 8
@@ -68,15 +68,10 @@ def errors(
     h_error = np.where(loads < full, solution_error(profile, points, residual), rounding)
     some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS)).astype(np.int64))
     other = np.concatenate([[0.0], loads[some], [full]])
-    known = np.stack(
-        [
-            np.concatenate([[first_contact(profile)], h[some], [profile.total_amplitude]]),
-            np.concatenate([[rounding], h_error[some], [rounding]]),
-        ]
+    lower = np.concatenate(
+        [[first_contact(profile) - rounding], (h - h_error)[some], [profile.total_amplitude - rounding]]
     )
-    low, high = np.zeros(loads.size), np.zeros(loads.size)
+    low, high = np.zeros((2, loads.size))
     for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_OTHERS)):
-        shape = (part.size, other.size)
-        others = np.broadcast_to(other, shape), np.broadcast_to(known[:, None], (2, *shape))
-        low[part], high[part] = chord_bounds(loads[part], h[part], h_error[part], *others)
+        low[part], high[part] = slope_bounds(loads[part], (h + h_error)[part], other, lower)
     return h_error, np.where(loads < full, np.maximum(high - R, R - low), 0.0)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.methods.registry import numerical_names
+from weier.data import curves
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,11 +48,9 @@ class Study:
     @cached_property
     def numerical_methods(self) -> NDArray[np.object_]:
         """The most accurate numerical method that solved each case, or None."""
-        methods, h = self.common["solution_method"].tolist(), self.own["compliance"]
-        found = np.full(len(h), None, object)
-        for name in reversed([name for name in numerical_names() if name in methods]):
-            found[np.isfinite(h[:, methods.index(name)]).any(axis=-1)] = name
-        return found
+        solved, column = curves.most_accurate({**self.common, **self.own})
+        names = np.array([*self.common["solution_method"].tolist(), None], object)
+        return names[np.where(solved, column, -1)]
 
     @cached_property
     def thinned(self) -> Study:
