@@ -100,7 +100,7 @@ OWN = {
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
     "load_scene": {"path": "config/scenes/minimal.yaml"},
-    "fields": {"mean_pressure": 0.1, "method": "patches"},
+    "fields": {"mean_pressure": 0.1},
     "Profile.sampled_height": {"terms": 2},
     "cases": {"phases": 1.0, "seed": None, "study": None},
     "Interface": {"E_1": None, "E_2": None},
@@ -370,7 +370,6 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
         (lambda: weier.solve(PROFILE, [0.1], ["bem"], bem={"n": 3}), "has no setting 'n'"),
         (lambda: weier.solve(PROFILE, [0.1], "westergaard"), "one wave"),
         (lambda: weier.solve(weier.Profile(1.25, 5, math.inf), [0.1], "bem"), "finite m"),
-        (lambda: weier.fields(PROFILE, 0.3, "demelio"), "method must be one of patches, bem for the fields"),
         (lambda: weier.fields(PROFILE, [0.1, 0.3]), r"mean_pressure must be one load, .*, got \[0.1, 0.3\]"),
         (lambda: weier.fields(PROFILE, -1.0), "positive"),
         (lambda: weier.fields(MANY, 0.1), "finest wave must fit at most 100000 times"),
@@ -386,12 +385,3 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
 def test_a_refusal_is_one_sentence(call, message):
     with pytest.raises(ValueError, match=message):
         call()
-
-
-def test_full_contact_has_fields_however_heavy_the_load():
-    for load in (3.0, 1e3, 1e100):
-        bem, exact = (weier.fields(PROFILE, load, method) for method in ("bem", "patches"))
-        assert np.all(bem.gap == 0)
-        # 64 points on the finest wave of amplitude 1.5: its pressure is off by (pi/64)^2/3 of itself.
-        assert bem.pressure.values - load == pytest.approx(exact.pressure.values - load, abs=2e-3)
-        assert bem.displacement.values == pytest.approx(exact.displacement.values, abs=1e-12)

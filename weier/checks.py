@@ -124,10 +124,10 @@ def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def checked_word(name: str, value: Any, choices: Collection[str], where: str = "") -> str:
+def checked_word(name: str, value: Any, choices: Collection[str]) -> str:
     """Return one of some words."""
     if not isinstance(value, str) or value not in choices:
-        what = f"{name} must be one of {', '.join(choices)}{where and ' '}{where}"
+        what = f"{name} must be one of {', '.join(choices)}"
         raise ValueError(f"{what}, got {shown(value)}{suggestion(value, choices)}")
     return str(value)
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from weier import units
-from weier.checks import checked_word, hinting
+from weier.checks import hinting
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
 from weier.surface.limits import check_resolvable
@@ -33,10 +33,8 @@ ATTRIBUTES = {
 
 
 @hinting
-def fields(
-    profile: Waves, mean_pressure: float, method: str = patches.METHOD.name, points: int | None = None
-) -> xr.Dataset:
-    """Solve for pressure, gap and displacement along one period at one load.
+def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> xr.Dataset:
+    """Solve for pressure, gap and displacement along one period at one load, by contact patches.
 
     Parameters
     ----------
@@ -44,23 +42,20 @@ def fields(
         A surface with a finite number of terms.
     mean_pressure : float
         Positive mean pressure, in p_0*.
-    method : "patches" or "bem"
-        Contact patches, with exact edges; or boundary elements, with edges on nodes (uncorrected).
     points : int, optional
-        Number of positions x in one period, the nodes of "bem"; by default 64 for each of the finest waves.
+        Number of positions x in one period; by default 64 for each of the finest waves.
 
     Returns
     -------
     Dataset
-        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0. "patches" adds, over the dimension
-        patch, the left and right edge of each contact, in lambda_0, and the strength k_1 of the pressure there: p =
-        k_1 s^(1/2) at the distance s inside an edge, and the gap (4 pi/3) k_1 s^(3/2) outside. The attribute mean_gap
-        is d, in g_0.
+        pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0; and over the dimension patch the left
+        and right edge of each contact, in lambda_0, and the strength k_1 of the pressure there: p = k_1 s^(1/2) at
+        the distance s inside an edge, and the gap (4 pi/3) k_1 s^(3/2) outside. The attribute mean_gap is d, in g_0.
 
     Raises
     ------
     ValueError
-        If the load, the method or the number of points is out of range.
+        If the load or the number of points is out of range.
     ConvergenceError
         If the load cannot be solved.
 
@@ -77,18 +72,14 @@ def fields(
 
     """
     load = checked_load(mean_pressure)
-    checked_word("method", method, (patches.METHOD.name, bem.METHOD.name), "for the fields along the surface")
     check_resolvable(checked_surface(profile))
-    if method == bem.METHOD.name:
-        found = bem.field(profile, load, points)
-        return _dataset(("x",), found._asdict(), mean_pressure=load, mean_gap=found.gap.mean(), method=method)
     contact = patches.solve_load(profile, load)
     points = bem.checked_points(profile, points)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     curves = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
     ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
     ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
-    data = _dataset(("x",), curves, mean_pressure=load, mean_gap=contact.mean_gap, method=method)
+    data = _dataset(("x",), curves, mean_pressure=load, mean_gap=contact.mean_gap)
     return data.merge(_dataset(("patch",), ends))
 
 

@@ -6,7 +6,7 @@ import pytest
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import westergaard
-from weier.methods.bem import active_set, curve, field
+from weier.methods.bem import active_set, curve
 from weier.methods.bem.grids import add_harmonic, harmonics_of, nested_grids
 from weier.theory.halfplane import eigenvalues
 
@@ -56,7 +56,7 @@ def test_thousands_of_contacts_meet_the_contact_conditions(monkeypatch):
     points, load = 2**17, 1.0
     parts, solve_load = [], active_set.solve_load
     monkeypatch.setattr(active_set, "solve_load", lambda *of: parts.append(of[1].terms) or solve_load(*of))
-    found = field(SEVEN_WAVES, load, points=points, max_residual=1e-8)
+    found = active_set.NestedSolver(SEVEN_WAVES, points, 1e-8).solve_discrete(load, False)
     sunk = np.fft.irfft(eigenvalues(points) * np.fft.rfft(found.pressure))
     gap = sunk - SEVEN_WAVES.sampled_height(points)
     gap -= gap[found.pressure > 0].mean()

@@ -1,11 +1,10 @@
 """Boundary elements (Section 5.1): equal elements, piecewise linear pressure, periodic.
 
 docs/bem.md derives the formulas; each module names its sections. `grids` nests grids, `active_set` (preconditioned by
-`edges`) solves on them, `staircase` corrects the edges, `solver` and `error_model` return the curve with its bounds,
-and `fields` the nodal values.
+`edges`) solves on them, `staircase` corrects the edges, `solver` and `error_model` return the curve with its
+bounds.
 """
 
-from weier.methods.bem.fields import Field, field
 from weier.methods.bem.method import METHOD, grid, points_of, within_few_points
 from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, checked_points, curve
 
@@ -13,10 +12,8 @@ __all__ = [
     "METHOD",
     "POINTS_PER_WAVE",
     "BemCurve",
-    "Field",
     "checked_points",
     "curve",
-    "field",
     "grid",
     "points_of",
     "within_few_points",
