@@ -5,7 +5,6 @@ import gc
 import os
 import sys
 
-INTERRUPTED = 130  # Shells give this exit code to a program that Ctrl-C ended: 128 and the number of SIGINT.
 STOPPED = "weier: stopped by Ctrl-C; files that were being written are as they were"
 
 
@@ -24,7 +23,7 @@ def run() -> None:
         main()
     except KeyboardInterrupt:
         print(STOPPED, file=sys.stderr, flush=True)
-        os._exit(INTERRUPTED)
+        os._exit(130)  # Shells give this exit code to a program that Ctrl-C ended: 128 and the number of SIGINT.
 
 
 if __name__ == "__main__":

@@ -19,8 +19,6 @@ from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 
-FINER = 10  # least ratio of the stated or measured error to the error of the reference
-
 
 class Judged(NamedTuple):
     """Errors of a method on a draw, measured and stated; each of shape (2, loads): h and R.
@@ -65,7 +63,8 @@ def judge(draw: Draw, solve: Callable[[Draw, Array], Any]) -> Judged:
     except ConvergenceError:
         found = np.concatenate([_solve_or_refuse(draw, load, solve) for load in draw.loads], axis=1)
     error, stated = np.abs(found[:2] - draw.exact), found[2:]
-    is_known = FINER * draw.uncertainty <= np.maximum(stated, error)
+    # The reference must be ten times as accurate as the stated or the measured error.
+    is_known = 10 * draw.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_known, np.maximum(error - draw.uncertainty, 0) / stated, np.nan)
     return Judged(error, stated, ratio)

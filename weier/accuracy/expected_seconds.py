@@ -25,7 +25,6 @@ from weier.surface.waves import Waves
 FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
 SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
-HURST = (0.8, 0.3)  # The exponents of the traces.
 HEADER = ("surface", "waves", "method", "seconds at 0.001 / 0.01 / 0.1 / 0.4 / 0.9 of full contact", "mean/expected")
 
 
@@ -36,7 +35,7 @@ def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
             if gamma ** (m - 1) <= most:
                 yield f"D = {D:g}, gamma = {gamma}, m = {m}", Profile(D, gamma, m, random_phases(m))
         yield f"D = {D:g}, gamma = {gamma}, m = inf", Profile(D, gamma, math.inf, random_phases(0))
-    for exponent in HURST:
+    for exponent in (0.8, 0.3):  # The exponents of the traces.
         for waves in TRACES:
             if waves <= most:
                 yield f"trace, H = {exponent:g}", _trace(waves, exponent)

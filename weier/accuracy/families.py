@@ -158,12 +158,11 @@ def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
     return usual_settings(random, profile) | {"max_residual": 10 ** random.uniform(-12, -6)}
 
 
-# The features of families, and those of the default one.
+# The features of families.
 SERIES = usual, rational, coarse, long, extreme_dimension
 PHASES = any_phases, near_symmetry, aligned, twin_crests
 PRESSURES = any_loads, near_events, near_full_contact
 SETTINGS = usual_settings, odd_points, tolerances
-DEFAULT = usual, any_phases, any_loads, usual_settings
 Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, phases, loads and settings
 
 
@@ -171,7 +170,7 @@ def _family(*features: Callable[..., Any]) -> Features:
     """Return the named features, with defaults for the others."""
     kinds: Features = (SERIES, PHASES, PRESSURES, SETTINGS)
     chosen = [tuple(f for f in features if f in kind) for kind in kinds]
-    usual_of_kind: Features = tuple((feature,) for feature in DEFAULT)
+    usual_of_kind: Features = tuple((feature,) for feature in (usual, any_phases, any_loads, usual_settings))
     return tuple(own or default for own, default in zip(chosen, usual_of_kind, strict=True))
 
 

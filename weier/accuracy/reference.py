@@ -28,13 +28,8 @@ from weier.surface.expansions import expand
 from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 
-MIN_TOUCH = 1e-20  # p_0*: below it Hertz's formula, with a relative error of a few p, is exact in double precision
-TOUCH_HEIGHT = 1e-12  # g_0: at such loads, only crests closer than this to the highest one touch.
-AT_FULL_CONTACT = 1 + 1e-12  # full contact is certain at this multiple of its computed load
 # the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
-SHIFT = 0.3  # lambda_0: the contact patches solve the profile shifted by this distance.
-MAX_FINER_SCALES, FINER_ACCURACY = 10, 1e-6  # more scales take minutes at this accuracy
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
 
 
@@ -59,10 +54,10 @@ def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Ar
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
     """Return the layer on twice the points, with a quarter of the error; None if that takes minutes."""
-    if MAX_FINER_SCALES < profile.m < math.inf:
+    if 10 < profile.m < math.inf:  # more scales take minutes at this accuracy
         return None
     series = profile.D, float(profile.gamma), profile.m
-    finer = layer.curve(loads, *series, points=2 * layer.POINTS, accuracy=FINER_ACCURACY)
+    finer = layer.curve(loads, *series, points=2 * layer.POINTS, accuracy=1e-6)
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
@@ -112,11 +107,12 @@ def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
     if profile.m == 1:
         return _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
     pairs, error = _by_patches(_shift(profile), np.array(loads))
-    full_contact, touch = profile.full_contact_load * AT_FULL_CONTACT, _single_crest(profile)
+    # Contact is certainly full beyond rounding of its computed load.
+    full_contact, touch = profile.full_contact_load * (1 + 1e-12), _single_crest(profile)
     for i, load in enumerate(loads):
         if load >= full_contact:
             pairs[i], error[i] = (_total(profile), mp.mpf(0)), 0.0
-        elif load <= MIN_TOUCH and touch:
+        elif load <= 1e-20 and touch:  # Hertz's formula, with a relative error of a few p, is exact to rounding.
             pairs[i], error[i] = _first_touch(profile, load), 0.0
     return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12", error)
 
@@ -149,7 +145,8 @@ def _single_crest(profile: Profile) -> bool:
     """Return whether the lightest loads rest on one crest in each lambda_0."""
     expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
     height = find_crests(profile.amplitude, profile.waves_per_period, expansion).expansion[:, 0]
-    return profile.period == 1 and int((height > height.max() - TOUCH_HEIGHT).sum()) == 1
+    # At such loads, only crests that are as high as the highest one to 1e-12 g_0 touch.
+    return profile.period == 1 and int((height > height.max() - 1e-12).sum()) == 1
 
 
 def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
@@ -183,6 +180,6 @@ def _total(profile: Profile) -> mp.mpf:
 
 
 def _shift(profile: Profile) -> Profile:
-    """Return a profile shifted along x, which has the same curves but different phases."""
-    cycles = SHIFT * np.array(profile.waves_per_period, float) / profile.period
+    """Return a profile shifted by 0.3 lambda_0, which has the same curves but different phases."""
+    cycles = 0.3 * np.array(profile.waves_per_period, float) / profile.period
     return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))

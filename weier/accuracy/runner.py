@@ -27,7 +27,6 @@ REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
 # The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
-UNCLEAR_WORDS = re.compile(r"\b(nan|inf of|of inf)\b")  # A message with such values does not help the user.
 
 
 class Outcome(IntEnum):
@@ -121,7 +120,8 @@ def is_clear(error: Exception, method: Method) -> bool:
     source_file = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
     own = PACKAGE in Path(last.filename).parents or last.filename == source_file
     deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
-    return deliberate and bool(text) and not UNCLEAR_WORDS.search(text)
+    # A message with such values does not help the user.
+    return deliberate and bool(text) and not re.search(r"\b(nan|inf of|of inf)\b", text)
 
 
 def _description(error: Exception) -> str:

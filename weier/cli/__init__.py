@@ -23,10 +23,9 @@ EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."
 )
-HELP = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
-@click.group(context_settings=HELP, epilog=EXIT)
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=EXIT)
 @click.version_option(VERSION)
 def cli() -> None:
     """Contact stiffness and contact resistance of the Weierstrass profile.

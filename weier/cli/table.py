@@ -12,7 +12,6 @@ import click
 from weier.cli.options import FILE, SI, STDOUT, output
 from weier.data.files import replacing, write_text
 
-SPREADSHEET = ".xlsx"
 MAX_ROWS = 2**20 - 1  # of a sheet, below the heading
 SELF = Path("-")  # stands for the data file itself
 
@@ -63,7 +62,7 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
                 curves, path, data.attrs.get("title", contact.stem), "converted", data.attrs.get("scene", "")
             )
         frame = table_of(curves, ensemble)
-    if path.suffix == SPREADSHEET:
+    if path.suffix == ".xlsx":
         return _write_spreadsheet(frame, path)
     text = str(frame.to_csv(index=False))
     if str(path) == STDOUT:

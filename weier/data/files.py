@@ -14,7 +14,6 @@ from weier.checks import readable
 
 # The names of temporary files of `replacing`.
 LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
-PROBE = 2**20  # bytes written to find the error that netCDF hides, such as a full disk
 
 
 @contextmanager
@@ -111,7 +110,7 @@ def _check_space(beside: Path, path: Path) -> None:
     """Raise an error with the reason if nothing can be written."""
     try:
         with beside.open("ab") as file:
-            file.write(bytes(PROBE))
+            file.write(bytes(2**20))  # finds the error that netCDF hides, such as a full disk
     except OSError as error:
         raise _unwritable(path, error) from None
 

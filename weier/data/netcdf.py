@@ -16,7 +16,7 @@ import os
 import re
 from collections.abc import Container, Hashable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -32,12 +32,10 @@ CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
 CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
 # The last line of a file: a name, and a digest of all bytes before it.
 SEAL = re.compile(rb"\nweier (?P<name>\S+) sha256:(?P<digest>[0-9a-f]{64})\n\Z")
-SEAL_BYTES = 256  # The line is shorter.
 UNNAMED = "-"
 BLOCK = 2**20  # bytes, read at a time
 MAX_VERIFIED = 2**26  # Files are digested when they are opened if they are smaller, which takes 0.1 s.
 REMAKE = "delete it and make it again"
-DEFLATE: Final = 1  # Higher levels take twice as long to write, as measured above.
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
@@ -164,7 +162,7 @@ def _seal_of(path: str | Path) -> Seal | None:
 
 
 def _last_bytes(file: BinaryIO) -> bytes:
-    file.seek(max(0, os.fstat(file.fileno()).st_size - SEAL_BYTES))
+    file.seek(max(0, os.fstat(file.fileno()).st_size - 256))  # The line is shorter.
     return file.read()
 
 
@@ -274,7 +272,7 @@ def _create_variable(
         dims,
         fill_value=missing,
         shuffle=True,
-        complevel=DEFLATE,
+        complevel=1,  # Higher levels take twice as long to write, as measured above.
         zlib=True,
         fletcher32=True,
         chunksizes=_chunks(dims, shape, np.dtype(dtype).itemsize),

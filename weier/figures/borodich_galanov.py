@@ -16,8 +16,6 @@ CAPTION = (
     "roughness (Appendix B). They coincide for the smooth punch; the upper one is unbounded."
 )
 
-MAX_STIFFNESS = 4.0  # k/k_H at the end of the axis; the upper bound tends to infinity as epsilon -> 1
-
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Draw both bounds on kappa = k/k_H over the roughness epsilon (B.16)."""
@@ -28,7 +26,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     axes.plot(epsilon, lower, label="lower bound", color=style.BLUE, linestyle=style.DASHES[1])
     axes.axhline(1, color=style.BLACK, linewidth=0.5)
     axes.annotate("smooth punch", (0.98, 1), (0, 4), textcoords="offset points", ha="right", fontsize=8)
-    axes.set(xlim=(0, 1), ylim=(0, MAX_STIFFNESS))
+    axes.set(xlim=(0, 1), ylim=(0, 4))  # The upper bound tends to infinity as epsilon -> 1.
     axes.set_xlabel(r"roughness $\epsilon$")
     axes.set_ylabel(r"stiffness and conductance $\kappa = k/k_H$")
     axes.legend(loc="upper left")

@@ -30,9 +30,6 @@ from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
 from weier.theory.conduction import Bodies
 
-TITLE_ROW = 0.2  # inches: the height of a line of the title.
-MAX_NAMED = 8  # values of a parameter in a legend below the panels
-MAX_INSIDE = 6  # longer legends would cover the curves
 # styles of bands around medians, of a solid line under dashed ones of its colour, and of bands of stated errors
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
 BEHIND: dict[str, Any] = {"facecolor": "0.86", "edgecolor": "0.7", "linewidth": 0.4, "zorder": 1.0}
@@ -151,7 +148,7 @@ def compare(
         for axes in panels:
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
-    figure.set_figheight(figure.get_figheight() + TITLE_ROW * len(above))
+    figure.set_figheight(figure.get_figheight() + 0.2 * len(above))  # inches for each line
     style.set_title(figure, "\n".join(above))
     return figure, panels, extent(tables, quantity)
 
@@ -332,7 +329,8 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
     """Return legend entries for colours, dashes and bands."""
     colour, by_dash = grouping.colour or "method", _by_dash(drawn, grouping)
     values = _values(drawn, colour)
-    shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, MAX_NAMED).round().astype(int))]
+    # A legend below the panels has room for eight values of a parameter.
+    shown = [values[number] for number in np.unique(np.linspace(0, len(values) - 1, 8).round().astype(int))]
     hidden = len(values) - len(shown)
     handles: list[Any] = []
     for value in shown:
@@ -358,7 +356,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
 
 def _add_legend(figure: Figure, panels: Sequence[Axes], handles: Sequence[Any]) -> None:
     """Place the legend inside a single panel if it is short, otherwise below all panels."""
-    if len(panels) == 1 and len(handles) <= MAX_INSIDE:
+    if len(panels) == 1 and len(handles) <= 6:  # longer legends would cover the curves
         panels[0].legend(handles=handles, loc="best")
         return
     columns = 2 if len(panels) == 1 else 3

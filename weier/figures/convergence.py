@@ -26,8 +26,6 @@ VARIABLE = "resolved_terms"
 HEIGHT = 2.1  # inches, of a panel
 # The bounds for these numbers of resolved terms are drawn, from light to dark, and those for the largest number.
 BANDS = (1, 2, 4)
-EDGE: dict[str, Any] = {"edgecolor": "0.35", "linewidth": 0.3}
-COLORS = (style.BLACK, style.VERMILLION, style.BLUE, style.GREEN)  # The colours of cases.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -37,7 +35,8 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     names = [*(style.describe(case, *PARAMETERS) for case in cases), "largest over the loads"]
     figure, axes = style.column(title, names, HEIGHT)
     figure.set_figheight(figure.get_figheight() + style.LEGEND_ROW * len(cases))
-    for panel, case, color in zip(axes, cases, COLORS, strict=False):
+    colors = style.BLACK, style.VERMILLION, style.BLUE, style.GREEN
+    for panel, case, color in zip(axes, cases, colors, strict=False):
         _draw_bounds(panel, case)
         _draw_convergence(axes[-1], case, color)
     axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -62,7 +61,8 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
     for row, grey in zip(rows, np.linspace(0.92, 0.45, len(rows)), strict=True):
         lower, upper = (best + np.interp(fine, loads, side[row] - h[last]) for side in (low, high))
         upper = np.minimum(upper, float(case["total_amplitude"]))  # The compliance at full contact is an upper bound.
-        axes.fill_between(fine, lower, upper, facecolor=str(grey), label=f"bounds, $k={terms[row]}$", **EDGE)
+        look: dict[str, Any] = {"facecolor": str(grey), "edgecolor": "0.35", "linewidth": 0.3}
+        axes.fill_between(fine, lower, upper, label=f"bounds, $k={terms[row]}$", **look)
     axes.plot(fine, best, label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
     axes.set(xscale="log", xlabel=style.LABELS["mean_pressure"], ylabel=style.LABELS["compliance"])
     axes.set_xlim(loads[0], loads[-1])

@@ -27,7 +27,6 @@ BAND = (10, 90)  # percentiles
 QUANTITIES = ("contact_fraction", "resistance")
 SERIES = ("D", "gamma")  # one column of panels per value
 WIDTH, HEIGHT = 2.9, 2.3  # inches, of a panel
-BESIDE = 0.55  # distance of the bounds from the longest series, in terms
 LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "s"), (style.BLACK, "^"))  # of the loads
 
 
@@ -105,7 +104,7 @@ def _draw(
     if quantity == "resistance":
         longest = together["m"] == terms[-1]
         lower, upper = (np.median(together[f"resistance_{side}"][longest]) for side in ("lower", "upper"))
-        place = terms[-1] + BESIDE
+        place = terms[-1] + 0.55  # distance of the bounds from the longest series, in terms
         bars: dict[str, Any] = {"color": color, "linewidth": 1.4, "capsize": 3, "fmt": "none"}
         bars["label"] = f"{label}, bounds for m = inf"
         axes.errorbar([place], [middle[-1]], [[middle[-1] - lower], [upper - middle[-1]]], **bars)

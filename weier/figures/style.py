@@ -34,7 +34,6 @@ LINEAR_DECADES = 2  # A linear axis of more decades of loads hides the lightest 
 FAINT_ALPHA = 0.3  # The opacity of single curves among many, so that overlapping ones remain visible.
 LOGARITHMIC_MARGIN = 1.3  # The factor between the extreme values and the ends of a logarithmic axis.
 
-COLOURBAR = "<colorbar>"  # matplotlib gives this label to the axes of a colour bar.
 GREY = "0.35"  # Legend entries without a colour of their own are grey.
 
 SHEET = Path(__file__).with_name("weier.mplstyle")  # The style sheet for matplotlib.style.use.
@@ -196,7 +195,7 @@ def set_load_axis(axes: Axes, low: float, high: float) -> None:
 def set_axes(figure: Figure, x: Axis, y: Axis) -> None:
     """Set the scales and limits of all panels that a scene chooses."""
     for axes in figure.axes:
-        if axes.get_label() != COLOURBAR:
+        if axes.get_label() != "<colorbar>":  # matplotlib gives this label to the axes of a colour bar.
             for name, wanted in (("x", x), ("y", y)):
                 _set_axis(axes, name, wanted)
 

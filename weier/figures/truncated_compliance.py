@@ -21,9 +21,7 @@ CAPTION = (
 # The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.
 LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
 # The inset is at this part of the range of loads, where the curves are steep and far from full contact.
-ZOOM_AT = 0.15
 ZOOM = 0.03, 0.05  # Half the width and height of the region shown, over the ranges of loads and values.
-INSET = 0.5, 0.51, 0.42, 0.31  # Left, bottom, width and height of the inset, between the curves and the legend.
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -49,10 +47,11 @@ def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     longest = cases[-1]
     if (h := curves.numerical(longest, "compliance")) is None:
         return
-    load = ZOOM_AT * axes.get_xlim()[1]
+    load = 0.15 * axes.get_xlim()[1]
     value = np.interp(load, longest["mean_pressure"].values, h + truncation.datum(longest, "compliance"))
     across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
-    inset = axes.inset_axes(INSET, xlim=(load - across, load + across), ylim=(value - up, value + up))
+    place = 0.5, 0.51, 0.42, 0.31  # left, bottom, width and height: between the curves and the legend
+    inset = axes.inset_axes(place, xlim=(load - across, load + across), ylim=(value - up, value + up))
     truncation.draw_curves(inset, cases, "compliance")
     inset.set(xticks=[], yticks=[])
     axes.indicate_inset_zoom(inset, edgecolor="0.4")

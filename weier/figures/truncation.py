@@ -12,9 +12,6 @@ from weier.data import curves
 from weier.figures import lines, style
 from weier.surface.profile import PARAMETERS
 
-# Each panel has one value of these parameters.
-BESIDE_TERMS = [name for name in PARAMETERS if name != "m"]
-
 
 def compare(
     studies: Sequence[xr.Dataset], title: str, quantity: str
@@ -28,7 +25,7 @@ def compare(
         The caller sets limits and the legend; the cases are in order of m.
 
     """
-    figure, panels = style.column_of_series(studies, title, quantity, *BESIDE_TERMS)
+    figure, panels = style.column_of_series(studies, title, quantity, *(name for name in PARAMETERS if name != "m"))
     ordered = [(axes, sorted(cases, key=lambda case: float(case["m"]))) for axes, cases in panels]
     for axes, cases in ordered:
         draw_curves(axes, cases, quantity)

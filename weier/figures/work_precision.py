@@ -28,17 +28,12 @@ COMMAND = "tradeoff"
 VARIABLE = "reference_resistance"
 
 WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
-PANEL_HEIGHT, LEGEND_HEIGHT = 1.75, 0.4  # inches: two panels and the legend leave space for text on a page.
-MAX_COLUMNS, LEGEND_COLUMNS = 6, 7  # More columns do not fit into the width.
 FLOOR, CEILING = 1e-15, 10.0  # The range of errors on the axis; smaller ones are drawn at its lower end.
 LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}
 # The looks of errors, stated errors, backgrounds, the legend and names.
 SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
 OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
-BACKGROUND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
-LEGEND: dict[str, Any] = {"handlelength": 1.6, "columnspacing": 1.2}
 NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "bottom"}
-MIN_NAMED = 300  # A background over this factor of errors is high enough for a name.
 
 
 class Line(NamedTuple):
@@ -60,8 +55,9 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     (data,) = studies
     if not np.isfinite(data["seconds"]).any():
         raise ValueError("there are no times to draw in these data")
-    title, columns = style.limit_panels(title, _series(data), "series", MAX_COLUMNS)
-    figure = Figure(figsize=(WIDTH, len(LABELS) * PANEL_HEIGHT + LEGEND_HEIGHT), layout="constrained")
+    title, columns = style.limit_panels(title, _series(data), "series", most=6)  # as many as fit into the width
+    # Two panels of 1.75 inches and the legend leave space for text on a page.
+    figure = Figure(figsize=(WIDTH, 1.75 * len(LABELS) + 0.4), layout="constrained")
     axes = figure.subplots(len(LABELS), len(columns), sharex=True, sharey=True, squeeze=False)
     axes[0, 0].set(xscale="log", yscale="log", ylim=(FLOOR, CEILING))
     for row, (quantity, label) in zip(axes, LABELS.items(), strict=True):
@@ -75,7 +71,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
     axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
     style.set_title(figure, title)
-    figure.legend(handles=_legend(data), loc="outside lower center", ncols=LEGEND_COLUMNS, **LEGEND)
+    figure.legend(handles=_legend(data), loc="outside lower center", ncols=7, handlelength=1.6, columnspacing=1.2)
     return figure
 
 
@@ -112,8 +108,8 @@ def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
     """Draw the lines over the colours of the fastest methods, optionally with their names."""
     for method, low, high in _fastest(lines):
         color = _look(method)["color"]
-        axes.axhspan(low, high, color=color, **BACKGROUND)
-        if named and high / low >= MIN_NAMED:
+        axes.axhspan(low, high, color=color, alpha=0.16, linewidth=0)
+        if named and high / low >= 300:  # A background over this factor of errors is high enough for a name.
             text = f"fastest:\n{_look(method)['label']}"
             axes.text(0.05, 1.5 * low, text, transform=axes.get_yaxis_transform(), **NAME)
     for line in lines:

@@ -19,9 +19,8 @@ from weier.surface.series import full_contact_pressure
 
 LN2 = np.log(2)
 NEGLIGIBLE = 1e-20  # keeps differences positive; below their rounding
-DIRECT_TERMS = 12  # terms that bring ln xi from -700 to within 0.2 of its fixed point
-TAYLOR_TERMS = 12  # of the expansion about the fixed point: 12 * 0.2^12/12! < 1e-16
-MAX_MINUS_LOG = 750.0  # above -ln of every positive double
+# terms that bring ln xi from -700 to within 0.2 of its fixed point, and of the expansion: 12 * 0.2^12/12! < 1e-16
+TERMS = 12
 
 
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
@@ -68,8 +67,8 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
     log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
     # terms until all waves are flat again, if the fixed point of ln xi is above 0
-    rising = np.ceil(np.log2(MAX_MINUS_LOG / np.maximum(log_shrink, NEGLIGIBLE)))
-    direct = np.minimum(np.where(log_shrink > 0, rising, DIRECT_TERMS), waves.waves)
+    rising = np.ceil(np.log2(750 / np.maximum(log_shrink, NEGLIGIBLE)))  # -ln of any double is below 750
+    direct = np.minimum(np.where(log_shrink > 0, rising, TERMS), waves.waves)
     xi, log_xi = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
     total, weight = np.zeros(direct.shape), np.ones(direct.shape)
     for wave in range(int(direct.max(initial=0))):
@@ -91,7 +90,7 @@ def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array
     # powers of distance/2^k sum to geometric series.
     order, ratio, power, halved = np.exp(fixed), np.exp(log_ratio), np.exp(log_ratio * terms), np.exp2(-terms)
     total = order * (constant - fixed) * np.expm1(log_ratio * terms) / np.expm1(log_ratio)
-    for j in range(1, TAYLOR_TERMS):
+    for j in range(1, TERMS):
         order, power, ratio = order * distance / j, power * halved, ratio / 2
         total = total + order * (constant - fixed - j) * (1 - power) / (1 - ratio)
     return total

@@ -25,7 +25,6 @@ from weier.theory.bounds import complete_bounds, first_contact, resistance_bound
 
 TOLERANCE = 1e-3
 # tolerance of h, in g_0, over that of R; arbitrary, since the stated error of R is checked after the solution
-COMPLIANCE_SHARE = 1e-2
 MAX_LISTED = 5  # loads in a message
 
 
@@ -119,7 +118,8 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
             f"resistance_error, or take a finite m; got {surface.describe()}"
         )
     patches.METHOD.check_applies(surface)
-    h_tolerance = min(max(COMPLIANCE_SHARE * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
+    # A hundredth is arbitrary: the stated error of R is checked after the solution.
+    h_tolerance = min(max(1e-2 * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
     return Choice(surface, 0.0, patches.METHOD, {"tolerance": h_tolerance})
 
 

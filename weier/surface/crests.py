@@ -33,7 +33,6 @@ MAX_NEWTON_STEPS = 40
 SUBDIVISIONS = 31
 MIN_SEPARATION = 1e-5  # of crests, in the finest wave; closer ones are equal to rounding
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
-MAX_DIRECT_TERMS = 32  # an FFT is faster for more terms
 
 
 def countable(waves: int) -> bool:
@@ -46,7 +45,7 @@ def sample(amplitude: Array, waves_per_period: Sequence[int], phase: Array, poin
 
     The argument of each cosine is reduced in integers, so that no digit is lost to fine waves.
     """
-    if len(amplitude) > MAX_DIRECT_TERMS:
+    if len(amplitude) > 32:  # an FFT is faster for more terms
         coefficient = np.zeros(points, complex)
         np.add.at(coefficient, [k % points for k in waves_per_period], amplitude * np.exp(1j * phase))
         return np.asarray(np.fft.ifft(coefficient).real * points)

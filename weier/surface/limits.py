@@ -9,9 +9,6 @@ from weier.surface.profile import Profile
 from weier.surface.waves import MAX_POINTS, Waves
 
 MAX_WAVES = 100_000  # finest waves per period: 6.4 million nodes by default, 1.2 GB
-# largest relative difference of a suggested rational gamma
-NEARBY = 0.01
-NEARBY_DENOMINATOR = 99  # largest denominator of a suggestion
 
 
 def resolvable(profile: Waves) -> bool:
@@ -42,7 +39,8 @@ def _nearby_ratio(profile: Waves) -> str:
     denominator = int(most / float(profile.gamma))
     if denominator < 1:
         return ""
-    near = profile.gamma.limit_denominator(min(denominator, NEARBY_DENOMINATOR))
-    if near <= 1 or near.numerator > most or abs(near / profile.gamma - 1) > NEARBY:
+    # A suggestion is within 1 % of the given ratio and has a denominator of at most two digits.
+    near = profile.gamma.limit_denominator(min(denominator, 99))
+    if near <= 1 or near.numerator > most or abs(near / profile.gamma - 1) > 0.01:
         return ""
     return f'gamma = "{near}", which is {float(near):.6g}, or '

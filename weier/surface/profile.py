@@ -26,8 +26,6 @@ from weier.surface.waves import Waves
 
 # parameters of a series besides its phases: fields of a profile and coordinates of data
 PARAMETERS = ("D", "gamma", "m")
-MAX_DEGREES = 3600  # phases between 2 pi and ten turns are probably in degrees
-MAX_PHASES_LISTED = 1000  # random phases in labels; the seed defines them
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
 
@@ -216,7 +214,7 @@ class Profile(Waves):
         phases: Any = self.phases
         if isinstance(self.phases, RandomPhases):
             seed, phases = float(self.phases.seed), None
-            if self.m <= MAX_PHASES_LISTED:
+            if self.m <= 1000:  # random phases in labels; the seed defines them
                 phases = self.phase.tolist()
         own = {name: float(getattr(self, name)) for name in PARAMETERS}
         return own | {"seed": seed, "phases": json.dumps(phases)}
@@ -235,7 +233,8 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
     others = np.abs(values[values != 0])
-    if others.size and np.all((others > 2 * math.pi) & (others <= MAX_DEGREES)):
+    # Phases between 2 pi and ten turns are probably in degrees.
+    if others.size and np.all((others > 2 * math.pi) & (others <= 3600)):
         warnings.warn(
             f"all phases that are not 0 exceed 2 pi, got {shown(phases)}: phases are in radians, and numpy.radians "
             "converts them from degrees",

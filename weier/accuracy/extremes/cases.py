@@ -20,9 +20,7 @@ from weier.pipeline.fields import events
 from weier.scene import Case
 from weier.surface.profile import Profile
 
-MAX_RUN_SECONDS = 60.0  # A method is left out if it takes longer for a curve and for its loads one by one.
 DISTANCES = (1e-12, 1e-8, 1e-4)  # The loads around an event are at these distances, relative to its load.
-EVENT_STEP = 3  # Every third birth or merger is examined, which bounds the time.
 
 # Loads for the whole range of floats, and usual ones.
 SWEEP = 10.0 ** np.array(
@@ -68,7 +66,8 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     except NotApplicableError:  # of a series that is too large: the refusal takes no time and is itself examined
         return method.numerical and math.isfinite(profile.m)
     load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
-    return method.seconds(profile, loads) + load_by_load <= MAX_RUN_SECONDS
+    # A method is left out if it takes longer for a curve and for its loads one by one.
+    return method.seconds(profile, loads) + load_by_load <= 60.0
 
 
 def around_events(case: Case, apart: float = 0.0) -> Array:
@@ -80,7 +79,8 @@ def around_events(case: Case, apart: float = 0.0) -> Array:
     profile = case.profile
     phases = *profile.phase[:-1], profile.phase[-1] + apart
     broken = Profile(profile.D, profile.gamma, profile.m, phases)
-    return around(events(broken, 1e-3, 100.0)["mean_pressure"].values[::EVENT_STEP])
+    # Every third birth or merger is examined, which bounds the time.
+    return around(events(broken, 1e-3, 100.0)["mean_pressure"].values[::3])
 
 
 def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> Case:

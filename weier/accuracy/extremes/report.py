@@ -17,8 +17,6 @@ from weier.data.variables import Check
 
 # The outcomes in words.
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
-# Outcomes that no method should have.
-FAULTS = (Outcome.unclear_error, Outcome.not_finite)
 
 
 def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
@@ -86,7 +84,8 @@ def failures(data: xr.Dataset) -> list[str]:
 def _faults(run: xr.Dataset) -> list[str]:
     outcome = run["outcome"].values
     faults = [f"not {name}".replace("_", " ") for name in CHECKS if run[name] == Check.no and name != "one_curve"]
-    faults += [COUNTED[bad] for bad in FAULTS if (outcome == bad).any()]
+    # Outcomes that no method should have.
+    faults += [COUNTED[bad] for bad in (Outcome.unclear_error, Outcome.not_finite) if (outcome == bad).any()]
     if run["one_curve"] == Check.no and set(outcome) <= {Outcome.not_run, Outcome.finite}:
         faults.append("not one curve")  # though each load is solved by itself
     return faults

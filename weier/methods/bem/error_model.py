@@ -16,8 +16,6 @@ from weier.theory.bounds import first_contact, slope_bounds
 # z'' dx^2/8 with dx = 2 pi over the points per wave: the error at first contact for a crest half a node off the grid
 MISSED_CREST = (2 * math.pi) ** 2 / 8
 
-MIN_MEASURED_POINTS = 12  # coarser grids, in points per finest wave, were not measured
-MAX_POINTS_PER_WAVE = 1e15  # beyond any computer, and still an integer
 MAX_POINTS = 2**21  # a second per load
 MAX_OTHERS = 400  # chords per load; more hardly tighten the bounds
 
@@ -50,7 +48,8 @@ def curvature(profile: Waves) -> float:
 def fewest_points(profile: Waves, error: float) -> int:
     """Return the least number of nodes per period within this `compliance_error`, divisible for nested grids."""
     needed = math.sqrt(MISSED_CREST * curvature(profile) / error)
-    needed = min(max(needed, MIN_MEASURED_POINTS), MAX_POINTS_PER_WAVE)
+    # Coarser grids than 12 points per finest wave were not measured, and 1e15 is beyond any computer.
+    needed = min(max(needed, 12), 1e15)
     halvings = 2 ** int(math.log2(needed / MIN_POINTS_PER_CARRIED_WAVE))
     return math.ceil(needed / halvings) * halvings * profile.waves_per_period[-1]
 

@@ -15,12 +15,9 @@ from weier.methods.method import Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points, check_resolvable
 from weier.surface.waves import Waves
 
-MIN_POINTS_PER_WAVE = 3  # two points do not resolve a wave
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
-# seconds per load on few points, and their growth (docs/numerics.md, "Expected seconds")
-SECONDS_LOAD, TIMED_POINTS, POINTS_POWER = 6e-5, 300, 1.4
 
 
 def _solve(
@@ -60,7 +57,7 @@ def grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | 
 def _points(profile: Waves, points_per_wave: int | None) -> int:
     per_wave = POINTS_PER_WAVE if points_per_wave is None else points_per_wave
     check_resolvable(profile)
-    return checked_count("points_per_wave", per_wave, MIN_POINTS_PER_WAVE) * profile.waves_per_period[-1]
+    return checked_count("points_per_wave", per_wave, 3) * profile.waves_per_period[-1]
 
 
 def points_within(profile: Waves, tolerance: float) -> float:
@@ -93,8 +90,8 @@ def points_of(
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Return expected seconds of a curve by FFTs."""
-    return SECONDS_LOAD * loads.size * (1 + (points_of(profile, **settings) / TIMED_POINTS) ** POINTS_POWER)
+    """Return expected seconds of a curve (docs/numerics.md, "Expected seconds")."""
+    return 6e-5 * loads.size * (1 + (points_of(profile, **settings) / 300) ** 1.4)
 
 
 METHOD = Method(

@@ -15,7 +15,6 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
 EDGE_OFFSET = 0.384947631413  # alpha, in nodes: edge of the continuum beyond the last node at the middle of a step
-COMPLIANCE_EXCESS = 1 / 24  # error of h at the beginning of a step over delta_R (Delta_- + Delta_+)
 TRANSFERRED_FRACTION = 0.439056239  # f_t = -(A^-1)_01/(A^-1)_00: pressure that an open node moves to each neighbour
 CLOSED_FRACTION = (5 - TRANSFERRED_FRACTION) / 6  # f_c: fraction of a step from which a single-node gap is closed
 SINGLE_NODE_SQUARE = 1 / (2 * math.log(2))  # Hertz: squared half-width, in nodes, of a single-node contact at f = 1
@@ -101,7 +100,8 @@ def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indice
             until[e] = max(solution.gap[outside], 0.0) / closing_rate
             if last[j] > first[j] and since[e] + until[e] > 0:
                 step, f = q * closing_rate / points, since[e] / (since[e] + until[e])
-                plane += step * (since[e] + until[e]) * (COMPLIANCE_EXCESS - (f - f * f) / 2)
+                # error of h at the beginning of a step over delta_R (Delta_- + Delta_+)
+                plane += step * (since[e] + until[e]) * ((1 / 24) - (f - f * f) / 2)
                 resistance -= (f - 0.5) * step
                 offset += f - 0.5
         edge[e] = inside + outwards * offset

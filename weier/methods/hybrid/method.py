@@ -10,8 +10,6 @@ from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 
 DEFAULT_POINTS = 2**11  # nodes that limit the default number of resolved terms
-# Seconds of a curve and of a load on DEFAULT_POINTS nodes: `python -m weier.accuracy.expected_seconds`.
-SECONDS_START, SECONDS_LOAD = 0.1, 0.013
 
 
 def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> HybridCurve:
@@ -20,7 +18,8 @@ def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int
 
 def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
     """Return expected seconds of a curve on the default grid."""
-    return SECONDS_START + SECONDS_LOAD * loads.size
+    # from `python -m weier.accuracy.expected_seconds`
+    return 0.1 + 0.013 * loads.size
 
 
 METHOD = Method(

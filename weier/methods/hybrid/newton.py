@@ -22,7 +22,6 @@ MAX_STEPS = 60
 STEP_ACCURACY, RESISTANCE_ACCURACY = 1e-6, 1e-9
 DIRECTIONS, RESTARTS = 80, 10  # some tens of directions reach these residuals
 TOLERANCE = 1e-9  # largest residual, in g_0
-LOAD_TOLERANCE = 1e-7  # largest relative error of the load
 
 
 class ContactProblem(NamedTuple):
@@ -74,7 +73,7 @@ def _solve_load(problem: ContactProblem, state: Array, load: float) -> tuple[Arr
         gap = state[:-1] + _displacement(p, problem.influence) - problem.height + state[-1]
         violation = np.append(gap, p.mean() - load)
         residual = float(np.max(np.abs(violation)))
-        if residual <= TOLERANCE and abs(violation[-1]) <= LOAD_TOLERANCE * load:
+        if residual <= TOLERANCE and abs(violation[-1]) <= 1e-7 * load:  # largest relative error of the load
             return state, residual
         state = state - _linear_solution(problem, slope, violation, STEP_ACCURACY)
     raise ConvergenceError(

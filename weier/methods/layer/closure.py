@@ -12,8 +12,6 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 
-MAX_SLOPE_RATIO = 3.0  # slope over chord up to which a cubic is monotone (Fritsch and Carlson 1980)
-
 
 class Closure(NamedTuple):
     """ln w - `log_height` as cubics over the position asinh(ln p - origin); outside, w is a power of p.
@@ -33,7 +31,8 @@ def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure
     """
     length = np.diff(position)
     chord = np.diff(log_compression) / length
-    first, last = (np.minimum(at_end, MAX_SLOPE_RATIO * chord) for at_end in (slope[:-1], slope[1:]))
+    # A cubic is monotone up to slopes of three times its chord (Fritsch and Carlson 1980).
+    first, last = (np.minimum(at_end, 3 * chord) for at_end in (slope[:-1], slope[1:]))
     quadratic, cubic = (3 * chord - 2 * first - last) / length, (first + last - 2 * chord) / length**2
     return Closure(scipy.interpolate.PPoly([cubic, quadratic, first, log_compression[:-1]], position), 0.0, 0.0)
 

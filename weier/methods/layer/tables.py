@@ -23,7 +23,6 @@ MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
 MAX_POSITION = math.asinh(709)  # last row: double precision ends at e^709.8
 CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
 MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
-SLOPE_FRACTION = 0.25  # weight of a slope error times half the spacing; a cubic is wrong by 4/27 of that
 MAX_HALVINGS = 30  # of a cell; the smallest accuracy takes 17
 MAX_ROWS = 100_000  # the smallest accuracy takes some thousands
 
@@ -94,7 +93,8 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
     guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)
     between = waves(middle, guess)
     log_W, power = log_compression(rows.closure, log_load_at(middle))
-    by_slope = SLOPE_FRACTION * half * np.abs(between.slope - power * np.cosh(middle))
+    # A cubic is wrong by 4/27 of a slope error times half the spacing.
+    by_slope = 0.25 * half * np.abs(between.slope - power * np.cosh(middle))
     return between, np.maximum(np.abs(between.log_compliance - log_W), by_slope)
 
 

@@ -23,7 +23,6 @@ MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # load increments of the continuation, in ln xi
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from, where the layer is not yet flat
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
-LOG_ROUNDING = 1e-15  # relative rounding of ln p: a few units in the last place
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
 MAX_NUMBERS = 2**20  # matrix entries of the loads that are solved together: 8 MB
 
@@ -231,7 +230,7 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tu
 
 def attainable(log_load: Array, tolerance: float) -> Array:
     """Return the tolerance, or the residual due to rounding of ln p if that is larger."""
-    return np.maximum(tolerance, LOG_ROUNDING * np.abs(log_load))
+    return np.maximum(tolerance, 1e-15 * np.abs(log_load))  # relative rounding of ln p: a few units in the last place
 
 
 @np.errstate(all="ignore")  # overflow in a failed solution

@@ -32,20 +32,18 @@ NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard
 SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
 # Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
 # by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
-MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS, MAX_SENTINELS = 3, 0.9, 3.0, 8
+MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS = 3, 0.9, 3.0
 # From one height to the next, normal roughness changes by at most five standard deviations: in 10^6 changes there is
 # one beyond that. Six are abrupt. Such a change on the flank of a groove has a neighbour of the same sign that is
 # alike within a factor of three. Any other is a jump if it exceeds a tenth of the range of heights and twice every
 # other change.
 ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
-MAX_SPIKE_WIDTH = 10  # steps within which the heights return after a spike
 # Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
 # side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
 # for D near 2 or with flat crests.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
 # A period that repeats its first height at its end does so to this part of the range of heights.
 SAME_HEIGHT = 1e-6
-DOMINANT_FORM = 5.0  # ratio of form to roughness, root mean square, from which a warning is given
 
 
 class Filled(NamedTuple):
@@ -122,7 +120,7 @@ def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], st
 def check_sentinels(z: Array) -> None:
     """Refuse a value that recurs exactly as an outlier: a code for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:MAX_SENTINELS].tolist():
+    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:8].tolist():
         if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
             raise ValueError(
                 f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
@@ -190,7 +188,8 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
     abrupt = np.flatnonzero(suspect & (size > limit))
     if abrupt.size:
         at = int(abrupt[0])
-        back = np.flatnonzero(np.abs(z[at + 2 : at + 2 + MAX_SPIKE_WIDTH] - z[at]) < size[at] / 2)
+        # After a spike the heights return within ten steps.
+        back = np.flatnonzero(np.abs(z[at + 2 : at + 12] - z[at]) < size[at] / 2)
         width = int(back[0]) + 2 if back.size else 1
         _refuse_jump("spike" if back.size else "step", at, width, float(size[at]), step, abrupt.size - 1)
 
@@ -247,7 +246,7 @@ def warn_of_form(level: Array) -> None:
     """Warn if a tilt or parabola exceeds the roughness, so that the form would decide the contact."""
     rough = float(np.std(detrended(level, FORM)))
     form = float(np.std(level - detrended(level, FORM)))
-    if form > DOMINANT_FORM * rough:
+    if form > 5.0 * rough:
         warnings.warn(
             f"the form of the trace, a parabola or tilt of {form:.3g} m root mean square, is {form / rough:.3g} "
             f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',

@@ -18,9 +18,7 @@ MARKS = {  # Byte-order marks; UTF-32 before UTF-16, whose mark it begins with.
     b"\xff\xfe": "utf-16",
     b"\xfe\xff": "utf-16",
 }
-WINDOWS = "cp1252"  # encoding of text that is not UTF-8
 END_OF_FILE = "\x1a"  # DOS programs end a text by this sign.
-MOST_CONTROLS = 0.01  # fraction of control characters in text; random bytes have 0.1
 BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # Control characters that no text has.
 
 # Kinds of files that are no text, by their first bytes, with the remedy for each; others are saved as text.
@@ -82,7 +80,7 @@ def _decoded(content: bytes, encoding: str | None) -> str:
     try:
         return content.decode()
     except UnicodeDecodeError:
-        return content.decode(WINDOWS, "replace")
+        return content.decode("cp1252", "replace")  # encoding of text that is not UTF-8
 
 
 def _check_kind(path: Path, content: bytes, encoding: str | None) -> None:
@@ -99,7 +97,8 @@ def _check_kind(path: Path, content: bytes, encoding: str | None) -> None:
         raise ValueError(f"{path} must have a mark if it is UTF-16 text: say encoding='utf-16-{order}'")
     text = content.rstrip(END_OF_FILE.encode())
     if known is None and (first := BINARY.search(text)):
-        if len(BINARY.findall(text)) < MOST_CONTROLS * len(text):
+        # Random bytes have ten times as many control characters.
+        if len(BINARY.findall(text)) < 0.01 * len(text):
             line = text.count(b"\n", 0, first.start()) + 1
             raise ValueError(
                 f"{path}, line {line}, must be text, got the control character {first[0]!r}: leave it out, or say "

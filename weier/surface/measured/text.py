@@ -32,7 +32,6 @@ from weier.surface.measured.layout import (
 from weier.surface.measured.line import Line
 from weier.surface.measured.units import units_of_heading
 
-LINE_END = re.compile(r"\r*\n|\r")
 BLANKS = " \f\v"  # At the ends of a line; a tab may stand between columns.
 MARKS = "#%!/*; \t"  # In front of remarks and headings.
 MINUS = re.compile(r"^[\u2010-\u2013\u2212\ufe63\uff0d](?=[\d.,])")  # Signs that are printed for minus.
@@ -62,7 +61,8 @@ def read_columns(path: Path, layout: Layout | None = None) -> Line:
         and the argument that settles it.
     """
     layout = layout or Layout()
-    lines = [_without_quotes(line.strip(BLANKS)) for line in LINE_END.split(read_text(path, layout.encoding))]
+    text = read_text(path, layout.encoding)
+    lines = [_without_quotes(line.strip(BLANKS)) for line in re.split(r"\r*\n|\r", text)]
     if len(lines) > 1 and not lines[-1]:
         lines.pop()  # It is behind the last end of a line.
     return _Table(path, lines, layout).line()

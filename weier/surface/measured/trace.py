@@ -39,7 +39,6 @@ TAPER = 0.1  # fraction of the length at each end over which a tapered trace fal
 ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
 # tolerance for wavelengths that are quotients of decimal numbers
 DECIMAL_ROUNDING = 1 + 1e-9
-LENGTH_TOLERANCE = 0.01  # relative difference of a given length and that of the file, both rounded
 MAX_LENGTH = 100.0  # m; a longer trace indicates a wrong unit
 USUAL_LENGTH = 1.0  # m; instruments rarely measure longer lines, which give a warning
 MIN_STEP = 1e-10  # m; atoms are larger
@@ -456,7 +455,8 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
         z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place)
         return z, own * unit
     own = float(one.length or 0) * unit
-    if length is not None and abs(length / own - 1) > LENGTH_TOLERANCE:
+    # Both are rounded.
+    if length is not None and abs(length / own - 1) > 0.01:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
     return z, own
 
