@@ -100,8 +100,7 @@ def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indice
             until[e] = max(solution.gap[outside], 0.0) / closing_rate
             if last[j] > first[j] and since[e] + until[e] > 0:
                 step, f = q * closing_rate / points, since[e] / (since[e] + until[e])
-                # error of h at the beginning of a step over delta_R (Delta_- + Delta_+)
-                plane += step * (since[e] + until[e]) * ((1 / 24) - (f - f * f) / 2)
+                plane += step * (since[e] + until[e]) * (1 / 24 - (f - f * f) / 2)
                 resistance -= (f - 0.5) * step
                 offset += f - 0.5
         edge[e] = inside + outwards * offset
