@@ -16,7 +16,7 @@ def test_the_inverse_of_few_punches_is_exact_and_that_of_many_is_near(count, rat
     compliance = -2 * np.log(np.pi / count * rng.uniform(0.02, 0.24, count))
     chord = np.abs(2 * np.sin(np.pi * (centre[:, None] - centre)))
     np.fill_diagonal(chord, np.exp(-0.5 * compliance))
-    inverse = invert_punches(np.arange(count), centre, compliance, 1.0)
+    inverse = invert_punches(centre, compliance, 1.0)
     product = np.array([solve_forces(inverse, row) for row in OFFSET - 2 * np.log(chord)])
     eigenvalues = np.sort(np.linalg.eigvals(product).real)
     assert 0 < eigenvalues[-1] < ratio * eigenvalues[0]

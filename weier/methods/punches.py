@@ -26,14 +26,14 @@ OFFSET = 2.0
 
 
 @kernel
-def invert_punches(which: Indices, centre: Array, compliance: Array, period: float) -> Inverse:
+def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
     """Return the approximate inverse W' W of the mutual influence of these punches, which are in order.
 
     The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
     one displacement from its mean for given displacements of its neighbours among the coarser, over its standard
     deviation. Where the matrix is not positive definite, W is NaN.
     """
-    n, stride, row = which.size, 1, 0
+    n, stride, row = centre.size, 1, 0
     while n > stride * MAX_COARSEST:
         stride *= 2
     start, most = np.zeros(n + 1, np.int64), MAX_COARSEST**2 + (2 * NEIGHBOURS + 1) * n
@@ -41,15 +41,15 @@ def invert_punches(which: Indices, centre: Array, compliance: Array, period: flo
     for last in range(0, n, stride):
         start[row + 1] = start[row] + last // stride + 1
         for i in range(last // stride + 1):
-            member[start[row] + i] = which[i * stride]
+            member[start[row] + i] = i * stride
         row += 1
     while stride > 1:
         coarser = (n - 1) // stride + 1
         for new in range(stride // 2, n, stride):
             start[row + 1] = start[row] + 2 * NEIGHBOURS + 1
             for i in range(2 * NEIGHBOURS):
-                member[start[row] + i] = which[(new // stride + 1 - NEIGHBOURS + i) % coarser * stride]
-            member[start[row + 1] - 1] = which[new]
+                member[start[row] + i] = (new // stride + 1 - NEIGHBOURS + i) % coarser * stride
+            member[start[row + 1] - 1] = new
             row += 1
         stride //= 2
     factor = np.empty((MAX_COARSEST, MAX_COARSEST))
@@ -85,7 +85,7 @@ def _fill_row(
 
 @kernel
 def solve_forces(inverse: Inverse, displacement: Array) -> Array:
-    """Return the approximate forces on those punches from their displacements, and 0 on others, shape (punches,)."""
+    """Return the approximate forces on those punches from their displacements, shape (punches,)."""
     start, member, entry = inverse
     force = np.zeros(displacement.size)
     for row in range(start.size - 1):

@@ -67,7 +67,6 @@ def displacement_at_distance(x: float, period: float) -> float:
     return -2 * np.log(abs(2 * np.sin(np.pi / period * x)))
 
 
-@kernel
 def displacement_of_punch(half_width: Number, period: float) -> Number:
     """Return the displacement under a narrow flat punch of unit force, -2 ln(pi r/L)."""
     return -2 * np.log(np.pi / period * half_width)

@@ -61,8 +61,7 @@ def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array
 
 def _invert_punches(half_width: Array, middle: Array, period: float) -> Inverse:
     """Return the inverse of the influence of contacts as flat punches."""
-    compliance = displacement_of_punch(half_width, period)
-    return invert_punches(np.arange(compliance.size), middle, compliance, period)
+    return invert_punches(middle, displacement_of_punch(half_width, period), period)
 
 
 def _imbalance(integral: Array, load: float, period: float) -> tuple[float, float]:

@@ -55,6 +55,8 @@ GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
 # chosen at loads at which gaps are up to three times as fast
 TOLERANCE = 1e-10
 
+_displacement_of_punch = kernel(displacement_of_punch)
+
 # Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
 Intervals = NDArray[np.float64]
 
@@ -273,7 +275,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         # The displacements by the forces on all crests and the plane add up to the height of each crest.
         for i in range(count):
             k = crest[i]
-            own = 1 + displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+            own = 1 + _displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))
