@@ -142,7 +142,7 @@ def find_negative_intervals(state: ContactState) -> Records:
     """Return intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
     segments, kind = state.segments, state.kind
     is_gap = kind.on_segments == GAP
-    found = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
+    found, _, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
         found["height"] *= kind.height_of_negative(width)
@@ -150,15 +150,24 @@ def find_negative_intervals(state: ContactState) -> Records:
 
 
 @kernel
-def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, is_gap: bool) -> Records:
-    """Return the intervals of `find_negative_intervals`, with the value in the middle as `height`."""
+def _negative_intervals(
+    first: Indices, half_width: Array, coefficient: Array, is_gap: bool
+) -> tuple[Records, Array, Array]:
+    """Return the intervals of `find_negative_intervals`, with the value in the middle as `height`, and all samples.
+
+    The samples are points t of all segments, 2 K + 2 on K nodes, and the pressures or gaps there.
+    """
     found, count = np.empty(SAMPLES_PER_NODE * first[-1] + 2 * first.size, NEGATIVE), 0
+    samples = SAMPLES_PER_NODE * first[-1] + 2 * half_width.size
+    points, values, last = np.empty(samples), np.empty(samples), 0
     for j in range(first.size - 1):
         r, a = half_width[j], smooth_part(coefficient[first[j] : first[j + 1]], is_gap)
         t, value = _sample_expansion(a)
         largest, i = 0.0, 0
         for k in range(value.size):
             largest = max(largest, abs(value[k]))
+            points[last], values[last] = t[k], at_point(value[k], t[k], r, is_gap)
+            last += 1
         while i < t.size:
             if value[i] < 0:
                 here = found[count]
@@ -166,7 +175,7 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, i
                 here.value = here.relative = 0.0
                 while i < t.size and value[i] < 0:
                     here.relative = min(here.relative, value[i] * np.sqrt((1 - t[i]) * (1 + t[i])) / largest)
-                    here.value = min(here.value, at_point(value[i], t[i], r, is_gap))
+                    here.value = min(here.value, values[last - t.size + i])
                     i += 1
                 if i < t.size:
                     here.end = _find_zero(a, t[i - 1], t[i])
@@ -174,7 +183,7 @@ def _negative_intervals(first: Indices, half_width: Array, coefficient: Array, i
                 here.height = abs(at_point(evaluate_expansion(a, middle), middle, r, is_gap))
                 count += 1
             i += 1
-    return found[:count]
+    return found[:count], points, values
 
 
 @kernel
@@ -227,28 +236,16 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
 def minima_of_gaps(state: ContactState) -> Records:
     """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
-    return _minima_of_gaps(segments.first_node, segments.half_width, segments.middle, state.coefficient)
-
-
-@kernel
-def _minima_of_gaps(first: Indices, half_width: Array, middle: Array, coefficient: Array) -> Records:
-    """Return the minima of `minima_of_gaps`."""
-    found, count = np.empty(SAMPLES_PER_NODE * first[-1] + 2 * first.size, MINIMUM), 0
-    for j in range(first.size - 1):
-        r = half_width[j]
-        t, value = _sample_expansion(smooth_part(coefficient[first[j] : first[j + 1]], True))
-        for i in range(t.size):
-            value[i] = at_point(value[i], t[i], r, True)
-        for i in range(1, t.size - 1):
-            if value[i] <= value[i - 1] and value[i] < value[i + 1]:
-                before = (value[i - 1] - value[i]) / (t[i] - t[i - 1])
-                after = (value[i + 1] - value[i]) / (t[i + 1] - t[i])
-                curvature = 2 * (before + after) / (t[i + 1] - t[i - 1])
-                here = found[count]
-                here.interval, here.position = j, middle[j] + r * t[i]
-                here.value, here.curvature = value[i], curvature / (r * r)
-                count += 1
-    return found[:count]
+    _, t, value = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, True)
+    of = np.repeat(np.arange(segments.half_width.size), SAMPLES_PER_NODE * segments.node_count + 2)
+    is_lowest = (value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:]) & (of[:-2] == of[2:])
+    at = np.flatnonzero(is_lowest) + 1
+    before = (value[at - 1] - value[at]) / (t[at] - t[at - 1])
+    after = (value[at + 1] - value[at]) / (t[at + 1] - t[at])
+    minima, r = np.empty(at.size, MINIMUM), segments.half_width[of[at]]
+    minima["interval"], minima["position"] = of[at], segments.middle[of[at]] + r * t[at]
+    minima["value"], minima["curvature"] = value[at], 2 * (before + after) / ((t[at + 1] - t[at - 1]) * r**2)
+    return minima
 
 
 @kernel
