@@ -24,9 +24,8 @@ from weier.methods.patches.surface import Extent
 from weier.methods.punches import OFFSET, Inverse, invert_punches
 from weier.theory.halfplane import displacement_of_punch
 
-# of the self-influence: shift of theta_i = pi (i + 1/2)/K, sign of X(i + j + shift), power of k in the sum, and the
-# factor of the kernel that the sum over all nodes contains
-RULE = 1, 1.0, -1, 1.0
+# of the self-influence: shift of theta_i = pi (i + 1/2)/K, sign of X(i + j + shift), and power of k in the sum
+RULE = 1, 1.0, -1
 
 
 @kernel

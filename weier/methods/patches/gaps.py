@@ -24,9 +24,8 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals
 
 # The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
 MAX_SHARING = 5
-# of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), power of n in the sum, and
-# the factor of the kernel that the sum over all nodes contains
-RULE = 2, -1.0, 1, 0.25
+# of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), and power of n in the sum
+RULE = 2, -1.0, 1
 
 
 @kernel

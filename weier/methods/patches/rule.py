@@ -15,6 +15,7 @@ a Toeplitz and a Hankel matrix of one table X for each number of nodes. Its inve
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,6 @@ from weier.methods.patches import contacts, gaps
 from weier.methods.patches.contacts import contact_degree, contact_node, contact_wave
 from weier.methods.patches.gaps import gap_degree, gap_node, gap_wave
 from weier.methods.patches.surface import distances_between
-from weier.theory.halfplane import replace_by_influence
 
 Table = NDArray[np.float64]
 OF_CONTACTS, OF_GAPS = contacts.RULE, gaps.RULE
@@ -48,8 +48,8 @@ class Rule(NamedTuple):
 
 
 @kernel
-def rule_of(dual: bool) -> tuple[int, float, int, float]:
-    """Return `RULE`: the shift, the sign of X(i + j + shift), the power in its sum, and the factor of the kernel."""
+def rule_of(dual: bool) -> tuple[int, float, int]:
+    """Return `RULE`: the shift, the sign of X(i + j + shift), and the power in its sum."""
     return OF_GAPS if dual else OF_CONTACTS
 
 
@@ -77,7 +77,7 @@ def place_nodes(
     The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
     self-influence in addition to X.
     """
-    nodes, (shift, _, _, _) = first_node[-1], rule_of(dual)
+    nodes, (shift, _, _) = first_node[-1], rule_of(dual)
     offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
     gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
@@ -90,62 +90,46 @@ def place_nodes(
     return gap, offset, left, diagonal, is_apart
 
 
-@kernel
-def _cosine_sum(angles: int, q: int, power: int, cosine: Array) -> float:
-    """Return sum_n n^power cos(pi n q/N), n = 1..N-1, for the power 1 or -1, from a turn of cos(pi q/N).
+def _cosine_sums(N: int, power: int) -> Array:
+    """Return sum_n n^power cos(pi n q/N), n = 1..N-1, for the power 1 or -1 and q = 0..N.
 
     The first is N (N-1)/2 at q = 0, else -N/2 for even q and N/2 - 1/[2 sin^2(pi q/2N)] for odd q: the derivative of
     the sum of sin(n x), which is [cos(x/2) - cos((N - 1/2) x)]/[2 sin(x/2)].
     """
-    N, total, index = angles, 0.0, 0
-    if power > 0:
-        if q == 0:
-            return 0.5 * N * (N - 1)
-        return -0.5 * N if q % 2 == 0 else 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * q) ** 2
-    for n in range(1, N):
-        index += q
-        if index >= 2 * N:
-            index -= 2 * N
-        total += cosine[index] / n
+    if power < 0:
+        return np.fft.rfft(np.append(0.0, 1 / np.arange(1.0, N)), 2 * N).real
+    total = np.full(N + 1, -0.5 * N)
+    total[0] = 0.5 * N * (N - 1)
+    total[1::2] = 0.5 * N - 0.5 / np.sin(0.5 * np.pi / N * np.arange(1, N + 1, 2)) ** 2
     return total
 
 
-@kernel
-def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
-    """Return the tables X of all segments, optionally those of the inverse.
+@lru_cache(maxsize=256)
+def _own_table(K: int, dual: bool, inverse: bool) -> Array:
+    """Return the table X of a segment with K nodes, optionally that of the inverse, shape (2 K + 1,).
 
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
     q/2N)]. For the inverse it is the sum of the reciprocal powers over N^2.
     """
-    n, previous_K, (shift, _, power, factor) = first_node.size - 1, -1, rule_of(dual)
-    table, power = np.empty(2 * first_node[-1] + n), -power if inverse else power
-    for j in range(n):
-        K, start = first_node[j + 1] - first_node[j], 2 * first_node[j] + j
-        here = table[start : start + 2 * K + 1]
-        if previous_K == K:
-            for q in range(2 * K + 1):
-                here[q] = table[start - 2 * K - 1 + q]
-            continue
-        N, previous_K = K + shift - 1, K
-        cosine, at_nodes = np.empty(2 * N), np.empty(N + 1)
-        for q in range(2 * N):
-            cosine[q] = np.cos(np.pi / N * q)
-        for q in range(N + 1):
-            at_nodes[q] = q
-        replace_by_influence(at_nodes, 2.0 * N, dual)
-        for q in range(2 * K + 1):
-            if q > N:  # X is even about N
-                here[q] = here[2 * N - q]
-            else:
-                total = _cosine_sum(N, q, power, cosine)
-                here[q] = total / (N * N) if inverse else -total - factor * at_nodes[q]
-    return table
+    shift, _, power = OF_GAPS if dual else OF_CONTACTS
+    N = K + shift - 1
+    if inverse:
+        X = _cosine_sums(N, -power) / N**2
+    else:
+        X, sine = -_cosine_sums(N, power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
+        X[1:] -= 0.25 / sine**2 if dual else np.log(2 * sine)
+    return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
+
+
+def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
+    """Return the tables X of all segments, optionally those of the inverse."""
+    return np.concatenate([_own_table(K, dual, inverse) for K in np.diff(first_node).tolist()])
 
 
 @kernel
 def times_own(first_node: Indices, table: Array, left: Array, dual: bool, f: Array, result: Array) -> None:
     """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
-    shift, sign, _, _ = rule_of(dual)
+    shift, sign, _ = rule_of(dual)
     total, mirrored = np.empty(first_node[-1]), np.empty(2 * first_node[-1])
     for j in range(first_node.size - 1):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
@@ -167,7 +151,7 @@ def add_own_blocks(
     first_node: Indices, left: Array, diagonal: Array, table: Array, dual: bool, matrix: Table
 ) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
-    shift, sign, _, _ = rule_of(dual)
+    shift, sign, _ = rule_of(dual)
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
@@ -184,7 +168,7 @@ def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, perio
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     whole turn that has all its digits.
     """
-    b, (shift, _, _, _) = np.zeros(force.size), rule_of(dual)
+    b, (shift, _, _) = np.zeros(force.size), rule_of(dual)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
@@ -216,7 +200,7 @@ def forces_of(
 
     Coefficients of a degree too high for the nodes are omitted.
     """
-    force, (shift, _, _, _) = np.zeros(first_node[-1]), rule_of(dual)
+    force, (shift, _, _) = np.zeros(first_node[-1]), rule_of(dual)
     for j in range(r.size):
         if origin[j] < 0:
             continue
