@@ -158,11 +158,10 @@ rule figure:
         " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
 
 
-# One process draws half of the figures of a scene, or all of a few, since starting it takes as long as drawing two;
-# figures that are not outdated stay. Without wildcards, these rules go before `figure`, which draws those that the
-# command line names.
+# One process draws the figures of a scene, or two draw many, the smaller part after the claims. Figures that are not
+# outdated stay. Without wildcards, these rules go before `figure`, which draws those that the command line names.
 for name in [] if figures_are_named() else SCENES:
-    for drawing, figures in scenes.drawing_rules(name).items():
+    for place, (drawing, figures) in enumerate(scenes.drawing_rules(name).items()):
 
         rule:
             name:
@@ -185,6 +184,7 @@ for name in [] if figures_are_named() else SCENES:
                 f"results/logs/{name}/{drawing}.log",
             benchmark:
                 f"results/logs/{name}/{drawing}.tsv"
+            priority: -place
             conda:
                 "rules/environment.yaml"
             resources:

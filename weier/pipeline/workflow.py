@@ -37,9 +37,10 @@ from weier.scene import Scene
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
 VALUES = "csv"  # format of its values
-MAX_DRAWN = (
-    3  # figures that one process draws, if there are no more; a second one takes as long to start as to draw two
-)
+# A process takes as long to start as to draw three figures, and the claims of the paper's scene, which are checked at
+# the same time, as long as five: `results/logs/paper/*.tsv` has the seconds.
+MAX_DRAWN = 8  # figures of one process, if there are no more
+CLAIMS_AS_FIGURES = 5
 DATA = ("contact.nc", "claims.md")
 RECORDS = Path(".snakemake")
 LOCKS = RECORDS / "locks"
@@ -140,8 +141,9 @@ class Scenes:
         return [str(self.results / name / "figures" / f"{figure}.{suffix}") for suffix in (*FORMATS, VALUES)]
 
     def drawing_rules(self, name: str) -> dict[str, list[str]]:
-        """Return the figures of a scene by the rule that draws them: halves of four or more, which two cores draw.
+        """Return the figures of a scene by the rule that draws them: beyond `MAX_DRAWN`, two cores draw them.
 
+        The first process draws more than the second one, which starts after the claims.
         A scene with mistakes has none of these rules, so that rules without scenes run; its other ones report them.
         """
         with ending_in_one_sentence():
@@ -150,7 +152,10 @@ class Scenes:
             except (ValueError, OSError):
                 return {}
         first, second = f"figures_of_{name}", f"more_figures_of_{name}"
-        return {first: figures[::2], second: figures[1::2]} if len(figures) > MAX_DRAWN else {first: figures}
+        if len(figures) <= MAX_DRAWN:
+            return {first: figures}
+        number = CLAIMS_AS_FIGURES
+        return {first: figures[:number] + figures[number + 1 :: 2], second: figures[number::2]}
 
     def of_figures(
         self, name: str, figures: Iterable[str], files: Callable[[Any], list[str]]
