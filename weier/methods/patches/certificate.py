@@ -28,13 +28,11 @@ from weier.methods.patches.surface import (
 )
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
-# A polynomial of degree n is at most 1/cos(n pi/(2m)) times its largest value at the zeros of T_m (Ehlich, Zeller), a
-# factor of 2 for m = 3n/2. On K nodes, residuals have the degree K + 2, up to decayed coefficients.
+# Between the samples a residual, of the degree K + 2 on K nodes, is at most twice as large (docs/patches.md).
 SAMPLES_PER_DEGREE = 1.5
 SAMPLED_FACTOR = 1 / float(np.cos(0.5 * np.pi / SAMPLES_PER_DEGREE))
 DIRECT_SUMS = 40  # points at which residuals of many segments are checked without fast sums
-# If heights z' differ from z by at most e, u' - u <= (z' - z) + (d - d') <= 2 e at its maximum, so that the gaps obey
-# |g' - g| <= |d' - d| + |z' - z| + |u' - u| <= 4 e. If part of e comes from tension or load, this is an estimate.
+# |g' - g| over the error e of the heights (docs/patches.md); an estimate if part of e comes from tension or load
 GAP_FACTOR = 4.0
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11

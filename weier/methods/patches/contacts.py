@@ -5,11 +5,6 @@ At the zeros of T_K, f_i = (pi/K) r psi_i. With A the sum over all nodes of -2 l
     z - A f = d on all contacts,   sum f = p L,
 
 with the mean gap d. A is positive definite on forces of sum 0; `OFFSET` makes it so on all forces.
-
-The integral of T_k/sqrt(1-s^2) with ln|t-s| is -(pi/k) T_k, and -pi ln 2 for k = 0, so that a unit force at t_j gives
--ln 2 - 2 sum T_k(t_i) T_k(t_j)/k. Its difference from ln|t_i - t_j|, which the sum over all nodes contains, is X(i -
-j) + X(i + j + 1) with X(q) = -C(q) - ln|2 sin(pi q/2K)| and C(q) = sum_k cos(pi k q/K)/k, k < K. The forces (k/2K)
-T_k give the displacement T_k.
 """
 
 from __future__ import annotations

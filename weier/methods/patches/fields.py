@@ -31,10 +31,8 @@ BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # angle between x and the centre of a segment above which it is computed from the angles of both, with a rounding
 # error of 2e-15 of it
 MIN_ANGLE = 0.1
-# Without their pole at 0, the kernels are power series in u = (x-s)/L, with z the zeta function: cot(pi u) - 1/(pi u)
-# is -(2/pi) sum z(2k) u^(2k-1), and pi times its integral is ln(sin(pi u)/(pi u)). They converge up to the next
-# poles, at 1 and -1; without these, z(2k) - 1 replaces z(2k), and they converge up to 2. Terms decrease by a factor
-# of at least 4.
+# Power series of the kernels without their pole at 0, and without those at 1 and -1 (docs/patches.md): terms decrease
+# by a factor of at least 4.
 MAX_POLE_DISTANCE = 0.5  # |u| from which the poles at 1 and -1 are subtracted as well
 # largest number of terms; for small |u|, fewer reach rounding
 SERIES_TERMS = 3 + int(LN_ROUNDING / np.log(4.0))

@@ -4,12 +4,6 @@ At the zeros of U_K, f_i = r w_i omega_i with the gap sqrt(1-t^2) omega and the 
 C the sum over all nodes of -1/(2 L^2 sin^2(pi (x_i - x_j)/L)), positive definite,
 
     C f = the tension of full contact in all gaps,   d = sum f/L.
-
-The finite part of the integral of sqrt(1-s^2) U_k/(t-s)^2 is -pi (k+1) U_k, so that a unit force at t_j gives -2 sum
-(k+1) U_k(t_i) U_k(t_j). Its difference from 1/(t_i - t_j)^2, which the sum over all nodes contains, is [X(i - j) -
-X(i + j + 2)]/(sin theta_i sin theta_j) with X(q) = -D(q) - 1/[4 sin^2(pi q/2N)], N = K + 1, and D(q) = sum_n n cos(pi
-n q/N), n <= K. The forces 2 pi r^2 w_i U_k/(k+1) give the pressure U_k. The gap is sum c_k sin((k+1) theta), whose
-slope has the coefficients b_n = -(n/r) c_(n-1).
 """
 
 from __future__ import annotations
