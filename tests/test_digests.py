@@ -29,8 +29,9 @@ def unused(x):
     "three": "LIMIT = 1\ntable = {}\ntable[1] = 2\nOTHER = 3\n",
     "four": "class Type:\n    size = 1\n\ndef late(x):\n    return x\n",
     "kernels/__init__": "",
-    "kernels/jit": "def kernel(function):\n    return function\n",
-    "kernels/sums": "from weier.kernels.jit import kernel\nfrom weier.three import LIMIT\n\n@kernel\ndef add(x):\n"
+    "kernels/jit": "def kernel(function):\n    return function\n\ndef in_any_order(function):\n    return function\n",
+    "kernels/sums": "from weier.kernels.jit import in_any_order, kernel\nfrom weier.three import LIMIT\n\n"
+    "@in_any_order\n@kernel\ndef add(x):\n"
     "    return x + LIMIT\n\ndef drive(x):\n    return add(x)\n",
 }
 
@@ -104,6 +105,7 @@ def test_a_digest_changes_with_what_a_function_runs_alone(package, module, old, 
     ("module", "old", "new", "changes"),
     [
         ("kernels/sums", "x + LIMIT", "x - LIMIT", True),
+        ("kernels/sums", "@in_any_order\n", "", True),
         ("three", "LIMIT = 1", "LIMIT = 2", True),
         ("kernels/sums", "return add(x)", "return -add(x)", False),
         ("kernels/jit", "return function", "return  function  # as it is", False),

@@ -21,7 +21,10 @@ KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions 
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
 # text files of the package other than modules
 RESOURCES = frozenset({".json", ".js", ".css", ".html", ".md", ".mplstyle"})
-DECORATOR, MACHINERY = "kernel", "weier.kernels.jit"  # How kernels are compiled changes no number.
+DECORATORS, MACHINERY = (
+    frozenset({"kernel", "in_any_order"}),
+    "weier.kernels.jit",
+)  # How kernels are compiled changes no number.
 
 Name = tuple[str, str]  # A definition: its module and its name.
 
@@ -162,12 +165,12 @@ def _definitions(module: str) -> dict[str, Definition]:
 
 
 def _definition(statement: ast.stmt) -> Definition:
-    """Return a statement that is no import from a module; a kernel does not run its decorator."""
+    """Return a statement that is no import from a module; a kernel does not run its decorators."""
     nodes = list(ast.walk(statement))
     is_kernel = isinstance(statement, ast.FunctionDef) and any(
-        isinstance(decorator, ast.Name) and decorator.id == DECORATOR for decorator in statement.decorator_list
+        isinstance(decorator, ast.Name) and decorator.id in DECORATORS for decorator in statement.decorator_list
     )
-    uses = {node.id for node in nodes if isinstance(node, ast.Name)} - ({DECORATOR} if is_kernel else set())
+    uses = {node.id for node in nodes if isinstance(node, ast.Name)} - (DECORATORS if is_kernel else set())
     imports = [origin for node in nodes if isinstance(node, ast.ImportFrom) for _, origin in _origins(node)]
     return Definition(digest(_as_lists(statement)), frozenset(uses), tuple(imports), is_kernel)
 
@@ -217,7 +220,7 @@ class _Plain(ast.NodeTransformer):
 def _all_kernels() -> list[Name]:
     found = []
     for path in (path for part in KERNELS for path in sorted((PACKAGE / part).rglob("*.py"))):
-        if f"@{DECORATOR}" in path.read_text(encoding="utf-8"):
+        if "@kernel" in path.read_text(encoding="utf-8"):
             module = ".".join((PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts))
             found += [(module, name) for name, each in _definitions(module).items() if each.is_kernel]
     return found

@@ -97,7 +97,7 @@ def test_nothing_private_of_numba_is_used():
 PROGRAM_OF_KERNELS = """
 from typing import NamedTuple
 import numpy as np
-from weier.kernels.jit import kernel
+from weier.kernels.jit import in_any_order, kernel
 
 class Pair(NamedTuple):
     one: np.ndarray
@@ -114,6 +114,18 @@ def offset(pair):
 @kernel
 def wrong(pair):
     return pair.neither
+
+@in_any_order
+@kernel
+def scalar_product(pair):
+    total = 0.0
+    for i in range(pair.one.size):
+        total += pair.one[i] * pair.other[i]
+    return total
+
+@kernel
+def norm(pair):
+    return scalar_product(pair) + offset(pair)
 """
 
 
@@ -188,6 +200,23 @@ import numpy as np, some_kernels
 value = some_kernels.product(some_kernels.Pair(np.ones(3), np.ones(3)))
 print(value, sum(some_kernels.product.compiled.stats.cache_hits.values()))
 """
+
+
+@compiled
+@pytest.mark.parametrize("name", ["scalar_product", "norm"])
+def test_sums_in_any_order_take_several_terms_at_once(cache, load, name):
+    module = load()
+    assert call(module, name) == (3 if name == "scalar_product" else 4)
+    (code,) = getattr(module, name).compiled.inspect_llvm().values()
+    assert "fadd reassoc <" in code  # of vectors
+
+
+@compiled
+def test_other_sums_keep_their_order(cache, load):
+    module = load()
+    call(module)
+    (code,) = module.product.compiled.inspect_llvm().values()
+    assert "reassoc" not in code
 
 
 @compiled

@@ -86,13 +86,14 @@ class Kernel:
     def __init__(self, function: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
         self.function, self.name = function, f"{function.__module__}.{function.__qualname__}"
+        self.options = OPTIONS
 
     @functools.cached_property
     def within(self) -> Any:
         """What other kernels call: numba's dispatcher, without a wrapper for Python."""
         import numba
 
-        return numba.njit(**OPTIONS, no_cpython_wrapper=True)(self.function)
+        return numba.njit(**self.options, no_cpython_wrapper=True)(self.function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the compiled function."""
@@ -189,14 +190,14 @@ class Kernel:
 
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache)
         try:
-            return numba.njit(**OPTIONS, cache=True)(self._without_place(folder))
+            return numba.njit(**self.options, cache=True)(self._without_place(folder))
         finally:
             numba.config.CACHE_DIR = before
 
     def _for_this_run(self, types: tuple[Any, ...], error: OSError) -> Any:
         import numba
 
-        compiled = _compile_for(numba.njit(**OPTIONS)(self.function), types)
+        compiled = _compile_for(numba.njit(**self.options)(self.function), types)
         why = f"{error.strerror}: {cache_folder()}" if error.strerror else error
         warnings.warn(NOT_CACHED.format(f"{type(error).__name__}: {why}"), RuntimeWarning, stacklevel=1)
         return compiled
@@ -283,3 +284,10 @@ def _register_kernels() -> None:
 def kernel(function: Function) -> Function:
     """Compile `function` with numba on first call: arrays in, arrays out, IEEE division, no GIL."""
     return function if DISABLED else cast(Function, Kernel(function))
+
+
+def in_any_order(function: Function) -> Function:
+    """Let the compiler add the terms of sums in a kernel in any order, and so several at once."""
+    if isinstance(function, Kernel):
+        function.options = function.options | {"fastmath": {"reassoc"}}
+    return function

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
-from weier.kernels.jit import kernel
+from weier.kernels.jit import in_any_order, kernel
 from weier.methods.chebyshev import gauss_rule
 from weier.theory.halfplane import replace_by_influence
 
@@ -267,6 +267,7 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
                     total[a] += tree.at_points[a, q] * here[q]
 
 
+@in_any_order
 @kernel
 def _add_block(
     block: NDArray[np.float64], f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array
