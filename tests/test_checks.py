@@ -106,7 +106,7 @@ OWN = {
     "Interface": {"E_1": None, "E_2": None},
     "composite_modulus": {"E_1": None, "E_2": None},
     "Interface.solve": {"method": "demelio", "pressure": [1e6, 1e7]},
-    "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio"), "unit": None},
+    "Interface.in_si": {"data": weier.solve(PROFILE, [0.1], "demelio")},
 }
 # Of functions that take one of several keywords.
 WANTED = {"find_load": {"resistance": 1.0}, "Interface.find_pressure": {"resistance": 1e-10}}

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import Condition, checked_number, checked_numbers, checked_word, shown
+from weier.checks import Condition, checked_number, checked_numbers, shown
 from weier.kernels.arrays import Array
 from weier.surface.measured.trace import MAX_SLOPE
 from weier.surface.waves import checked_surface
@@ -126,6 +126,7 @@ OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 # The units of the scalars of `weier.fields`, which are attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOADS = "mean_pressure"
+OF_DATASETS = "convert the whole Dataset first, as in in_si(curve).resistance"
 LOCATED = (LOADS, "x")  # The coordinates with normalised units.
 CASE, LOAD = "case", "load"  # Dimensions; cases of different scale have different loads in Pa, over LOAD.
 
@@ -227,48 +228,44 @@ class Bodies:
             warnings.simplefilter("ignore")
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
-    def pressure(self, normalised: ArrayLike) -> Any:
-        """Convert pressures from p_0* to Pa; a DataArray remains one."""
+    def pressure(self, normalised: ArrayLike) -> Array:
+        """Convert pressures from p_0* to Pa."""
         return self._of_unit("p_0*", normalised)
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
         """Convert pressures of any shape from Pa to p_0*, as `weier.solve` takes them."""
         return np.asarray(checked_numbers("pressure", pressure, unit=units.PASCAL) / self.full_contact_pressure)
 
-    def compliance(self, normalised: ArrayLike) -> Any:
-        """Convert compliances, heights and gaps from g_0 to m; a DataArray remains one."""
+    def compliance(self, normalised: ArrayLike) -> Array:
+        """Convert compliances, heights and gaps from g_0 to m."""
         return self._of_unit("g_0", normalised)
 
-    def resistance(self, normalised: ArrayLike) -> Any:
-        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2); a DataArray remains one."""
+    def resistance(self, normalised: ArrayLike) -> Array:
+        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
-    def in_si(self, data: Any, unit: str | None = None) -> Any:
-        """Convert a Dataset or DataArray with its coordinates to SI units; call it before any arithmetic.
+    def in_si(self, data: Any) -> Any:
+        """Convert a Dataset with its coordinates to SI units; call it before any arithmetic.
 
         Parameters
         ----------
-        data : Dataset or DataArray
+        data : Dataset
             Results of weier, such as a curve of `weier.solve`: the attribute `normalised_by` is the unit of a
             variable. Curves of traces are converted by the length and height of each trace, others by lambda_0 and
             g_0 of this interface.
-        unit : str, optional
-            Unit of a DataArray: "g_0", "p_0*", "g_0/p_0*", "lambda_0", or "1" for a ratio. It is required for a
-            normalised quantity, since xarray keeps attributes in arithmetic.
 
         Returns
         -------
-        Dataset or DataArray
-            The same with `units` such as "Pa", and with this interface among the attributes of a Dataset. What has
-            another unit stays as it is, and so does NaN, where a value is missing. Where traces of several lengths
-            or heights have common normalised loads, the loads in Pa depend on the case, and the dimension
-            mean_pressure becomes `load`.
+        Dataset
+            The same with `units` such as "Pa", and with this interface among its attributes. What has another unit
+            stays as it is, and so does NaN, where a value is missing. Where traces of several lengths or heights have
+            common normalised loads, the loads in Pa depend on the case, and the dimension mean_pressure becomes
+            `load`.
 
         Raises
         ------
         ValueError
-            If this is no data of weier, is in SI units already, has lost a unit, or is a DataArray that may have
-            another unit than its attributes say.
+            If this is no data of weier, is in SI units already, or has lost a unit.
 
         Examples
         --------
@@ -279,19 +276,8 @@ class Bodies:
         >>> print(f"{curve.mean_pressure.values[0]:.3e}", curve.mean_pressure.units, curve.resistance.units)
         2.142e+07 Pa ohm m^2
         """
-        if hasattr(data, "to_dataset"):
-            if unit is None and (kept := units.unit_of(data)) in units.NORMALISED:
-                raise ValueError(
-                    f'unit must be given for a DataArray, as unit="{kept}", or "1" for a ratio, since xarray keeps '
-                    "attributes in arithmetic: give it, or convert the Dataset first, as in_si(curve).resistance"
-                )
-            name = data.name if isinstance(data.name, str) and data.name not in data.coords else "data"
-            named = data.rename(name) if unit is None else _with_unit(data.rename(name), unit)
-            return self.in_si(named.to_dataset())[name].rename(data.name)
         if not hasattr(data, "data_vars"):
-            raise ValueError(f"data must be a Dataset or a DataArray of weier, got {shown(data)}")
-        if unit is not None:
-            raise ValueError(f"unit must be left out for a Dataset, whose variables have units, got {shown(unit)}")
+            raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {OF_DATASETS}")
         _check_normalised(data)
         scale = self._scale_of(data)
         own_loads = LOADS in data.dims and units.unit_of(data[LOADS]) in units.NORMALISED
@@ -346,13 +332,12 @@ class Bodies:
         values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(length)
         return {name: (value, SI_UNITS[name]) for name, value in values.items()}
 
-    def _of_unit(self, unit: str, normalised: Any) -> Any:
+    def _of_unit(self, unit: str, normalised: Any) -> Array:
         """Return values of one unit; those that say they are of another one are refused."""
-        if not hasattr(normalised, "to_dataset"):
-            return _scaled(checked_numbers("normalised", normalised, unit=unit), self._scales()[unit][0])
-        if (own := units.unit_of(normalised) or unit) != unit:
-            raise ValueError(f"normalised must be in {unit}, got values in {own}")
-        return self.in_si(normalised, unit)
+        numbers = checked_numbers("normalised", normalised, unit=unit)
+        if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
+            raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
+        return _scaled(numbers, self._scales()[unit][0])
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
@@ -369,21 +354,6 @@ def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Ar
     return np.asarray(checked_numbers(name, values, unit=si) / factor)
 
 
-def _with_unit(data: Any, unit: str) -> Any:
-    """Return a DataArray with a unit, if it has none, or if arithmetic may have changed it."""
-    checked_word("unit", unit, (*units.NORMALISED, units.NONE))
-    own = units.unit_of(data)
-    is_ratio = unit == units.NONE and own in units.NORMALISED
-    if not (own in ("", unit) or is_ratio or _is_computed(data)):
-        raise ValueError(
-            f"unit must be that of the data, {own}, got {unit}: convert data.drop_attrs(deep=False) "
-            "if arithmetic changed it"
-        )
-    # The other attributes are those of the operands.
-    kept = data.drop_attrs(deep=False) if is_ratio or _is_computed(data) else data
-    return kept.assign_attrs({units.NORMALISED_BY: unit})
-
-
 def _is_computed(variable: Any) -> bool:
     """Return whether arithmetic dropped attributes of a variable of weier, whose operands differ in `long_name`."""
     return variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
@@ -398,8 +368,7 @@ def _check_normalised(data: Any) -> None:
         if variable.dtype.kind == "f" and (not units.unit_of(variable) or _is_computed(variable)):
             raise ValueError(
                 f"{name} has lost its unit, as by a mean or a ratio: give it again by "
-                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number, or for one DataArray '
-                'by in_si(data, unit="g_0")'
+                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
             )
         if units.unit_of(variable) in units.NORMALISED and "long_name" in variable.attrs:
             other = described.setdefault(str(variable.attrs["long_name"]), str(name))
