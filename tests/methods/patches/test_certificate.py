@@ -6,6 +6,7 @@ from scipy.integrate import quad
 
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
+from weier import Profile
 from weier.methods import patches
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.patches import certificate
@@ -285,6 +286,61 @@ def test_edges_that_move_change_the_resistance_as_stated(wave, dual):
     step = np.full((1, 2), 1e-7 * wave.period)
     left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
     assert left_over == pytest.approx(moved(wave, step[0, 0]), rel=1e-5, abs=0)
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
+    r = wave.state(dual).segments.half_width[0]
+    for move, factor in ((0.09, 1), (0.11, 2), (-0.11, 2)):
+        step = np.array([[0.0, move * r]])
+        expected = factor * 2 * np.pi**2 / wave.period * wave.tangent_strength**2 * abs(move) * r
+        left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
+        assert left_over == pytest.approx(expected, rel=1e-9, abs=0)
+
+
+@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
+def test_the_force_of_a_light_contact_limits_the_strengths_of_its_edges(period):
+    """By rounding they are ten times those of Hertz's contact, A = sqrt(8) F/(pi a^(3/2)); then delta = a e/2F."""
+    wave = OneWave(period, 1e-4 * period, 0.2 * period)
+    a, force, coefficient = wave.half_width, wave.load * period, wave.state(False).coefficient
+    coefficient[2] += 3 * coefficient[0]  # U_2(+-1) = 3
+    height_error = 1e-4 * force
+    move = 0.5 * a * height_error / force + 2 * a * height_error / (-2 * np.log(np.pi * a / period) * force)
+    rounded = stated(wave, coefficient=coefficient, height_error=height_error) - stated(wave, coefficient=coefficient)
+    assert rounded == pytest.approx(moved(wave, move), rel=1e-3, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("profile", "load"),
+    [
+        (
+            Profile(
+                1.169084558890673,
+                3,
+                5,
+                (0.09873733997807124, 1.2477603623951703, 2.5894583371729336, 4.320588492982118, 2.754932865010474),
+            ),
+            0.1773806166408805,
+        ),
+        (
+            Profile(
+                1.8415359289621946,
+                "4/3",
+                4,
+                (1.8248217740603678, 0.8334541982874193, 1.3551804756171917, 5.967107008412443),
+            ),
+            0.09467766720575205,
+        ),
+    ],
+)
+def test_the_resistance_1e_11_above_a_birth_is_within_its_error(profile, load):
+    """Against the mirrored profile at a tighter tolerance."""
+    mirrored = Profile(profile.D, profile.gamma, profile.m, tuple(-np.array(profile.phase)))
+    found, exact = patches.curve(profile, [load]), patches.curve(mirrored, [load], 1e-12)
+    assert found.patch_count == exact.patch_count
+    assert abs(found.resistance - exact.resistance) <= found.resistance_error + exact.resistance_error
+    assert found.resistance_error < 0.1 * found.resistance
 
 
 @pytest.mark.parametrize("dual", [False, True])

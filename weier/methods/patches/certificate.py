@@ -14,9 +14,10 @@ from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
+from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING, GAP, NEW_GAP_WIDTH
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, GAP, NEW_GAP_WIDTH, PRESSURE
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
@@ -36,9 +37,10 @@ DIRECT_SUMS = 40  # points at which residuals of many segments are checked witho
 GAP_FACTOR = 4.0
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
-# Three estimates of first order count twice: an edge of a narrow gap, which neglects the motion of the opposite
-# edge; a missing gap, which assumes parabolic tension; and the loss of a contact or gap whose edge may move by its
-# half-width, as a move by 2 half-widths of the gap, or 2 a chi of the contact.
+# Four estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap,
+# which neglects the motion of the opposite edge; a missing gap, which assumes parabolic tension; and the loss of a
+# contact or gap whose edge may move by its half-width, as a move by 2 half-widths of the gap or 2 a chi of the
+# contact.
 SAFETY_FACTOR = 2.0
 NEIGHBOUR_FACTOR = 4.0
 
@@ -90,10 +92,14 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
 def imbalance(state: ContactState, period: float) -> tuple[float, float]:
     """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, in g_0.
 
-    Both follow from the integrals of the density, (pi/2) r a_0: the force of a contact, the closure error of a gap.
+    Both follow from the integrals of the density.
     """
-    integral = 0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]]
-    return state.kind.imbalance(integral, state.load, period)
+    return state.kind.imbalance(integrals(state), state.load, period)
+
+
+def integrals(state: ContactState) -> Array:
+    """Return the force of each contact or the closure error of each gap, the integral of the density (pi/2) r a_0."""
+    return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
@@ -263,8 +269,11 @@ def resistance_error(state: ContactState, series: CosineSeries) -> float:
     """Return an estimate of the error of the resistance in partial contact, in g_0/p_0*."""
     by_cracks = SAFETY_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
-    # The next step would move the edges and change the resistance by the energy released.
-    by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * np.abs(state.edge_move)))
+    # The next step would move the edges and change the resistance by the energy released. While edges have not
+    # settled, others follow it.
+    move = np.abs(state.edge_move)
+    move *= np.where(move > SETTLED_MOVE * state.segments.half_width[:, None], SAFETY_FACTOR, 1.0)
+    by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * move))
     return by_iteration + _error_by_edges(state, series) + by_cracks + _drop_by_births(state, series)
 
 
@@ -344,6 +353,9 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     other than the highest and its equals, rounding of amplitudes and displacements adds to e. Rounding of the
     curvature kappa = 4 F/a^2 moves the edges by half its relative error. The force follows from the strengths of the
     edges, for a Hertz contact: F = pi a^(3/2) k_1/sqrt(8).
+
+    Just above a birth F is of the order of e, and the strengths and a are hardly known. The error of F is divided by
+    chi, so that F from the density is known, and the strengths of contacts are at most sqrt(8) F/(pi a^(3/2)).
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
     contacts = state.kind.contacts_of(state.segments.extent, L)
@@ -353,6 +365,9 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
     curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
+    if state.kind.on_segments == PRESSURE:
+        most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5
+        A = np.minimum(A, most[:, None])
     return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)
 
 
