@@ -133,8 +133,8 @@ class Solutions:
         """
         wanted = self._cases_of(studies)
         missing: dict[tuple[str, ...], dict[str, list[tuple[Part, Indices]]]] = {}
-        for part in self.parts:
-            batch, _ = self.store.find(part.kind, part.surfaces)
+        batches = [self.store.find(part.kind, part.surfaces)[0] for part in self.parts]
+        for part, batch in zip(self.parts, batches, strict=True):
             lacking = np.flatnonzero((batch < 0) & wanted[part.cases])
             if lacking.size:
                 compiled = tuple(method.name for method in methods_run_by(part.kind.method) if method.numerical)
@@ -142,9 +142,10 @@ class Solutions:
         for by_kind in missing.values():
             self._describe(list(itertools.chain.from_iterable(by_kind.values())), cores)
         used = dict[int, None]()
-        for part in self.parts:
-            batch, _ = self.store.find(part.kind, part.surfaces)
+        for part, batch in zip(self.parts, batches, strict=True):
             own = batch[wanted[part.cases]]
+            if (own < 0).any():
+                own = self.store.find(part.kind, part.surfaces[wanted[part.cases]])[0]
             used |= dict.fromkeys(own[np.sort(np.unique(own, return_index=True)[1])].tolist())
         return list(dict.fromkeys(map(self.store.target, used)))
 

@@ -170,13 +170,14 @@ class Scenes:
 
     def batches(self, wildcards: Any) -> list[str]:
         """Return the files that hold all curves of a scene."""
-        return self._batches(wildcards.scene)
+        return self._batches(wildcards.scene, None)
 
     def batches_of_figure(self, wildcards: Any) -> list[str]:
         """Return the files that hold the curves of a figure."""
         with ending_in_one_sentence():
             figure = self.scene(wildcards.scene).figure(wildcards.figure)
-        return self._batches(wildcards.scene, figure.all_studies)
+            of_all = {*figure.all_studies} == {*self.scene(wildcards.scene).studies}
+        return self._batches(wildcards.scene, None if of_all else figure.all_studies)
 
     def settled_batches(self, wildcards: Any) -> list[str]:
         """Return the batches of the data or a figure that are fresh, and stay so if a batch is made again."""
@@ -197,7 +198,7 @@ class Scenes:
             found = {made_of(path) for path in files}
         return paths if (found == {self._inputs(wildcards.scene, figure)}) == fresh else []
 
-    def _cut_batches(self, name: str, studies: tuple[str, ...] | None = None) -> list[str]:
+    def _cut_batches(self, name: str, studies: tuple[str, ...] | None) -> list[str]:
         """Return the batches of these studies of a scene, or of all.
 
         The expected cost of missing batches is reported here, so that a dry run reports it, too.
