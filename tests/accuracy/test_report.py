@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from weier.accuracy.report import Column, number, rows_as_table, write_page
+from weier.accuracy.report import number, rows_as_table, write_page
 
 
 def test_a_heading_stands_over_what_its_column_says():
-    columns = [Column("n", str), Column("square", lambda n: number(n**2, ".1f"))]
+    columns = [("n", str), ("square", lambda n: number(n**2, ".1f"))]
     assert rows_as_table(columns, [2, 3]) == "| n | square |\n| --- | --- |\n| 2 | 4.0 |\n| 3 | 9.0 |"
 
 

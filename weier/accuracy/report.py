@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Generic, NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,16 +15,9 @@ from weier.data.markdown import table
 Row = TypeVar("Row")
 
 
-class Column(NamedTuple, Generic[Row]):
-    """A heading, and a function from a row to the Markdown of its cell."""
-
-    heading: str
-    cell: Callable[[Row], str]
-
-
-def rows_as_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> str:
-    """Return a Markdown table with a line for each row."""
-    return table([column.heading for column in columns], ([column.cell(row) for column in columns] for row in rows))
+def rows_as_table(columns: Sequence[tuple[str, Callable[[Row], str]]], rows: Iterable[Row]) -> str:
+    """Return a Markdown table from headings, each with a function from a row to its cell."""
+    return table([heading for heading, _ in columns], ([cell(row) for _, cell in columns] for row in rows))
 
 
 def number(value: float, form: str = ".0e") -> str:

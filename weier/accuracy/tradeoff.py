@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from weier.accuracy import comparison
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.report import Column, number, rows_as_table, write_page
+from weier.accuracy.report import number, rows_as_table, write_page
 from weier.accuracy.runner import median_run
 from weier.accuracy.variants import Variant, variants_of
 from weier.data.markdown import plain
@@ -108,18 +109,18 @@ class Row(NamedTuple):
     stated_resistance: Array
 
 
-COLUMNS: list[Column[Row]] = [
-    Column("method and setting", lambda row: plain(row.name)),
-    Column("profiles", lambda row: str(row.seconds.size)),
-    Column("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
-    Column("error of h: median", lambda row: number(np.median(row.compliance))),
-    Column("90 %", lambda row: number(np.quantile(row.compliance, 0.9))),
-    Column("largest", lambda row: number(row.compliance.max())),
-    Column("stated: median", lambda row: number(np.median(row.stated_compliance))),
-    Column("error of R: median", lambda row: number(np.median(row.resistance))),
-    Column("90 %", lambda row: number(np.quantile(row.resistance, 0.9))),
-    Column("largest", lambda row: number(row.resistance.max())),
-    Column("stated: median", lambda row: number(np.median(row.stated_resistance))),
+COLUMNS: list[tuple[str, Callable[[Row], str]]] = [
+    ("method and setting", lambda row: plain(row.name)),
+    ("profiles", lambda row: str(row.seconds.size)),
+    ("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
+    ("error of h: median", lambda row: number(np.median(row.compliance))),
+    ("90 %", lambda row: number(np.quantile(row.compliance, 0.9))),
+    ("largest", lambda row: number(row.compliance.max())),
+    ("stated: median", lambda row: number(np.median(row.stated_compliance))),
+    ("error of R: median", lambda row: number(np.median(row.resistance))),
+    ("90 %", lambda row: number(np.quantile(row.resistance, 0.9))),
+    ("largest", lambda row: number(row.resistance.max())),
+    ("stated: median", lambda row: number(np.median(row.stated_resistance))),
 ]
 
 

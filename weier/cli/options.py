@@ -11,7 +11,6 @@ import click
 from weier import units
 from weier.checks import checked_numbers, checked_workers, nearest
 from weier.data.files import check_target
-from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, defaults, described, methods_with
 from weier.scene.yaml import parse_yaml
@@ -28,11 +27,6 @@ Option = Callable[[Command], Command]
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # So many loads resolve the steps of the resistance.
 STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
-
-
-def parse_loads(text: str) -> Array:
-    """Return mean pressures in the order given, from "0.1,1" or, in equal ratios from first to last, "1e-3:4:40"."""
-    return positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE))
 
 
 def parse_phases(text: str) -> float | list[float]:
@@ -246,16 +240,15 @@ OF_TRACE = (
 )
 
 
-def parse_pressures(text: str) -> Array:
-    """Return pressures in Pa from "1e6,1e7", "1,10MPa" or, in equal ratios, "1:100:20MPa"."""
-    return checked_numbers("pressures", units.listed("pressures", text, units.PASCAL), "be positive", lambda p: p > 0)
-
-
 OF_BODIES = (
     click.Option(["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2 for two bodies. {SI}"),
     click.Option(
         ["--pressures"],
-        callback=_read(parse_pressures),
+        callback=_read(
+            lambda text: checked_numbers(
+                "pressures", units.listed("pressures", text, units.PASCAL), "be positive", lambda p: p > 0
+            )
+        ),
         help='With --si: mean pressures in Pa, or in a unit, as in "1,10MPa" or "1:100:20MPa", instead of --loads.',
     ),
 )
@@ -267,7 +260,7 @@ def of_one_profile(default_loads: str) -> list[click.Parameter]:
         ["--loads"],
         default=default_loads,
         show_default=True,
-        callback=_read(parse_loads),
+        callback=_read(lambda text: positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE))),
         help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
     )
     return [*OF_SERIES, *OF_TRACE, loads, *OF_BODIES, *OF_SOLUTION]

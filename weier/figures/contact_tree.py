@@ -31,18 +31,14 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     title, (case,) = style.limit_panels(title, known, "cases with contact edges", most=1)
     figure = Figure(figsize=(style.WIDTH, 1.5 * style.HEIGHT), layout="constrained")
     top, tree = figure.subplots(2, 1, sharex=True, height_ratios=(1, 4))
-    _draw_profile(top, case)
+    profile = curves.profile(case)
+    x = np.linspace(0, profile.period, SAMPLES)
+    top.plot(x, profile.height(x), color=style.BLACK, linewidth=0.8)
+    top.set_ylabel(style.LABELS["height"])
     _draw_tree(tree, case)
     top.set_title(style.describe(case))
     style.set_title(figure, title)
     return figure
-
-
-def _draw_profile(axes: Axes, case: xr.Dataset) -> None:
-    profile = curves.profile(case)
-    x = np.linspace(0, profile.period, SAMPLES)
-    axes.plot(x, profile.height(x), color=style.BLACK, linewidth=0.8)
-    axes.set_ylabel(style.LABELS["height"])
 
 
 def _draw_tree(axes: Axes, case: xr.Dataset) -> None:

@@ -34,7 +34,7 @@ def as_csv(figure: Figure) -> str:
 
     Columns are the panel and the curve, and for each pair of axes x, y, and the ends of bands.
     """
-    parts = [(panel, *curve) for panel, axes in _panels(figure) for curve in _curves(axes)]
+    parts = [(_plain(_title(axes)), *curve) for axes in figure.axes for curve in _curves(axes)]
     headings = list(dict.fromkeys(["panel", "curve", *(name for *_, columns in parts for name in columns)]))
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -47,13 +47,10 @@ def as_csv(figure: Figure) -> str:
     return text.getvalue()
 
 
-def _panels(figure: Figure) -> Iterator[tuple[str, Axes]]:
-    return ((_plain(_title(axes)), axes) for axes in figure.axes)
-
-
 def _curves(axes: Axes) -> Iterator[tuple[str, dict[str, list[float]]]]:
     """Yield the names of the lines and bands of a panel, each with its values by their headings."""
-    x, y = (_heading(axis.get_label_text()) for axis in (_labelled(axes, "x"), _labelled(axes, "y")))
+    labels = (_labelled(axes, name).get_label_text() for name in "xy")
+    x, y = (HEADINGS.get(label, _plain(label)) for label in labels)
     for number, line in enumerate(axes.lines, 1):
         # no grid, no cap of a bar, and no entry of a legend
         if line.get_transform() == axes.transData and line.get_label() != "_nolegend_":
@@ -102,10 +99,6 @@ def _labelled(axes: Axes, name: str) -> Any:
     shared = axes.get_shared_x_axes() if name == "x" else axes.get_shared_y_axes()
     axis = [getattr(other, f"{name}axis") for other in (axes, *shared.get_siblings(axes))]
     return next((one for one in axis if one.get_label_text()), axis[0])
-
-
-def _heading(label: str) -> str:
-    return HEADINGS.get(label, _plain(label))
 
 
 def _plain(text: str) -> str:

@@ -101,7 +101,10 @@ class Interface(Bodies):
         >>> print(curve.resistance.values.round(13), curve.resistance.units)
         [8.27e-11 6.21e-11] ohm m^2
         """
-        pressures = np.atleast_1d(checked_numbers("pressure", pressure, "be positive", _positive, units.PASCAL))
+        positive = checked_numbers(
+            "pressure", pressure, "be positive", lambda p: (p > 0) & (p < np.inf), units.PASCAL
+        )
+        pressures = np.atleast_1d(positive)
         if not isinstance(surface, Waves) and not (isinstance(surface, list | tuple) and surface):
             raise ValueError(
                 f"surface must be a weier.Profile, a weier.Trace, or a list of some of these, got {shown(surface)}"
@@ -148,7 +151,3 @@ class Interface(Bodies):
         own, (name, value) = self.at(surface), checked_wanted(wanted)
         normalised = to_normalised(own, name, VARIABLES[name].unit, value)
         return own.in_si(loads_for(surface, name, normalised, own.scales))
-
-
-def _positive(pressures: Array) -> Any:
-    return (pressures > 0) & np.isfinite(pressures)

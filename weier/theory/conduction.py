@@ -281,7 +281,8 @@ class Bodies:
         _check_normalised(data)
         scale = self._scale_of(data)
         own_loads = LOADS in data.dims and units.unit_of(data[LOADS]) in units.NORMALISED
-        found = _over_loads(data) if _varies(scale) and own_loads else data
+        # mean_pressure becomes a coordinate without index.
+        found = data.reset_index(LOADS).rename_dims({LOADS: LOAD}) if _varies(scale) and own_loads else data
         known = self._scales(*scale)
         # By methods of the dataset itself, so that nothing of xarray has to be imported here.
         values = {name: _converted(variable, known) for name, variable in found.variables.items()}
@@ -383,11 +384,6 @@ def _check_normalised(data: Any) -> None:
         raise ValueError(
             f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
         )
-
-
-def _over_loads(data: Any) -> Any:
-    """Replace the dimension mean_pressure by LOAD, so that mean_pressure becomes a coordinate without index."""
-    return data.reset_index(LOADS).rename_dims({LOADS: LOAD})
 
 
 def _varies(scale: Iterable[Array]) -> bool:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from weier.accuracy.extremes.measurement import CHECKS
-from weier.accuracy.report import Column, number, rows_as_table, write_page
+from weier.accuracy.report import number, rows_as_table, write_page
 from weier.accuracy.runner import Outcome
 from weier.data.markdown import plain, table
 from weier.data.variables import Check
@@ -97,12 +97,12 @@ def _runs(data: xr.Dataset) -> list[xr.Dataset]:
     return [data.isel(case=case, variant=variant) for case, variant in np.argwhere(run)]
 
 
-SUMMARY: list[Column[list[xr.Dataset]]] = [
-    Column("method", lambda runs: plain(runs[0]["variant"].item())),
-    Column("extremes", lambda runs: str(len(runs))),
-    Column("numbers", lambda runs: _count(runs, refused=False)),
-    Column("errors in words", lambda runs: _count(runs, refused=True)),
-    Column("least digits of h", lambda runs: number(_worst(runs, "compliance_digits"), ".1f")),
-    Column("of R", lambda runs: number(_worst(runs, "resistance_digits"), ".1f")),
-    Column("largest error of h", lambda runs: number(_worst(runs, "compliance_deviation", np.fmax))),
+SUMMARY: list[tuple[str, Callable[[list[xr.Dataset]], str]]] = [
+    ("method", lambda runs: plain(runs[0]["variant"].item())),
+    ("extremes", lambda runs: str(len(runs))),
+    ("numbers", lambda runs: _count(runs, refused=False)),
+    ("errors in words", lambda runs: _count(runs, refused=True)),
+    ("least digits of h", lambda runs: number(_worst(runs, "compliance_digits"), ".1f")),
+    ("of R", lambda runs: number(_worst(runs, "resistance_digits"), ".1f")),
+    ("largest error of h", lambda runs: number(_worst(runs, "compliance_deviation", np.fmax))),
 ]

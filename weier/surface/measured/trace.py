@@ -444,7 +444,9 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     if length is not None:
         unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
         scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
-        length = scale * checked_number("length", length, "be positive and finite", _is_length, units.METRE)
+        length = scale * checked_number(
+            "length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE
+        )
     if one.positions is None and one.length is None:
         agreed_unit("the length", given, one.x_units)
         if length is None:
@@ -459,10 +461,6 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     if length is not None and abs(length / own - 1) > 0.01:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
     return z, own
-
-
-def _is_length(length: float) -> bool:
-    return 0 < length < math.inf
 
 
 def _checked_shortest(shortest: float | None, length: float, samples: int, unit: float) -> float:
