@@ -32,9 +32,7 @@ BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # error of 2e-15 of it
 MIN_ANGLE = 0.1
 # Power series of the kernels without their pole at 0, and without those at 1 and -1 (docs/patches.md): terms decrease
-# by a factor of at least 4.
-MAX_POLE_DISTANCE = 0.5  # |u| from which the poles at 1 and -1 are subtracted as well
-# largest number of terms; for small |u|, fewer reach rounding
+# by a factor of at least 4, and fewer reach rounding for small |u|.
 SERIES_TERMS = 3 + int(LN_ROUNDING / np.log(4.0))
 _ORDER = np.arange(1, SERIES_TERMS + 1)
 _ZETA_LESS_1 = np.array(
@@ -154,7 +152,7 @@ def _near_field(
     the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.
     """
     total, largest_u = 0.0, r / period * (abs(t) + 1)
-    images = 0 if largest_u < MAX_POLE_DISTANCE and period / r - abs(t) > reach else 1
+    images = 0 if largest_u < 0.5 and period / r - abs(t) > reach else 1
     for image in range(-images, images + 1):
         if which == POTENTIAL:
             total += r * (log_integral(a, t - image * period / r) + np.log(r) * 0.5 * np.pi * a[0])

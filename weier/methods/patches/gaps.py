@@ -16,8 +16,6 @@ from weier.kernels.jit import kernel
 from weier.methods.patches.kind import CAUCHY, FIELD_ROUNDING, GAP, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between, total_height
 
-# The bound is a sum over all gaps: beyond this number the tolerance is divided among them.
-MAX_SHARING = 5
 # of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), and power of n in the sum
 RULE = 2, -1.0, 1
 
@@ -82,7 +80,7 @@ GAPS = Kind(
     plane_of=lambda total, multiplier, period: total / period,
     height_of_residual=lambda half_width: 2 * half_width,  # a pressure displaces by its product with the width
     rounded_width=lambda period, half_width: 2 * float(half_width.max()),
-    share=lambda count: min(1.0, MAX_SHARING / count),
+    share=lambda count: min(1.0, 5 / count),  # The bound is a sum over all gaps.
     on_segments=GAP,
     integral=CAUCHY,
     integral_factor=lambda period: 0.5 / (np.pi * period),

@@ -26,12 +26,11 @@ from weier.surface.waves import Waves
 
 # Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
 ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
-SECONDS_LOAD, SECONDS_WAVE = 7e-4, 1.1e-4  # Of a load, and of a load and each of the finest waves.
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Return expected seconds of a curve."""
-    return loads.size * (SECONDS_LOAD + SECONDS_WAVE * profile.waves_per_period[-1])
+    """Return expected seconds of a curve (docs/numerics.md, "Expected seconds")."""
+    return loads.size * (7e-4 + 1.1e-4 * profile.waves_per_period[-1])
 
 
 def run_kernels() -> None:

@@ -25,7 +25,6 @@ MAX_NODES = 2000
 # of a solution show whether more nodes are needed
 MIN_DISTANCE = 1e-3
 UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
-NODE_GROWTH = 1.3  # factor of the nodes of a segment whose coefficients have not decayed
 NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
 
@@ -276,5 +275,5 @@ def more_nodes(count: Indices, short: Flags) -> Indices:
     more = count.copy()
     for j in range(count.size):
         if short[j]:
-            more[j] = _round_up(NODE_GROWTH * count[j])
+            more[j] = _round_up(1.3 * count[j])
     return more

@@ -35,7 +35,6 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
-NO_CONTACTS: Extent = np.empty(0), np.empty(0), np.empty(0)
 
 
 class PatchCurve(NamedTuple):
@@ -153,7 +152,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     points, edges, period, again = [], [], float(profile.period), 0
     for load in map(float, loads):
         state, steps = solve_state(starts, load)
-        contacts = NO_CONTACTS if state is None else contact_pieces(state, period)[0]
+        contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]
         points.append((*_curve_point(starts.surface, state, contacts[2]), steps))
         again += state is not None and state.route.attempts > 1
         edges.append(_sorted_contacts(contacts, period)[0].ravel())
