@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices, Records, Spectrum, record_type
-from weier.kernels.jit import kernel
+from weier.kernels.jit import in_any_order, kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
 from weier.methods.bem.grids import Grid, Harmonics, add_harmonic, harmonics_of, nested_grids, refine
 from weier.methods.bem.staircase import EDGE_OFFSET, NodalSolution
@@ -108,6 +108,7 @@ def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: 
     np.fft.irfft(spectrum, product.size, out=product)
 
 
+@in_any_order
 @kernel
 def dot(a: Array, b: Array) -> float:
     """Return the sum of the products of two arrays."""
@@ -118,6 +119,7 @@ def dot(a: Array, b: Array) -> float:
     return total
 
 
+@in_any_order
 @kernel
 def mean_in_contact(values: Array, contact: Flags) -> float:
     """Return the mean of the values at the nodes in contact."""
@@ -177,6 +179,7 @@ def _correct_contact(plane: float, state: GridState) -> bool:
     return released
 
 
+@in_any_order
 @kernel
 def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
     """Take one step of preconditioned conjugate gradients at constant load on the active set: two pairs of FFTs.
