@@ -36,7 +36,8 @@ def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
     n, stride, row = centre.size, 1, 0
     while n > stride * MAX_COARSEST:
         stride *= 2
-    start, most = np.zeros(n + 1, np.int64), MAX_COARSEST**2 + (2 * NEIGHBOURS + 1) * n
+    start, most = np.empty(n + 1, np.int64), MAX_COARSEST**2 + (2 * NEIGHBOURS + 1) * n
+    start[0] = 0
     member, entry = np.empty(most, np.int64), np.empty(most)
     for last in range(0, n, stride):
         start[row + 1] = start[row] + last // stride + 1

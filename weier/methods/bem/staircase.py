@@ -125,7 +125,7 @@ def _locate_single_node_edges(
 
     since, until : load increments Delta_- and Delta_+ of each edge, shape (2 contacts,), in p_0*
     """
-    n, closed = first.size, np.zeros(first.size, np.bool_)
+    n, closed = first.size, np.empty(first.size, np.bool_)
     for j in range(n):
         before, after = since[2 * j + 1], 0.5 * (until[2 * j] + until[2 * j + 1])
         if first[j] == last[j] and before > 0 and after > 0:
@@ -134,7 +134,7 @@ def _locate_single_node_edges(
             edge[2 * j], edge[2 * j + 1] = first[j] + shift - half_width, first[j] + shift + half_width
     for j in range(n):  # after the contacts, since the edges of a single-node gap are more accurate
         k = (j + 1) % n
-        left, right = since[2 * j + 1], since[2 * k]
+        left, right, closed[j] = since[2 * j + 1], since[2 * k], False
         before, after = 0.5 * (left + right), until[2 * j + 1]
         if (first[k] - last[j] - 2) % points == 0 and before + after > 0:
             shift, fraction = (left - right) / (4 * (before + after)), before / (before + after)

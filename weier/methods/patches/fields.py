@@ -161,8 +161,8 @@ def _near_field(
     factor, square, series = POLE_FREE_SERIES[images, which], np.empty(a.size), np.zeros(a.size)
     for q in range(a.size):
         square[q] = (r / period * (t - node[q])) ** 2
-    terms = 3 + int(LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))))
-    for k in range(min(terms, SERIES_TERMS) - 1, -1, -1):
+    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), SERIES_TERMS)
+    for k in range(np.int64(terms) - 1, -1, -1):
         term = factor[k]
         for q in range(a.size):
             series[q] = term + square[q] * series[q]

@@ -217,7 +217,8 @@ def _make_blocks(tree: Tree, far: Pairs, near: Pairs, period: float, dual: bool)
     far_block = np.empty((far.shape[0], ORDER, ORDER))
     for pair in range(far.shape[0]):
         _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
-    near_start = np.zeros(near.shape[0] + 1, np.int64)
+    near_start = np.empty(near.shape[0] + 1, np.int64)
+    near_start[0] = 0
     for pair in range(near.shape[0]):
         start, end = points_of_leaf(tree, near[pair, 0])
         other_start, other_end = points_of_leaf(tree, near[pair, 1])

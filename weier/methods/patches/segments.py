@@ -246,10 +246,10 @@ def count_nodes(
 
 
 @kernel
-def _round_up(count: float) -> int:
+def _round_up(count: float) -> float:
     """Return the next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
     step = 2.0 ** max(1.0, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
-    return int(min(np.ceil(count / step) * step, MAX_NODES))
+    return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 
 
 def node_factors(tolerance: float) -> tuple[float, float, float]:

@@ -197,9 +197,10 @@ def first_from(x: Array, value: float) -> int:
 
 @kernel
 def _nearest_crests(crest: Array, period: float, x: Array) -> tuple[Indices, Array]:
-    nearest, y = np.zeros(x.size, np.int64), np.empty(x.size)
+    nearest, y = np.empty(x.size, np.int64), np.empty(x.size)
     for i in range(x.size):
-        after, y[i] = first_from(crest, x[i] - period * np.floor(x[i] / period)), np.inf
+        after = first_from(crest, x[i] - period * np.floor(x[i] / period))
+        nearest[i], y[i] = 0, np.inf
         for neighbour in ((after - 1) % crest.size, after % crest.size):
             distance = x[i] - crest[neighbour]
             distance -= period * np.rint(distance / period)

@@ -160,7 +160,7 @@ def densities_on_contacts(
     first_node: Indices, coefficient: Array, contact: Indices, t: NDArray[np.float64], singular: bool
 ) -> NDArray[np.float64]:
     """Evaluate sqrt(1-t^2) sum a_k U_k or, singular, sum b_k T_k/sqrt(1-t^2) on contacts."""
-    value = np.empty_like(t)
+    value = np.empty(t.shape)
     for i in range(contact.size):
         a = coefficient[first_node[contact[i]] : first_node[contact[i] + 1]]
         for k in range(t.shape[1]):
