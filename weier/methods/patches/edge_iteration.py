@@ -62,13 +62,11 @@ class EdgeMoves(NamedTuple):
     """One step of Newton's method.
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    closed : whether the gap on the right of each contact closes (negative squared width), shape (contacts,)
     relative : larger move of the two edges over the smallest half-width of the contact and its gaps, shape
         (contacts,)
     """
 
     outward: Sides
-    closed: Flags
     relative: Array
 
 
@@ -76,7 +74,10 @@ class EdgeMoves(NamedTuple):
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
 ) -> tuple[Sides, Flags, Array, Array]:
-    """Return the fields of `EdgeMoves`, and the height 2 pi r |psi| of the singular part on each segment.
+    """Return the moves `outward`, which gaps close, the moves `relative`, and the heights of the singular parts.
+
+    The gap on the right of a contact closes if its squared width becomes negative. A singular part has the height 2
+    pi r |psi|.
 
     The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k, from the coefficients of psi in
     T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All have the sign of the left
@@ -260,8 +261,8 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
     signs = kind.right_sign, kind.k_0_of_curvature
     changes = _changes_of_edges(*extent, forces.force, b, guess.tight, *signs)
-    a, outward, closed, relative, vanishing, merging, tight, singular, settled = changes
-    moves = EdgeMoves(outward, closed, relative)
+    a, outward, relative, vanishing, merging, tight, singular, settled = changes
+    moves = EdgeMoves(outward, relative)
     return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, settled)
 
 
@@ -275,7 +276,7 @@ def _changes_of_edges(
     was_tight: Flags,
     right_sign: float,
     k_0_of_curvature: float,
-) -> tuple[Array, Sides, Flags, Array, Flags, Flags, Flags, Array, bool]:
+) -> tuple[Array, Sides, Array, Flags, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
@@ -283,7 +284,7 @@ def _changes_of_edges(
     settled = True
     for j in range(r.size):
         settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j] or tight[j])
-    return a, outward, closed, relative, vanishing, merging, tight, singular, settled
+    return a, outward, relative, vanishing, merging, tight, singular, settled
 
 
 @kernel
