@@ -188,6 +188,23 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
 @one_thread
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("wave", WAVES)
+def test_moves_after_a_density_is_carried_along_are_twice_the_square_and_rounding(wave, dual):
+    """To the displacement of the segments, 1e-3 of the narrower one."""
+    exact = wave.state(dual).segments
+    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    problem = ContactProblem(wave.series(dual), wave.load, dual)
+    step = take_step(problem, make_guess(problem, displaced(exact, 1e-3 * scale), TOLERANCE), RESIDUAL)
+    moves = np.abs(step.moves.outward)
+    left = 2 * moves.max() ** 2 / scale
+    np.testing.assert_allclose(carried_along(step, 0.0).moves.outward, left, rtol=3e-3)
+    rounded = carried_along(step, 0.1 * step.singular[0]).moves.outward
+    np.testing.assert_allclose(rounded, left + 0.1 * moves, rtol=3e-3)
+    np.testing.assert_allclose(carried_along(step, 1.0).moves.outward, left + moves, rtol=3e-3)
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
 def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
     exact = wave.state(dual)
