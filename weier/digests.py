@@ -21,10 +21,8 @@ KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions 
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
 # text files of the package other than modules
 RESOURCES = frozenset({".json", ".js", ".css", ".html", ".md", ".mplstyle"})
-DECORATORS, MACHINERY = (
-    frozenset({"kernel", "in_any_order"}),
-    "weier.kernels.jit",
-)  # How kernels are compiled changes no number.
+# How kernels are compiled changes no number; in what order their sums are added is in their statements.
+DECORATORS, MACHINERY = frozenset({"kernel", "in_any_order"}), "weier.kernels.jit"
 
 Name = tuple[str, str]  # A definition: its module and its name.
 

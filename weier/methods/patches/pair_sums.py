@@ -295,9 +295,8 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         start, end = points_of_leaf(tree, matrix.near[pair, 0])
         first, last = points_of_leaf(tree, matrix.near[pair, 1])
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
-        row_forces = (
-            f[start:end] if start != first else none
-        )  # the block of a leaf with itself contains each pair twice
+        # The block of a leaf with itself contains each pair twice.
+        row_forces = f[start:end] if start != first else none
         _add_block(
             block.reshape(end - start, last - first), row_forces, f[first:last], total[start:end], total[first:last]
         )
