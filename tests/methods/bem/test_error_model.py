@@ -1,8 +1,11 @@
 """Boundary elements are within their error models, and not by far."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
+from tests.hard_series import hard_series
 from tests.profiles import THREE_WAVES, half_a_node_off
 from weier import Profile, random_phases
 from weier.methods import bem, patches, westergaard
@@ -68,3 +71,23 @@ def test_more_loads_hold_the_resistance_more_closely():
     of_few, of_many = (bem.curve(THREE_WAVES, loads).resistance_error for loads in (few, many))
     assert np.all(of_many[::20] <= of_few * (1 + 1e-9))
     assert of_many[40] < 0.5 * of_few[2]
+
+
+@hard_series("beyond_stated_errors")
+def test_errors_are_within_those_stated(profile, loads, points_per_wave, tolerance):
+    loads = np.unique(loads)
+    exact = patches.curve(profile, loads)
+    for per_wave, residual in product(points_per_wave, tolerance or [1e-10]):
+        found = bem.curve(profile, loads, per_wave * profile.waves_per_period[-1], residual)
+        for quantity in ("compliance", "resistance"):
+            (value, error), (right, off) = (
+                (getattr(c, quantity), getattr(c, f"{quantity}_error")) for c in (found, exact)
+            )
+            assert np.all(np.abs(value - right) <= error + off)
+
+
+@hard_series("sharing_one_plane")
+def test_errors_of_hundreds_of_contacts_are_within_those_stated(profile, loads, points_per_wave, h, R):
+    found = bem.curve(profile, loads, points_per_wave * profile.waves_per_period[-1])
+    assert abs(found.compliance[0] - h) <= found.compliance_error[0]
+    assert abs(found.resistance[0] - R) <= found.resistance_error[0]
