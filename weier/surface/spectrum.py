@@ -80,20 +80,6 @@ class Fit:
         return Profile(self.D, self.gamma, self.m if m is None else m, phases, seed=seed)
 
 
-class Fits(tuple[Fit, ...]):
-    """The series of an ensemble of traces, in their order."""
-
-    @property
-    def D(self) -> Array:
-        """Fractal dimensions, shape (traces,)."""
-        return np.array([found.D for found in self])
-
-    @property
-    def g_0(self) -> Array:
-        """Amplitudes of the coarsest waves in m, shape (traces,)."""
-        return np.array([found.g_0 for found in self])
-
-
 def fit(
     trace: Trace | Sequence[Trace],
     longest: float | None = None,
@@ -115,8 +101,8 @@ def fit(
 
     Returns
     -------
-    Fit or Fits
-        D and g_0 with standard errors, lambda_0 and m; for a list of traces, a tuple of fits.
+    Fit or tuple of Fit
+        D and g_0 with standard errors, lambda_0 and m; for a list of traces, one for each.
 
     Raises
     ------
@@ -151,7 +137,7 @@ def fit(
     D = 1.40, m = 11, g_0 = 1.00e-06 m
     """
     if isinstance(trace, list | tuple) and trace:
-        return Fits(_fit_of_many(one, longest, shortest, gamma) for one in trace)
+        return tuple(_fit_of_many(one, longest, shortest, gamma) for one in trace)
     if not isinstance(trace, Trace):
         raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)

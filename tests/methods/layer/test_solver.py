@@ -36,10 +36,10 @@ WORST = [(1.1, 2, 2), (1.1, 3, 3), (1.2, 2, 2), (1.3, 2, 4), (1.3, 3, 4)]
 def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
     # Differences cost step^2 and 1e-10/step.
     xi, step = np.array([1e-20, 1e-6, 1e-2, 0.3, 2.0]), 1e-4
-    loads = np.concatenate([xi * (1 - step), xi, xi * (1 + step)])
-    answer = layer.curve(loads, D, gamma, m)
-    below, _, above = answer.compliance.reshape(3, -1)
-    np.testing.assert_allclose(answer.resistance[5:10], (above - below) / (2 * step * xi), rtol=1e-4)
+    loads = np.stack([xi * (1 - step), xi, xi * (1 + step)], axis=1)
+    answer = layer.curve(loads.ravel(), D, gamma, m)
+    below, _, above = answer.compliance.reshape(-1, 3).T
+    np.testing.assert_allclose(answer.resistance[1::3], (above - below) / (2 * step * xi), rtol=1e-4)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1 + 1e-9, 5, 3), (2 - 1e-9, 2, 30), (1.5, 1 + 1e-6, 5)])
@@ -89,14 +89,12 @@ def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
         assert error <= accuracy  # and that of the mesh, 5e-6 at most
 
 
-def test_loads_of_any_shape_and_order():
-    loads = np.array([[3.0, 1e-4], [0.2, 3.0]])
+def test_a_load_does_not_depend_on_the_others():
+    loads = np.array([1e-4, 0.2, 3.0])
     together = layer.curve(loads, 1.25, 5, 3)
-    assert together.compliance.shape == together.resistance.shape == (2, 2)
-    np.testing.assert_array_equal(together.compliance[0, 0], together.compliance[1, 1])
-    alone = [float(layer.curve(load, 1.25, 5, 3).compliance) for load in loads.flat]
-    np.testing.assert_array_equal(together.compliance.ravel(), alone)
-    np.testing.assert_array_equal(layer.curve(loads, 1.25, 5, 3).resistance, together.resistance)
+    alone = [layer.curve([load], 1.25, 5, 3) for load in loads]
+    np.testing.assert_array_equal(together.compliance, [found.compliance[0] for found in alone])
+    np.testing.assert_array_equal(together.resistance, [found.resistance[0] for found in alone])
 
 
 @pytest.mark.parametrize(
@@ -107,7 +105,7 @@ def test_loads_of_any_shape_and_order():
         (([0.1], 1.5, 5, 2.5), "m must be"),
         (([0.1, 0.0], 1.5, 5, 3), "mean_pressure must be"),
         (([], 1.5, 5, 3), "mean_pressure must be"),
-        (([1e-306], 1.5, 5, 3), "mean_pressure must be finite and at least 1e-305"),
+        (([1e-306], 1.5, 5, 3), "mean_pressure must be at least 1e-305 p_0"),
     ],
 )
 def test_bad_input_is_refused(arguments, message):

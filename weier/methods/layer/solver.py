@@ -7,12 +7,12 @@ as infinite.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_count, checked_number, checked_numbers
+from weier.checks import checked_count, checked_number
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import westergaard
@@ -22,8 +22,8 @@ from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, finer_waves, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.methods.layer.wave import Mesh, midpoints
+from weier.surface.loads import checked_loads
 from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
-from weier.units import NORMALISED_PRESSURE
 
 POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
 ACCURACY = 1e-5
@@ -37,7 +37,7 @@ FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically
 
 
 class LayerCurve(NamedTuple):
-    """Curves of the non-linear layer model; arrays have the shape of the loads.
+    """Curves of the non-linear layer model over the loads.
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*
@@ -62,8 +62,8 @@ def curve(
 
     Parameters
     ----------
-    mean_pressure : array_like
-        Mean pressures of any shape and order, at least 1e-305, in p_0*.
+    mean_pressure : array_like, shape (loads,)
+        Increasing mean pressures, at least 1e-305, in p_0*.
     D : float
         Fractal dimension, 1 < D < 2.
     gamma : float
@@ -81,7 +81,7 @@ def curve(
     Returns
     -------
     LayerCurve
-        Arrays of the shape of `mean_pressure`.
+        Arrays over the loads.
 
     Raises
     ------
@@ -106,23 +106,21 @@ def curve(
     """
     ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
     model = Model(checked_dimension(D), ratio, checked_terms(m), *_checked_settings(points, accuracy, tolerance))
-    given = _checked_loads(mean_pressure)
-    loads, position = np.unique(given, return_inverse=True)
+    loads = checked_loads(mean_pressure)
+    if loads[0] < MIN_LOADS[1]:
+        raise ValueError(f"mean_pressure must be at least {MIN_LOADS[1]:g} p_0*, got {loads[0]:g}")
     if m == 1:
-        solution = LayerCurve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
-    else:
-        # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
-        top = _top(model)
-        parts = zip(
-            np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
-            (BOTTOM_POSITIONS[1], BOTTOM_POSITIONS[0], BOTTOM_POSITIONS[0]),
-            (position_of(top), position_of(top), MAX_POSITION),
-            strict=True,
-        )
-        solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
-        solution = LayerCurve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
-    columns: tuple[Any, ...] = solution
-    return LayerCurve(*(np.asarray(column[position.reshape(given.shape)]) for column in columns))
+        return LayerCurve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
+    # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
+    top = _top(model)
+    parts = zip(
+        np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
+        (BOTTOM_POSITIONS[1], BOTTOM_POSITIONS[0], BOTTOM_POSITIONS[0]),
+        (position_of(top), position_of(top), MAX_POSITION),
+        strict=True,
+    )
+    solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
+    return LayerCurve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
 
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
@@ -190,16 +188,6 @@ def _may_be_infinite(bottom: float, model: Model) -> bool:
     """Return whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
     lightest = 2 * math.sqrt(-model.log_height * -log_load_at(bottom))
     return model.m * -model.log_height >= lightest - math.log(TAIL_FRACTION * model.accuracy)
-
-
-def _checked_loads(mean_pressure: ArrayLike) -> Array:
-    condition = f"be finite and at least {MIN_LOADS[1]:g} p_0*"
-    loads = checked_numbers(
-        "mean_pressure", mean_pressure, condition, lambda p: (p >= MIN_LOADS[1]) & np.isfinite(p), NORMALISED_PRESSURE
-    )
-    if loads.size == 0:
-        raise ValueError("mean_pressure must be at least one load, got none")
-    return loads
 
 
 def _checked_settings(points: int, accuracy: float, tolerance: float) -> tuple[Mesh, float, float]:
