@@ -9,6 +9,7 @@ from weier import ConvergenceError, Profile
 from weier.methods import patches
 from weier.methods.patches import event_search
 from weier.methods.patches.start import Starts
+from weier.methods.patches.surface import make_series
 
 
 @pytest.mark.parametrize("dual", [False, True])
@@ -81,6 +82,25 @@ def test_a_gap_that_closes_or_a_contact_that_is_born_too_fast_has_jumped(birth):
         assert event_search._is_direct(low, high, change, located) == (0.7 * (1 + abs(centre)) ** 2 < 1)
         too_near = event._replace(load=2.4 if birth else 1.6)
         assert not event_search._is_direct(low, high, change, (located[0], too_near))
+
+
+@pytest.mark.parametrize("dual", [False, True])
+def test_contacts_followed_past_another_event_are_not_in_contact(dual):
+    """One crest of three is a contact or gap; the others may stand above the plane, or in tension, unseen."""
+    search = event_search._Search(Starts(Profile(1.5, 2, 1), 1e-10))
+    series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.3, np.pi]), 1.0)
+    search.starts.surface = search.starts.surface._replace(heights=series, tensions=series)
+    narrow, crest = OneWave(1.0, 0.35 if dual else 0.15, 0.0).state(dual), series.crest_position
+    highest = int(np.argmax(series.crest_offset))
+    state = narrow._replace(
+        segments=narrow.segments._replace(origin=crest[highest : highest + 1], centre=np.zeros(1)),
+        coefficient=1e-9 * narrow.coefficient,
+    )
+    second = float(np.sort(series.crest_offset)[-2])
+    assert second < 0
+    for above in (-1e-3, 1e-3):
+        there = state._replace(approach=above - second, load=series.maximum + second - above)
+        assert search._is_in_contact(there) == (above < 0)
 
 
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
