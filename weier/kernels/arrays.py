@@ -1,6 +1,6 @@
 """Types of arrays for annotations, and arrays of records for kernels."""
 
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,6 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Spectrum = NDArray[np.complex128]
 Records = NDArray[np.record]
-Record = Any  # one of them, whose fields are attributes
 
 
 def record_type(*fields: tuple[str, type, tuple[int, ...]]) -> np.dtype[np.record]:

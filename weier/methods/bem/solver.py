@@ -178,6 +178,6 @@ def check_resistance(resistance: float, load: float, points: int) -> None:
     if np.isinf(resistance):
         raise ConvergenceError(
             f"boundary elements on {points} points found the pressure under {load:.6g} p_0* but not its derivative "
-            'by the load; try other points, contact patches, or staircase="kept" without the resistance',
+            "by the load; try other points, or contact patches",
             np.inf,
         )

@@ -12,8 +12,8 @@ from weier.surface.profile import Profile, terms_within
 DEFAULT_POINTS = 2**11  # nodes that limit the default number of resolved terms
 
 
-def _solve(profile: Profile, loads: Array, terms: int | None = None, points: int | None = None) -> HybridCurve:
-    return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE), points)
+def _solve(profile: Profile, loads: Array, terms: int | None = None) -> HybridCurve:
+    return curve(profile, loads, terms or terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE))
 
 
 def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
@@ -27,10 +27,7 @@ METHOD = Method(
     label="resolved terms on the layer",
     summary="coarse terms by boundary elements on the layer of all finer ones; m = inf",
     solve=_solve,
-    settings={
-        "terms": "number of terms to resolve; by default the largest that fits on the default grid",
-        "points": "nodes per period of these terms; by default 32 per finest wave, more for thin layers",
-    },
+    settings={"terms": "number of terms to resolve; by default the largest that fits on the default grid"},
     applies=check_infinite,
     seconds=_seconds,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
