@@ -9,7 +9,7 @@ from weier import ConvergenceError, Profile
 from weier.methods import bem, hybrid, patches
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.errors import OutOfReachError
-from weier.methods.hybrid.solver import MESH_FRACTION
+from weier.methods.hybrid.solver import MESH_FRACTION, HybridCurve
 from weier.surface.profile import RandomPhases
 
 
@@ -49,3 +49,10 @@ def test_a_load_that_does_not_converge_is_refused_in_terms_of_the_hybrid(monkeyp
         hybrid.bounds(Profile(1.25, 5, math.inf), [0.1], 2)
     assert refused.value.residual == 1e-3
     assert "points" not in str(refused.value)
+
+
+def test_the_distance_to_the_bounds_is_that_to_the_farther_one():
+    """No series between the bounds is farther from the estimate."""
+    none = np.zeros(3)
+    curve = HybridCurve(np.array([0.1, 0.5, 0.2]), none, np.array([0.0, 0.1, 0.2]), np.array([0.4, 0.6, 0.2]), none)
+    np.testing.assert_allclose(curve.distance_to_bounds, [0.3, 0.4, 0.0], rtol=1e-12)
