@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 
 import netCDF4
@@ -262,15 +263,14 @@ def many(count, tmp_path_factory):
         fields |= {"max_cases": cases, "batch": PART, "studies": {"one": {"product": product}}}
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))
     random, solutions = np.random.default_rng(1), Solutions(scene.load(folder / "many.yaml"), folder / "batches")
-    for path in solutions.files():
-        batch = solutions.store.batch(path.stem)
+    for batch in chain.from_iterable(solutions.store.job(path.stem) for path in solutions.files()):
         part = dataset.blank(len(batch.cases), [batch.kind.method], LOADS, 3)
         for values in part.data_vars.values():
             if values.dtype.kind == "f":
                 values.values[:] = random.random(values.shape).round(2)
         part["gamma"].values[:], part["m"].values[:], part["points"].values[:] = 5, 3, 1600
         part["D"].values[:] = [case.profile.D for case in batch.cases]
-        dataset.write(part, path, "part", name=batch.name)
+        dataset.write(part, folder / "batches" / f"{batch.name}.nc", "part", name=batch.name)
     solutions.store.write()
     return folder
 
