@@ -211,13 +211,28 @@ def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -
 
 
 @kernel
-def solve_load(load: float, grid: Grid, state: GridState) -> bool:
-    """Continue with the contact under one load, from the pressure and contact in `state`; return whether it is done.
+def _start_from_coarser(coarse: int, carried: int, terms: int, harmonics: Harmonics, state: GridState) -> None:
+    """Carry the pressure from `coarse` nodes to all, add the waves behind those carried, and set the contact."""
+    refine(coarse, state.pressure, state.residual)
+    for wave in range(carried, terms):
+        add_harmonic(wave, harmonics, state.pressure, state.residual)
+    for i in range(state.pressure.size):
+        state.contact[i] = state.pressure[i] > 0
+    state.search[0].corrections = 0
+    state.search[0].moved = state.search[0].kept = False
 
-    It has converged if the residual is small on a freshly applied operator, with the pressure free of tension and
-    scaled to the load. After `MAX_STEPS` it is done with a larger residual.
+
+@kernel
+def solve_load(load: float, coarse: int, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> bool:
+    """Continue with the contact under one load on a grid, and return whether it is done.
+
+    It begins with the pressure of a grid of `coarse` nodes, the first of `state`, and so many waves. It has converged
+    if the residual is small on a freshly applied operator, with the pressure free of tension and scaled to the load.
+    After `MAX_STEPS` it is done with a larger residual.
     """
     search = state.search[0]
+    if search.steps == 0:
+        _start_from_coarser(coarse, carried, grid.terms, harmonics, state)
     edge = find_edges(state.contact, state.edge)
     while search.work < search.limit and search.steps < MAX_STEPS:
         search.steps += 1
@@ -279,7 +294,7 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
         for i in range(points):
             state.deformed[i] = -state.deformed[i]
         search.work += points
-        search.steps = 1
+        search.steps, search.kept = 1, False
     while search.work < search.limit and search.steps < MAX_STEPS:
         search.steps += 1
         plane = mean_in_contact(state.deformed, state.contact)
@@ -290,21 +305,6 @@ def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
     if search.steps == MAX_STEPS:
         search.resistance = np.inf
     return search.steps == MAX_STEPS
-
-
-@kernel
-def start_from_coarser(
-    coarse: int, carried: int, terms: int, harmonics: Harmonics, pressure: Array, finer: Array, contact: Flags
-) -> None:
-    """Carry the pressure from `coarse` nodes to all, add the waves behind those carried, and set the contact.
-
-    `finer` is a working array.
-    """
-    refine(coarse, pressure, finer)
-    for wave in range(carried, terms):
-        add_harmonic(wave, harmonics, pressure, finer)
-    for i in range(pressure.size):
-        contact[i] = pressure[i] > 0
 
 
 class NestedSolver:
@@ -321,9 +321,7 @@ class NestedSolver:
         self.state.search["work"], coarse, carried = 0, self.grids[0].height.size, 0
         self.states[0].pressure[:] = load
         for grid, state in zip(self.grids, self.states, strict=True):
-            work_arrays = state.pressure, state.residual, state.contact
-            start_from_coarser(coarse, carried, grid.terms, self.harmonics, *work_arrays)
-            self._in_parts(solve_load, load, grid, state)
+            self._in_parts(solve_load, load, coarse, carried, self.harmonics, grid, state)
             coarse, carried = grid.height.size, grid.terms
         return float(self.state.search["plane"][0])
 
@@ -335,8 +333,7 @@ class NestedSolver:
     def _in_parts(self, search: Callable[..., bool], *arguments: Any) -> None:
         """Call a kernel on a grid until it is done, for `PART` of the work at a time."""
         done, progress = False, self.state.search
-        for name in ("steps", "corrections", "moved", "kept"):
-            progress[name] = 0
+        progress["steps"] = 0
         while not done:
             progress["limit"] = progress["work"] + PART
             done = search(*arguments)

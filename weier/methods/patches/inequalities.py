@@ -237,14 +237,16 @@ def minima_of_gaps(state: ContactState) -> Records:
     """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
     _, t, value = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, True)
-    of = np.repeat(np.arange(segments.half_width.size), SAMPLES_PER_NODE * segments.node_count + 2)
-    is_lowest = (value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:]) & (of[:-2] == of[2:])
-    at = np.flatnonzero(is_lowest) + 1
-    before = (value[at - 1] - value[at]) / (t[at] - t[at - 1])
-    after = (value[at + 1] - value[at]) / (t[at + 1] - t[at])
-    minima, r = np.empty(at.size, MINIMUM), segments.half_width[of[at]]
-    minima["interval"], minima["position"] = of[at], segments.middle[of[at]] + r * t[at]
-    minima["value"], minima["curvature"] = value[at], 2 * (before + after) / ((t[at + 1] - t[at - 1]) * r**2)
+    at = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
+    at = at[np.abs(t[at]) < 1]  # not an end of a gap
+    minima = np.empty(at.size, MINIMUM)
+    if at.size > 0:
+        before = (value[at - 1] - value[at]) / (t[at] - t[at - 1])
+        after = (value[at + 1] - value[at]) / (t[at + 1] - t[at])
+        of = np.repeat(np.arange(segments.half_width.size), SAMPLES_PER_NODE * segments.node_count + 2)[at]
+        r = segments.half_width[of]
+        minima["interval"], minima["position"], minima["value"] = of, segments.middle[of] + r * t[at], value[at]
+        minima["curvature"] = 2 * (before + after) / ((t[at + 1] - t[at - 1]) * r**2)
     return minima
 
 

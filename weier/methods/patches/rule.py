@@ -123,7 +123,8 @@ def _own_table(K: int, dual: bool, inverse: bool) -> Array:
 
 def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
     """Return the tables X of all segments, optionally those of the inverse."""
-    return np.concatenate([_own_table(K, dual, inverse) for K in np.diff(first_node).tolist()])
+    count = first_node[1:] - first_node[:-1]
+    return np.concatenate([_own_table(K, dual, inverse) for K in count.tolist()])
 
 
 @kernel
