@@ -298,15 +298,15 @@ class Store:
 
 
 def cut(seconds: Array, most: int, cores: int) -> list[slice]:
-    """Divide curves, in order, into batches of about equal time: two per core, or one if they are short.
+    """Divide curves, in order, among jobs of about equal time: two per core, or one if they are short.
 
-    No batch is expected to take longer than `MAX_SECONDS`, unless a single curve does, and none has more than `most`.
+    No job is expected to take longer than `MAX_SECONDS`, unless a single curve does, and none has more than `most`.
     """
     if not seconds.size:
         return []
     total, middle = float(seconds.sum()), np.cumsum(seconds) - seconds / 2
     few = min(cores, math.ceil(total / START_SECONDS))
-    many = cores * min(BATCHES_PER_CORE, int(total / cores / MIN_SECONDS))
+    many = cores * min(JOBS_PER_CORE, int(total / cores / MIN_SECONDS))
     number = np.floor(max(few, many, math.ceil(total / MAX_SECONDS)) * middle / total)
     ends = [*(np.flatnonzero(np.diff(number)) + 1).tolist(), seconds.size]
     parts = []
@@ -316,10 +316,10 @@ def cut(seconds: Array, most: int, cores: int) -> list[slice]:
     return parts
 
 
-# least time of a batch with several per core: starting one takes one or two seconds
+# least time of a job with several per core: starting one takes one or two seconds
 MIN_SECONDS = 30.0
-MAX_SECONDS = 120.0  # longest time of a batch, which is lost if it is killed
-# least time of a batch with less than one per core: the time to start a process
+MAX_SECONDS = 120.0  # longest time of a job, of which a batch is lost if it is killed
+# least time of a job with less than one per core: the time to start a process
 START_SECONDS = 1.0
-BATCHES_PER_CORE = 2  # Two batches for each core leave no core idle for long at the end.
+JOBS_PER_CORE = 2  # Two jobs for each core leave no core idle for long at the end.
 CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.
