@@ -86,6 +86,17 @@ def test_overlaps_in_gaps(period, part):
     assert minimum["curvature"] == pytest.approx(2 * 0.91**1.5 / r, rel=0.2)
 
 
+def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
+    """Three gaps with one minimum each, at 0.3 of the half-width to within a twentieth of it."""
+    one = state_of(lambda t: (1 - t * t) * 2 * (t - 0.3) - 3 * t * ((t - 0.3) ** 2 + 1e-4), 1.0, 0.1, True)
+    middle, r, none = np.array([0.2, 0.5, 0.8]), np.array([0.1, 0.05, 0.02]), np.zeros(3)
+    segments = make_segments(none.astype(int), none, middle, r, np.full(3, 12))
+    minima = minima_of_gaps(one._replace(segments=segments, coefficient=np.tile(one.coefficient, 3)))
+    assert minima["interval"].tolist() == [0, 1, 2]
+    assert (minima["position"] - middle) / r == pytest.approx(0.3, abs=0.05)
+    assert minima["value"] == pytest.approx(1e-4 * 0.91**1.5 * r, rel=0.1)
+
+
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_minima_of_the_gap_and_of_the_pressure(period, dual):
