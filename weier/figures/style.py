@@ -54,7 +54,7 @@ SI_LABELS = {
 
 # Okabe and Ito's colours, which colour-blind readers distinguish; dashes distinguish them in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
-PURPLE = "#CC79A7"
+PURPLE, ORANGE = "#CC79A7", "#E69F00"
 DASHES = (
     "-",
     (0, (5, 1.5)),
