@@ -40,7 +40,13 @@ def test_imports_go_downwards(room):
         assert rooms_imported(path) <= allowed, path
 
 
-@pytest.mark.parametrize("room", LIBRARY)
-def test_the_library_knows_neither_datasets_nor_the_pipeline(room):
-    for path in (PACKAGE / room).rglob("*.py"):
+def test_modules_beside_the_rooms_import_the_lowest_alone():
+    for name in EVERYWHERE:
+        assert rooms_imported(PACKAGE / f"{name}.py") <= {"kernels"}, name
+
+
+@pytest.mark.parametrize("part", [*LIBRARY, *(f"{name}.py" for name in sorted(EVERYWHERE))])
+def test_the_library_knows_neither_datasets_nor_the_pipeline(part):
+    found = PACKAGE / part
+    for path in found.rglob("*.py") if found.is_dir() else [found]:
         assert not {name.split(".")[0] for name in imports(path)} & {"xarray", "netCDF4", "snakemake"}, path

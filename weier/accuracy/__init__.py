@@ -8,6 +8,8 @@
 | `python -m weier.accuracy.coverage` | coverage of stated errors, on families of hard series |
 | `python -m weier.accuracy.estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
 | `python -m weier.accuracy.expected_seconds` | measured over expected seconds of each method |
+| `python -m weier.accuracy.direct_solution` | direct solutions against conjugate gradients |
+| `python -m weier.accuracy.artefacts` | lines that the checks of heights judge wrongly |
 
 `variants` lists what is compared, `runner` runs a variant, `reference` computes the reference, `families` draws hard
 series, `metrics` computes errors, and `comparison` fills a dataset; all tables are written by `weier.data.markdown`.

@@ -24,7 +24,6 @@ from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
 TOLERANCE = 1e-3
-# tolerance of h, in g_0, over that of R; arbitrary, since the stated error of R is checked after the solution
 MAX_LISTED = 5  # loads in a message
 
 
@@ -84,8 +83,9 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     -----
     The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
     middle is returned, with the error G. The kept terms are solved by boundary elements if their bound meets the
-    rest of the tolerance on a grid no finer than the default one, otherwise by contact patches. For a tolerance of
-    the resistance all terms are kept.
+    rest of the tolerance on a grid no finer than the default one, otherwise by contact patches. The bound of boundary
+    elements is a theorem at first contact, and at heavier loads one that no test has exceeded. For a tolerance of the
+    resistance all terms are kept.
 
     Examples
     --------

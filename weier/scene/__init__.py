@@ -1,7 +1,7 @@
 """Scenes: files that define what is solved and drawn, and the cases that follow from them.
 
 `weier.load_scene` reads a file and reports all of its mistakes; `load` here does not check figures and claims.
-Imports methods, data, theory and kernels only, and solves nothing itself.
+Imports data, methods, theory, surface and kernels only, and solves nothing itself.
 """
 
 from weier.scene.case import Case
