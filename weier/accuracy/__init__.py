@@ -8,6 +8,7 @@
 | `python -m weier.accuracy.coverage` | coverage of stated errors, on families of hard series |
 | `python -m weier.accuracy.estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
 | `python -m weier.accuracy.expected_seconds` | measured over expected seconds of each method |
+| `python -m weier.accuracy.node_counts` | Chebyshev coefficients that contacts and gaps need |
 | `python -m weier.accuracy.direct_solution` | direct solutions against conjugate gradients |
 | `python -m weier.accuracy.artefacts` | lines that the checks of heights judge wrongly |
 
