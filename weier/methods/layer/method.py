@@ -20,13 +20,13 @@ def _solve(
     return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
 
 
-def _seconds(profile: Profile, loads: Array, **settings: Any) -> float:
+def _seconds(profile: Profile, loads: Array, points: int = POINTS, **settings: Any) -> float:
     """Return the expected seconds: one table per scale of a finite series, a single one if m = inf.
 
     The numbers are from `python -m weier.accuracy.expected_seconds`.
     """
-    tables = 0.015 * profile.m if math.isfinite(profile.m) else 0.12
-    return tables + 1e-4 * loads.size
+    tables = 0.008 * profile.m if math.isfinite(profile.m) else 0.08
+    return tables * (1 + (points / 33) ** 2) + 1e-4 * loads.size
 
 
 METHOD = Method(
