@@ -118,6 +118,12 @@ def test_what_has_no_width_left_is_closed(dual):
     assert not np.any(moves_of(open_still, [r, r], [2 * b, 2.0], dual)[1])
 
 
+def problem_of(wave, dual):
+    """The problem of one wave, its exact segments, and the half-width of the narrower of contact and gap."""
+    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    return ContactProblem(wave.series(dual), wave.load, dual), wave.state(dual).segments, scale
+
+
 def displaced(segments, error):
     """The segments with half-widths that are off by an error, and centres by 0.4 of it."""
     return segments._replace(centre=segments.centre + 0.4 * error, half_width=segments.half_width + error)
@@ -128,9 +134,8 @@ def displaced(segments, error):
 @pytest.mark.parametrize("wave", WAVES)
 def test_a_step_squares_the_error_of_edges(wave, dual):
     """One wave whose edges are off by 1e-3 and 2e-3 of what is the narrower, contact or gap, to either side."""
-    exact = wave.state(dual).segments
-    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
-    problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
+    problem, exact, scale = problem_of(wave, dual)
+    errors = []
     for size in (1e-3, 2e-3):
         segments = displaced(exact, size * scale)
         step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
@@ -168,9 +173,8 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("wave", WAVES)
 def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square_of_the_move(wave, dual):
-    exact = wave.state(dual).segments
-    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
-    problem, errors = ContactProblem(wave.series(dual), wave.load, dual), []
+    problem, exact, scale = problem_of(wave, dual)
+    errors = []
     for size in (1e-4, 2e-4):
         segments = displaced(exact, size * scale)
         step = take_step(problem, make_guess(problem, segments, TOLERANCE), RESIDUAL)
@@ -190,9 +194,7 @@ def test_a_density_that_is_carried_along_is_the_next_solution_but_for_the_square
 @pytest.mark.parametrize("wave", WAVES)
 def test_moves_after_a_density_is_carried_along_are_twice_the_square_and_rounding(wave, dual):
     """To the displacement of the segments, 1e-3 of the narrower one."""
-    exact = wave.state(dual).segments
-    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
-    problem = ContactProblem(wave.series(dual), wave.load, dual)
+    problem, exact, scale = problem_of(wave, dual)
     step = take_step(problem, make_guess(problem, displaced(exact, 1e-3 * scale), TOLERANCE), RESIDUAL)
     moves = np.abs(step.moves.outward)
     left = 2 * moves.max() ** 2 / scale
