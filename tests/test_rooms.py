@@ -50,3 +50,23 @@ def test_the_library_knows_neither_datasets_nor_the_pipeline(part):
     found = PACKAGE / part
     for path in found.rglob("*.py") if found.is_dir() else [found]:
         assert not {name.split(".")[0] for name in imports(path)} & {"xarray", "netCDF4", "snakemake"}, path
+
+
+OF_DATASETS = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}
+
+
+def names_in(path):
+    """The names of attributes that a file uses, also those given to `getattr` and `hasattr`."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Attribute):
+            yield node.attr
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("getattr", "hasattr"):
+            yield getattr(node.args[1], "value", "")
+
+
+@pytest.mark.parametrize("room", LIBRARY)
+def test_the_library_handles_no_datasets(room):
+    """They may come as heights with units alone, whose positions are in a coordinate."""
+    for path in (PACKAGE / room).rglob("*.py"):
+        found = OF_DATASETS & set(names_in(path))
+        assert found <= ({"coords", "dims"} if path.match("surface/measured/line.py") else set()), path

@@ -21,9 +21,17 @@ if TYPE_CHECKING:
 NONE = "1"  # The unit of plain numbers.
 WITHOUT = ("", NONE, "dimensionless")
 NORMALISED_PRESSURE = "p_0*"
-NORMALISED = ("lambda_0", "g_0", NORMALISED_PRESSURE, "g_0/p_0*", "p_0*/lambda_0^(1/2)")
 NORMALISED_BY = "normalised_by"  # The attribute with a normalised unit, since `units` are those of UDUNITS.
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
+# The unit in SI of each normalised unit.
+IN_SI = {
+    "lambda_0": METRE,
+    "g_0": METRE,
+    NORMALISED_PRESSURE: PASCAL,
+    "g_0/p_0*": "ohm m^2",
+    "p_0*/lambda_0^(1/2)": "Pa m^-0.5",
+}
+NORMALISED = tuple(IN_SI)
 MAX_LISTED = 10_000  # numbers of a range, so that a typing error does not fill the memory
 MAX_NAME = 40  # No unit is longer than this.
 # Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.

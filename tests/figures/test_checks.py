@@ -7,10 +7,10 @@ import yaml
 
 import weier
 from weier import figures, scene
+from weier.data.bodies import Bodies
 from weier.figures import checks
 from weier.figures.captions import caption
 from weier.scene import Grouping, SceneError
-from weier.theory.conduction import Bodies
 
 OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
 OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 
 from weier import figures
 from weier.data import dataset
+from weier.data.bodies import Bodies
 from weier.figures import compliance, lines
 from weier.scene import Axis, Grouping
 from weier.scene import Figure as Wanted
 from weier.scene.figure import ALL, MEAN, PERCENTILES
-from weier.theory.conduction import Bodies
 
 LOADS = np.geomspace(0.01, 4, 12)
 GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]

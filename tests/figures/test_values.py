@@ -9,9 +9,9 @@ import pytest
 from tests.figures.test_figures import OF_STUDIES, many_cases
 from tests.figures.test_figures import studies as studies  # a fixture
 from weier import Interface, figures
+from weier.data.bodies import Bodies
 from weier.figures import lines, values
 from weier.scene import Figure, Grouping
-from weier.theory.conduction import Bodies
 
 BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7, "lambda_0": 1e-3}
 

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from weier.data.si import BODIES
 from weier.scene.yaml import parse_yaml
-from weier.theory.conduction import BODIES
 from weier.units import NONE, WITHOUT, unit_of
 
 if TYPE_CHECKING:

@@ -13,13 +13,13 @@ from click.core import ParameterSource
 from weier import units
 from weier.cli.bodies import read_bodies
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
+from weier.data.bodies import to_normalised
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
-from weier.theory.conduction import to_normalised
 
 if TYPE_CHECKING:
     import xarray as xr

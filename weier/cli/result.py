@@ -14,10 +14,10 @@ from weier.cli.bodies import table_of
 from weier.data import dataset
 from weier.data.files import write_text
 from weier.data.provenance import NORMALISED
+from weier.data.si import BODIES
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.theory.conduction import BODIES
 
 # The numbers that describe a profile.
 PROFILE = tuple(

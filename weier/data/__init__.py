@@ -1,4 +1,4 @@
-"""The data: the table of variables, datasets in memory, netCDF files, and the commit and scene that they come from.
+"""The data: the table of variables, datasets in memory, SI units, netCDF files, and where they come from.
 
-Imports theory and kernels only, and calls no method of solution.
+Knows the methods by their names and results, and solves nothing.
 """

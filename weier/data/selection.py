@@ -16,10 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier import units
 from weier.checks import checked_number, checked_numbers, shown
-from weier.data.variables import CURVE, VARIABLES
+from weier.data.variables import CURVE, LOAD, LOADS, VARIABLES
 from weier.kernels.arrays import Flags
 from weier.surface.profile import PARAMETERS, Profile, checked_ratio
-from weier.theory.conduction import LOAD, LOADS
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more

@@ -17,7 +17,9 @@ from weier import units
 from weier.methods.method import QUANTITIES
 
 # Dimensions of variables.
-CURVE = ("case", "solution_method", "mean_pressure")
+CASE, LOADS = "case", "mean_pressure"
+LOAD = "load"  # in place of mean_pressure, where cases have different loads in Pa
+CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")

@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from weier.data import curves
+from weier.data.bodies import Bodies
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.tables import Extent, Table, extent, tables_of
@@ -28,7 +29,6 @@ from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import Bodies
 
 # styles of bands around medians, of a solid line under dashed ones of its colour, and of bands of stated errors
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}

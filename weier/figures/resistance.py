@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
+from weier.data.bodies import Bodies
 from weier.figures import style
 from weier.figures.comparison import compare
 from weier.scene import BY_DEFAULT, Grouping
-from weier.theory.conduction import Bodies
 
 CAPTION = (
     "Contact resistance over mean pressure. {methods} The exact curve drops steeply at the birth of a contact and "

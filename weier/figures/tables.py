@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.data import curves
+from weier.data.bodies import Bodies
 from weier.data.variables import attributes
 from weier.figures import lines
 from weier.figures.traces import names_of_traces
@@ -18,7 +19,6 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.method import QUANTITIES
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import Bodies
 from weier.units import PASCAL, unit_of
 
 MISSING = 1e300  # In place of NaN, which numpy does not compare with itself.

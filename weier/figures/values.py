@@ -17,13 +17,13 @@ from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
 from weier.figures.style import LABELS, SI_LABELS
-from weier.theory.conduction import SI_UNITS
+from weier.units import IN_SI
 
 # Headings of the axes that show variables.
 OF_VARIABLES = {"x": "x (lambda_0)", "height": "height (g_0)"}
 OF_VARIABLES |= {name: f"{name} ({entry.unit})" for name, entry in VARIABLES.items()}
 HEADINGS = {label: OF_VARIABLES[name] for name, label in LABELS.items()}
-HEADINGS |= {label: f"{name} ({SI_UNITS[VARIABLES[name].unit]})" for name, label in SI_LABELS.items()}
+HEADINGS |= {label: f"{name} ({IN_SI[VARIABLES[name].unit]})" for name, label in SI_LABELS.items()}
 TITLES: tuple[Literal["center", "left", "right"], ...] = ("center", "left", "right")  # Where a panel has its title.
 # Formulas of matplotlib in plain text.
 BRACED, SPACE, WORD = re.compile(r"\\(?:bar|mathrm)\{([^}]*)\}"), re.compile(r"\\[,;!]"), re.compile(r"\\([A-Za-z]+)")

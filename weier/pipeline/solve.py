@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from weier.checks import checked_flag, checked_number, checked_workers, hinting, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
-from weier.data.variables import attributes
+from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
@@ -21,7 +21,6 @@ from weier.methods.settings import TOLERANCE, all_settings, checked_settings, de
 from weier.pipeline.progress import clock, watching
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
-from weier.theory.conduction import LOADS
 from weier.units import PASCAL
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from weier.data.bodies import Bodies
 from weier.digests import digest
 from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import returned_by
@@ -21,7 +22,6 @@ from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
 from weier.surface.loads import check_range
-from weier.theory.conduction import Bodies
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Item = TypeVar("Item")

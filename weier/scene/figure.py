@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from weier.data.bodies import Bodies
 from weier.kernels.arrays import Array
-from weier.theory.conduction import Bodies
 
 PHASES = ("phases", "seed")  # Profiles of the same D, gamma and m differ in one of these.
 MAX_PANELS = 4  # A column of more panels does not fit on a page.

@@ -26,6 +26,7 @@ from pydantic import (
 )
 
 from weier.checks import checked_word, nearest, shown, suggestion
+from weier.data.bodies import Bodies
 from weier.methods import auto
 from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
@@ -42,7 +43,7 @@ from weier.surface.measured.layout import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
-from weier.theory.conduction import RANGES, Bodies
+from weier.theory.conduction import RANGES
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, parsed
 from weier.units import NUMBER as QUANTITY
 

@@ -18,11 +18,11 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from weier.data import dataset, provenance
+from weier.data.bodies import Bodies
 from weier.data.files import write_text
 from weier.data.selection import as_cases
 from weier.figures.page.explorer import MAX_CASES, curve_explorer
 from weier.scene import Scene
-from weier.theory.conduction import Bodies
 
 EXPLORER_ID = ID("curves-explorer")
 IN_SI = "Pressures are in Pa, compliance in m and resistance in ohm m^2, for the two bodies of the scene."

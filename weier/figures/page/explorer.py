@@ -14,6 +14,7 @@ from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, CustomJSTi
 from bokeh.models.widgets import Checkbox, Select
 from bokeh.plotting import figure
 
+from weier.data.bodies import Bodies
 from weier.data.selection import case_names, label_text
 from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
@@ -21,7 +22,6 @@ from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import Bodies
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 # Labels that select a case. The last one distinguishes cases by studies and settings.

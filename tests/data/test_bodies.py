@@ -1,0 +1,277 @@
+"""Two bodies, and normalised results in SI units."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from weier.data.bodies import Bodies
+from weier.methods import westergaard
+from weier.pipeline.fields import fields
+from weier.pipeline.solve import solve
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
+from weier.theory.conduction import composite_modulus
+
+STEEL = {"mu_1": 80e9, "nu_1": 0.3, "rho_1": 1.4e-7}
+COPPER = {"mu_2": 45e9, "nu_2": 0.34, "rho_2": 1.7e-8}
+ROUGH = {"lambda_0": 1e-4, "g_0": 1e-7}
+
+
+def interface(**changed):
+    return Bodies(**{**STEEL, **COPPER, **ROUGH, **changed})
+
+
+def test_bodies_are_given_by_either_modulus_and_by_name_alone():
+    of_young = {"E_1": 2 * 80e9 * 1.3, "nu_1": 0.3, "rho_1": 1.4e-7} | COPPER | ROUGH
+    bodies = Bodies(**of_young)
+    assert bodies.composite_modulus == pytest.approx(interface().composite_modulus, rel=1e-15)
+    assert replace(bodies, g_0=1e-6).mu_1 == bodies.mu_1
+    assert bodies.normalised_pressure(bodies.pressure([0.1, 2.0])) == pytest.approx([0.1, 2.0], rel=1e-15)
+    with pytest.raises(ValueError, match="give one of mu_1, the shear modulus, and E_1, Young's modulus, got both"):
+        Bodies(**of_young, mu_1=80e9)
+    with pytest.raises(ValueError, match="got neither"):
+        Bodies(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
+    with pytest.raises(TypeError, match="positional"):
+        Bodies(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)
+
+
+def test_results_in_si_units_follow_westergaard_in_si_units():
+    # Johnson (1985, 13.7) writes p* = pi E* g/lambda with E* = 2 M.
+    bodies = interface()
+    assert bodies.composite_modulus == composite_modulus(mu_1=80e9, nu_1=0.3, mu_2=45e9, nu_2=0.34)
+    M, g, wavelength = bodies.composite_modulus, 1e-7, 1e-4
+    p_full = np.pi * (2 * M) * g / wavelength
+    assert bodies.full_contact_pressure == pytest.approx(p_full, rel=1e-14)
+
+    p, step = 0.3 * p_full, 1e-5 * p_full
+    h = [g * q / p_full * (1 - np.log(q / p_full)) for q in (p - step, p, p + step)]
+    assert bodies.pressure(0.3) == pytest.approx(p, rel=1e-14)
+    assert bodies.compliance(westergaard.compliance(0.3)) == pytest.approx(h[1], rel=1e-14)
+    slope = (h[2] - h[0]) / (2 * step)
+    # The chord of h = xi (1 - ln xi) is off by step^2/(6 xi^2) ~ 2e-10, its rounding by 1e-16/step ~ 1e-11.
+    assert bodies.resistance(westergaard.resistance(0.3)) == pytest.approx(M * 1.57e-7 * slope, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
+        ({"nu_2": -1.0}, r"nu_2 must lie in \(-1, 0.5\], got -1.0"),
+        ({"mu_1": 0.0}, "mu_1 must be positive .*, got 0.0"),
+        ({"mu_2": -3.0}, "mu_2 must be positive .*, got -3.0"),
+        ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
+        ({"rho_1": -1e-9}, "rho_1 must be finite and not negative, got -1e-09"),
+        ({"rho_2": np.inf}, "rho_2 must be finite and not negative, got inf"),
+        ({"lambda_0": 0.0}, "lambda_0 must be positive and finite, got 0.0"),
+        ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
+        ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
+    ],
+)
+def test_interface_refuses_what_cannot_be(changed, message):
+    with pytest.raises(ValueError, match=message):
+        interface(**changed)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
+        ({"mu_1": 80}, r"mu_1 = 80 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
+        ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
+        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-09 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
+        ({"rho_2": 1e14}, r"rho_2 = 1e\+14 ohm m is above 1e\+12 ohm m"),
+    ],
+)
+def test_unusual_materials_are_doubted(changed, message):
+    with pytest.warns(UserWarning, match=message) as warned:
+        interface(**changed)
+    assert len(warned) == 1
+    assert warned[0].filename == __file__
+    interface(mu_1=np.inf, rho_1=0.0)  # a rigid body, a perfect conductor
+
+
+def test_a_wave_that_is_too_steep_for_any_surface_is_refused():
+    for g_0, lambda_0 in ((0.54, 0.8e-3), (0.54e-6, 0.8e-7)):
+        with pytest.raises(ValueError, match=r"g_0 must give the coarsest wave a .* slope of at most 10, got"):
+            interface(g_0=g_0, lambda_0=lambda_0)
+    assert interface(g_0=2.2, lambda_0=1.0).g_0 == 2.2
+
+
+CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
+
+
+def test_a_curve_in_si_units_keeps_its_coordinates():
+    bodies = interface()
+    found = bodies.in_si(CURVE)
+    assert (CURVE.resistance.symbol, found.resistance.symbol) == ("R A/(M (rho_1 + rho_2))", "R A")
+    assert found.compliance.symbol == CURVE.compliance.symbol
+    assert set(found.variables) == set(CURVE.variables)
+    assert found.mean_pressure.values == pytest.approx(bodies.pressure([0.1, 0.5, 3.0]), rel=1e-15)
+    assert found.indexes["mean_pressure"].tolist() == found.mean_pressure.values.tolist()
+    assert found.resistance.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
+    assert (found.D, found.m, found.solution_method) == (1.25, 2, "bem")
+    units = {
+        name: found[name].attrs.get("units", "1")
+        for name in ("mean_pressure", "compliance", "resistance", "patch_count")
+    }
+    assert units == {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2", "patch_count": "1"}
+    assert found.compliance.long_name == "compliance"
+    assert not any("normalised_by" in values.attrs for values in found.variables.values())
+    assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
+    assert found.contact_fraction.equals(CURVE.contact_fraction.assign_coords(found.contact_fraction.coords))
+    assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
+
+
+def test_single_variables_are_converted_with_their_dataset():
+    bodies = interface()
+    for use in (bodies.in_si, bodies.resistance):
+        with pytest.raises(ValueError, match=r"convert the whole Dataset first, as in in_si\(curve\)\.resistance"):
+            use(CURVE.resistance)
+    assert (
+        bodies.resistance(CURVE.resistance.variable).tolist() == bodies.resistance(CURVE.resistance.values).tolist()
+    )
+
+
+def test_fields_have_si_units():
+    bodies, field = interface(), fields(Profile(1.25, 5, 2, 1.0), 0.1)
+    found = bodies.in_si(field)
+    assert (found.x.units, found.pressure.units, found.gap.units) == ("m", "Pa", "m")
+    # The contacts carry the load, and the gap is that of the mean plane.
+    assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
+    assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
+
+
+def test_a_quantity_of_another_unit_is_refused():
+    with pytest.raises(ValueError, match=r"normalised must be in p_0\*, .*got .*g_0/p_0\*"):
+        interface().pressure(CURVE.resistance.variable)
+    with pytest.raises(ValueError, match=r"data must be a Dataset of weier, got \[1.0\]"):
+        interface().in_si([1.0])
+
+
+@pytest.mark.filterwarnings("ignore:(mu|rho)_")  # which no material has
+def test_scalars_of_numpy_neither_overflow_nor_round():
+    """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
+    byte, half = np.uint8, np.float16
+    rough = interface(mu_1=half(3), mu_2=byte(7), rho_1=byte(200), rho_2=byte(100), lambda_0=half(3), g_0=byte(2))
+    same = interface(mu_1=3, mu_2=7, rho_1=200, rho_2=100, lambda_0=3, g_0=2)
+    assert rough == same
+    assert rough.full_contact_pressure == same.full_contact_pressure
+    assert rough.resistance(1.0) == same.resistance(1.0)
+
+
+def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
+    heights = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
+    trace = Trace(heights, 1e-3, ends="periodic", unit="m")
+    curve = solve(trace, [0.1, 1.0], "bem", staircase="kept")
+    own = {"lambda_0": trace.lambda_0, "g_0": trace.g_0}
+    expected = interface(**own).in_si(curve)
+    assert expected.mean_pressure.values == pytest.approx(interface(**own).pressure([0.1, 1.0]), rel=1e-15)
+    for bodies in (interface(), interface(lambda_0=None, g_0=None), interface(lambda_0=None, g_0=None).at(trace)):
+        assert bodies.in_si(curve).equals(expected)
+        assert bodies.at(curve) == bodies.at(trace) == interface(**own)
+        assert (bodies.in_si(curve).attrs["lambda_0"], bodies.in_si(curve).attrs["g_0"]) == (1e-3, trace.g_0)
+
+
+def test_each_curve_of_several_traces_and_series_has_its_own_scale():
+    """Their common loads in p_0* are different ones in Pa."""
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
+    surfaces = [Trace(z, 1e-3, ends="periodic", unit="m"), Profile(1.25, 5, 2, 1.0), Trace(2 * z, 3e-3, unit="m")]
+    curves = solve(surfaces, [0.1, 1.0], ["bem"], bem={"staircase": "kept"})
+    found = interface().in_si(curves)
+    assert found.mean_pressure.dims == ("case", "load")
+    assert found.resistance.dims == ("case", "solution_method", "load")
+    for row, surface in enumerate(surfaces):
+        own = interface().at(surface)
+        assert found.mean_pressure[row].values == pytest.approx(own.pressure([0.1, 1.0]), rel=1e-15)
+        for name in ("compliance", "resistance"):
+            expected = getattr(own, name)(curves[name][row].values)
+            assert found[name][row].values == pytest.approx(expected, rel=1e-15, nan_ok=True), name
+    table = found.weier.table()
+    assert table["mean_pressure"].nunique() == 6
+    assert table["compliance"].tolist() == found.compliance.values[np.isfinite(found.compliance.values)].tolist()
+    with pytest.raises(ValueError, match="surface must be one"):
+        interface().at(curves)
+    with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series"):
+        interface(lambda_0=None, g_0=None).in_si(curves)
+
+
+NORMALISED_TWICE = [
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve)),
+    lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
+    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
+    lambda bodies, curve: bodies.in_si(fields_in_si(bodies)),
+    lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure.variable),
+    lambda bodies, curve: bodies.resistance(bodies.in_si(curve).resistance.variable),
+    lambda bodies, curve: bodies.compliance(bodies.in_si(curve).compliance.variable),
+    lambda bodies, curve: bodies.compliance(curve.resistance.variable),
+    lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),
+]
+
+
+def fields_in_si(bodies):
+    return bodies.in_si(fields(Profile(1.25, 5, 1), 0.1))
+
+
+@pytest.mark.parametrize("convert", NORMALISED_TWICE)
+def test_a_conversion_happens_once(convert):
+    with pytest.raises(ValueError, match=r"(must be (normalised|in)|must have no unit)"):
+        convert(interface(), CURVE)
+
+
+def test_what_has_lost_its_unit_is_refused_until_it_is_given_again():
+    bodies = interface()
+    lost = CURVE.mean("mean_pressure", keep_attrs=False)
+    with pytest.raises(ValueError, match="compliance has lost its unit, as by a mean or a ratio"):
+        bodies.in_si(lost)
+    with pytest.raises(ValueError, match="data must be a Dataset of weier"):
+        bodies.in_si(CURVE.compliance.to_series())
+    unlabelled = CURVE.assign_coords(mean_pressure=CURVE.mean_pressure.values)
+    with pytest.raises(ValueError, match="mean_pressure has lost its unit"):
+        bodies.in_si(unlabelled)
+    own = CURVE.assign(share=CURVE.compliance / CURVE.first_contact if "first_contact" in CURVE else CURVE.work / 2)
+    own["share"].attrs = {"normalised_by": "1"}
+    assert bodies.in_si(own).share.equals(own.share.assign_coords(bodies.in_si(own).share.coords))
+
+
+def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
+    """xarray keeps equal attributes: all of R/R' and 1/R, the units alone of h/R and h p."""
+    bodies = interface()
+    other = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "patches")
+    h, R = CURVE.compliance, CURVE.resistance
+    with xr.set_options(keep_attrs=True):
+        kept = [R / other.resistance, h / other.compliance, 1 / R]
+        partly = [h / R, h * CURVE.mean_pressure, R * h]
+    for ratio in kept:
+        with pytest.raises(ValueError, match="must have attributes of its own, got those of"):
+            bodies.in_si(CURVE.assign(ratio=ratio))
+    assert bodies.in_si(CURVE.assign(again=R)).again.units == "ohm m^2"
+    for product in partly:
+        with pytest.raises(ValueError, match="product has lost its unit"):
+            bodies.in_si(CURVE.assign(product=product))
+    own = CURVE.assign(ratio=kept[0])
+    own["ratio"].attrs = {"normalised_by": "1"}
+    np.testing.assert_array_equal(bodies.in_si(own).ratio.values, kept[0].values)
+
+
+def test_ratios_and_counts_say_that_they_have_no_unit():
+    units = {name: CURVE[name].attrs["units"] for name in ("contact_fraction", "patch_count", "D", "gamma", "m")}
+    assert set(units.values()) == {"1"}
+
+
+def test_two_bodies_alone_have_no_scale():
+    bodies = interface(lambda_0=None, g_0=None)
+    assert bodies.composite_modulus == interface().composite_modulus
+    for use in (lambda: bodies.full_contact_pressure, lambda: bodies.pressure(0.1), lambda: bodies.in_si(CURVE)):
+        with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series, in m"):
+            use()
+    with pytest.raises(ValueError, match=r"lambda_0 and g_0 must be given together, .*: g_0 is missing"):
+        interface(g_0=None)
+
+
+def test_no_contact_has_no_conductance_whatever_the_bodies_are():
+    perfect = interface(rho_1=0.0, rho_2=0.0)
+    assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
+    assert math.isnan(perfect.resistance(math.nan))

@@ -1,0 +1,244 @@
+"""Two bodies in contact, which convert normalised results to SI units and pressures back.
+
+By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rho_1 + rho_2) g_0/p_0* =
+(rho_1 + rho_2) lambda_0/(2 pi).
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import InitVar, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from weier import units
+from weier.checks import checked_number, checked_numbers
+from weier.data.si import BODIES, OF_DATASETS, check_normalised, converted, scaled
+from weier.kernels.arrays import Array
+from weier.surface.measured.trace import MAX_SLOPE
+from weier.surface.waves import checked_surface
+from weier.theory.conduction import (
+    RANGES,
+    composite_modulus,
+    full_contact_pressure,
+    shear_modulus,
+    specific_resistance,
+)
+
+# ranges outside which a warning names the likely mistake
+USUAL = {
+    "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
+    "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
+}
+# The coordinates of curves that hold the scale of a trace, in m.
+OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
+
+
+def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
+    for name, value in bodies.items():
+        what = {"mu": "modulus", "E": "modulus", "rho": "resistivity"}.get(name[:-2])
+        if what is None or value in (0, math.inf):
+            continue
+        least, most, unit, slip = USUAL[what]
+        if not least <= value <= most:
+            limit = f"below {least:g}" if value < least else f"above {most:g}"
+            yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bodies:
+    """Two bodies in contact, which turn normalised results into SI units: see `weier.Interface` for their values."""
+
+    mu_1: float = None  # type: ignore[assignment]  # until E_1 gives it
+    mu_2: float = None  # type: ignore[assignment]  # until E_2 gives it
+    nu_1: float
+    nu_2: float
+    rho_1: float
+    rho_2: float
+    lambda_0: float | None = None
+    g_0: float | None = None
+    E_1: InitVar[float | None] = None
+    E_2: InitVar[float | None] = None
+
+    def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
+        moduli = {
+            "mu_1": shear_modulus(1, self.mu_1, E_1, self.nu_1),
+            "mu_2": shear_modulus(2, self.mu_2, E_2, self.nu_2),
+        }
+        # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
+        given = {name: value for name, value in (vars(self) | moduli).items() if name in BODIES or value is not None}
+        vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in given.items()})
+        if (self.lambda_0 is None) != (self.g_0 is None):
+            missing = "lambda_0" if self.lambda_0 is None else "g_0"
+            raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
+        known = {name: vars(self)[name] for name in BODIES}
+        for body, E in ((1, E_1), (2, E_2)):
+            if E is not None:  # A warning names what was given.
+                known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
+        for doubt in _doubts(known):
+            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
+        scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
+        full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
+        if not 0 < full < math.inf:
+            raise ValueError(
+                "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
+                f"floats, got {full}"
+            )
+        slope = math.sqrt(2) * math.pi * scale[1] / scale[0]
+        if self.g_0 is not None and slope > MAX_SLOPE:
+            raise ValueError(
+                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+                f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m: is a unit wrong?"
+            )
+
+    @property
+    def composite_modulus(self) -> float:
+        """Composite modulus M, in Pa (3)."""
+        return float(composite_modulus(mu_1=self.mu_1, nu_1=self.nu_1, mu_2=self.mu_2, nu_2=self.nu_2))
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """p_0* = 2 pi M g_0/lambda_0, in Pa (7): the unit of normalised pressures."""
+        return float(self.scales["p_0*"][0])
+
+    def at(self, surface: Any) -> Bodies:
+        """Return both bodies with lambda_0 and g_0 of a trace, or with those given here for a series.
+
+        Parameters
+        ----------
+        surface : Profile, Trace or Dataset
+            The surface, or one curve of it.
+
+        Raises
+        ------
+        ValueError
+            If the surface is a series, and this interface has no lambda_0 and g_0.
+        """
+        if hasattr(surface, "data_vars"):
+            lambda_0, g_0 = self._scale_of(surface)
+            if _varies((lambda_0, g_0)):
+                raise ValueError("surface must be one, got curves of traces of several lengths or heights")
+        elif hasattr(checked_surface(surface, "surface"), "g_0"):
+            lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
+        else:
+            lambda_0, g_0 = map(np.asarray, self._scale())
+        with warnings.catch_warnings():  # which were given when this interface was made
+            warnings.simplefilter("ignore")
+            return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
+
+    def pressure(self, normalised: ArrayLike) -> Array:
+        """Convert pressures from p_0* to Pa."""
+        return self._of_unit("p_0*", normalised)
+
+    def normalised_pressure(self, pressure: ArrayLike) -> Array:
+        """Convert pressures of any shape from Pa to p_0*, as `weier.solve` takes them."""
+        return np.asarray(checked_numbers("pressure", pressure, unit=units.PASCAL) / self.full_contact_pressure)
+
+    def compliance(self, normalised: ArrayLike) -> Array:
+        """Convert compliances, heights and gaps from g_0 to m."""
+        return self._of_unit("g_0", normalised)
+
+    def resistance(self, normalised: ArrayLike) -> Array:
+        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2)."""
+        return self._of_unit("g_0/p_0*", normalised)
+
+    def in_si(self, data: Any) -> Any:
+        """Convert a Dataset with its coordinates to SI units; call it before any arithmetic.
+
+        Parameters
+        ----------
+        data : Dataset
+            Results of weier, such as a curve of `weier.solve`: the attribute `normalised_by` is the unit of a
+            variable. Curves of traces are converted by the length and height of each trace, others by lambda_0 and
+            g_0 of this interface.
+
+        Returns
+        -------
+        Dataset
+            The same with `units` such as "Pa", and with this interface among its attributes. What has another unit
+            stays as it is, and so does NaN, where a value is missing. Where traces of several lengths or heights have
+            common normalised loads, the loads in Pa depend on the case, and the dimension mean_pressure becomes
+            `load`.
+
+        Raises
+        ------
+        ValueError
+            If this is no data of weier, is in SI units already, or has lost a unit.
+
+        Examples
+        --------
+        >>> import weier
+        >>> bodies = {"mu_1": 45e9, "mu_2": 45e9, "nu_1": 0.34, "nu_2": 0.34, "rho_1": 1.7e-8, "rho_2": 1.7e-8}
+        >>> contact = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6)
+        >>> curve = contact.in_si(weier.solve(weier.Profile(D=1.5, gamma=3, m=2), [0.1, 1.0], "demelio"))
+        >>> print(f"{curve.mean_pressure.values[0]:.3e}", curve.mean_pressure.units, curve.resistance.units)
+        2.142e+07 Pa ohm m^2
+        """
+        check_normalised(data)
+        scale = self._scale_of(data)
+        own = {name: value for name, value in vars(self).items() if value is not None}
+        if not _varies(scale):
+            own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
+        return converted(data, self._scales(*scale)).assign_attrs(own)
+
+    def _scale_of(self, data: Any) -> tuple[Array, Array]:
+        """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
+        own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
+        if not np.isfinite(own).all():
+            own = [
+                np.where(np.isfinite(values), values, of_series)
+                for values, of_series in zip(own, self._scale(), strict=True)
+            ]
+        lambda_0, g_0 = own if _varies(own) else [values.flat[0] for values in own]
+        return lambda_0, g_0
+
+    def _scale(self) -> tuple[float, float]:
+        if self.lambda_0 is None or self.g_0 is None:
+            raise ValueError(
+                "lambda_0 and g_0 must be given for a series, in m: weier.Interface(..., lambda_0=1e-3, g_0=1e-6)"
+            )
+        return self.lambda_0, self.g_0
+
+    @property
+    def scales(self) -> dict[str, tuple[Array, str]]:
+        """The value of each normalised unit in SI units, and their names."""
+        return self._scales(*map(np.asarray, self._scale()))
+
+    def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
+        """Return the value of each normalised unit in SI units at these lengths and heights."""
+        p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
+        slope = specific_resistance(g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
+        values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
+        values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(lambda_0)
+        return {name: (value, units.IN_SI[name]) for name, value in values.items()}
+
+    def _of_unit(self, unit: str, normalised: Any) -> Array:
+        """Return values of one unit; those that say they are of another one are refused."""
+        numbers = checked_numbers("normalised", normalised, unit=unit)
+        if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
+            raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
+        return scaled(numbers, self.scales[unit][0])
+
+
+def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:
+    """Convert values of a quantity from SI to normalised units.
+
+    Raises
+    ------
+    ValueError
+        If these are resistances between two perfect conductors, which have none.
+    """
+    factor, si = bodies.scales.get(unit, (np.array(1.0), units.NONE))
+    if factor == 0:
+        raise ValueError("resistance must be between bodies with a resistivity, got two perfect conductors")
+    return np.asarray(checked_numbers(name, values, unit=si) / factor)
+
+
+def _varies(scale: Iterable[Array]) -> bool:
+    """Return whether cases differ in scale."""
+    return any(np.ptp(values) > 0 for values in scale)

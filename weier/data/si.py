@@ -1,0 +1,103 @@
+"""Datasets in SI units: those of their variables that have a normalised unit, with their attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weier import units
+from weier.checks import shown
+from weier.data.variables import CASE, LOAD, LOADS
+from weier.kernels.arrays import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SLOPE = " dh/dp"  # The end of the long name of a resistance that is normalised.
+# The symbol changes where the conversion includes more than a unit, here M and the resistivities.
+SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
+# The units of the scalars of `weier.fields`, which are attributes.
+SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
+LOCATED = (LOADS, "x")  # The coordinates with normalised units.
+BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")  # attributes of a Dataset in SI units
+OF_DATASETS = "convert the whole Dataset first, as in in_si(curve).resistance"
+
+
+def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.Dataset:
+    """Return a Dataset in SI units, by the value and the name of each normalised unit, one value or one per case."""
+    own_loads = LOADS in data.dims and units.unit_of(data[LOADS]) in units.NORMALISED
+    if own_loads and any(value.ndim for value, _ in scales.values()):
+        data = data.reset_index(LOADS).rename_dims({LOADS: LOAD})  # mean_pressure becomes a coordinate without index
+    values = {name: _converted(variable, scales) for name, variable in data.variables.items()}
+    found = data.assign(values).set_coords(list(data.coords))
+    if "normalisation" in data.attrs:
+        scalars = {name: SCALARS[name] for name in SCALARS.keys() & data.attrs.keys()}
+        found.attrs |= {name: data.attrs[name] * float(scales[unit][0]) for name, unit in scalars.items()}
+        del found.attrs["normalisation"]
+    return found
+
+
+def _is_computed(variable: Any) -> bool:
+    """Return whether arithmetic dropped attributes of a variable of weier, whose operands differ in `long_name`."""
+    return variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
+
+
+def check_normalised(data: Any) -> None:
+    """Refuse what is no Dataset, or has a variable whose unit is unknown, or is in SI units already."""
+    if not hasattr(data, "data_vars"):
+        raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {OF_DATASETS}")
+    described = dict[str, str]()
+    for name, variable in data.variables.items():
+        if name not in data.data_vars and name not in LOCATED:
+            continue
+        if variable.dtype.kind == "f" and (not units.unit_of(variable) or _is_computed(variable)):
+            raise ValueError(
+                f"{name} has lost its unit, as by a mean or a ratio: give it again by "
+                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
+            )
+        if units.unit_of(variable) in units.NORMALISED and "long_name" in variable.attrs:
+            other = described.setdefault(str(variable.attrs["long_name"]), str(name))
+            if other != name and not variable.equals(data.variables[other]):  # A copy has the same unit.
+                raise ValueError(
+                    f"{name} must have attributes of its own, got those of {other}, which arithmetic may have kept: "
+                    f'set data["{name}"].attrs = {{"normalised_by": "1"}} for a ratio, or its unit instead of "1"'
+                )
+    if not any(units.unit_of(variable) in units.NORMALISED for variable in data.variables.values()):
+        raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
+    if known := {*BODIES} & data.attrs.keys():
+        raise ValueError(
+            f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
+        )
+
+
+def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
+    """Return dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
+    attributes = dict(variable.attrs)
+    unit = attributes.pop(units.NORMALISED_BY, None)
+    if unit not in known:
+        return variable.dims, variable.values, dict(variable.attrs)
+    factor, attributes["units"] = known[unit]
+    if "long_name" in attributes:
+        attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit)).removesuffix(SLOPE)
+    if "symbol" in attributes:
+        attributes["symbol"] = SI_SYMBOLS.get(attributes["symbol"], attributes["symbol"])
+    dims, values = variable.dims, variable.values
+    if factor.ndim:
+        dims = (CASE, *(dim for dim in dims if dim != CASE))
+        values = np.moveaxis(values, variable.dims.index(CASE), 0) if CASE in variable.dims else values[None]
+        factor = factor.reshape(-1, *(1 for _ in dims[1:]))
+    for name in ("valid_min", "valid_max"):
+        if name in attributes:
+            attributes[name] = float(attributes[name] * factor.max())
+    return dims, scaled(values, factor), attributes
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def scaled(values: Array, unit: Array) -> Array:
+    """Return values in a unit; NaN, where a value is missing, stays NaN.
+
+    An infinite resistance is that of no contact, and stays infinite for perfect conductors, too, whose unit is 0.
+    """
+    return np.where(np.isfinite(values), np.asarray(values, float) * unit, values)
