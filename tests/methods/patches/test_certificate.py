@@ -12,7 +12,6 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.patches import certificate
 from weier.methods.patches.certificate import (
     EPS,
-    GAP_FACTOR,
     SAMPLED_FACTOR,
     TANGENT_ERROR,
     _largest_and_width,
@@ -453,7 +452,7 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     wave = OneWave(period, part * period, 0.2 * period)
     gaps = np.zeros(1, MINIMUM)
     gaps["position"], gaps["curvature"] = wave.crest + distance * period, 50.0
-    depth = GAP_FACTOR * HEIGHT + FIELD_ROUNDING
+    depth = 4 * HEIGHT + FIELD_ROUNDING
     b = np.sqrt(2 * depth / 50)
     relief = -2 * np.log(np.pi * part) + 4 * np.log(2 * np.sin(np.pi * distance))
     assert (relief < 0) == (distance < 0.1)

@@ -186,7 +186,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         curvature = (below + above - 2 * here) / (1e-3 * period) ** 2
         assert here < min(below, above)
         reach = np.sqrt(-2 * here / curvature) * (np.sqrt(2) if dual else 0.5)
-        assert 0.5 * (right - left) == pytest.approx(min(reach, inequalities.MAX_NEW_WIDTH * most), rel=1e-3, abs=0)
+        assert 0.5 * (right - left) == pytest.approx(min(reach, 0.5 * most), rel=1e-3, abs=0)
     if dual:  # Gaps thinner than the limit are cracks in closed form: b^2 = 4 q_0/kappa.
         thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])

@@ -9,7 +9,6 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
-from weier.methods.patches.kind import CAUCHY, GAP, POTENTIAL, PRESSURE
 from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.surface import evaluate_series, from_crests, make_series, nearest_crests
 
@@ -69,20 +68,20 @@ def integrate(state, period, x, kernel):
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-@pytest.mark.parametrize("which", [POTENTIAL, CAUCHY])
-def test_integrals_of_densities_are_those_of_direct_quadrature(period, which):
+@pytest.mark.parametrize("is_slope", [False, True])
+def test_integrals_of_densities_are_those_of_direct_quadrature(period, is_slope):
     """On both segments, beside them, at their images and far away."""
     state = states_of_two_segments(period, False)
     x = period * np.array(
         [0.08, 0.1, 0.149, 0.1501, 0.2, 0.29, 0.31, 0.5, 0.62, 0.88, 0.901, 0.97, 1.045, -0.35, 2.61]
     )
-    expected = [integrate(state, period, at, ("ln", "cot")[which]) for at in x]
-    found = fields.density_integrals(state, period, np.zeros(x.size), x, which)
+    expected = [integrate(state, period, at, "cot" if is_slope else "ln") for at in x]
+    found = fields.density_integrals(state, period, np.zeros(x.size), x, is_slope)
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
     for part in (x[:1], x[9:10]):  # the same counted from another origin
-        again = fields.density_integrals(state, period, part + period, -period * np.ones(1), which)
+        again = fields.density_integrals(state, period, part + period, -period * np.ones(1), is_slope)
         assert again[0] == pytest.approx(
-            fields.density_integrals(state, period, np.zeros(1), part, which)[0], abs=1e-12
+            fields.density_integrals(state, period, np.zeros(1), part, is_slope)[0], abs=1e-12
         )
 
 
@@ -119,9 +118,11 @@ def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     x = wave.crest + np.concatenate([inside, outside])
     pressure = np.concatenate([wave.pressure(inside), np.zeros(6)])
     gap = np.concatenate([np.zeros(5), wave.gap(outside)])
-    of_pressure = fields.pressures_or_gaps(state, series, x, PRESSURE)
+    of_pressure = fields.pressures_or_gaps(state, series, x, False)
     np.testing.assert_allclose(of_pressure, pressure, rtol=0, atol=1e-10 / min(a, half - a))
-    np.testing.assert_allclose(fields.pressures_or_gaps(state, series, x, GAP), gap, rtol=0, atol=1e-11 * wave.period)
+    np.testing.assert_allclose(
+        fields.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
+    )
     crest, y = nearest_crests(series, x)
     by_sums = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
     atol = 1e-10 / min(a, half - a) if dual else 1e-10
@@ -137,9 +138,7 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
     assert segments.centre.size == 1
     assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
     curvature = -evaluate_series(series, crest, 0.0)[2]
-    for t in np.cosh(fields.FAR_FIELD_EXPONENT / (state.coefficient.size + 1)) * np.array(
-        [0.5, 0.95, 1.05, 2.0, 5.0]
-    ):
+    for t in fields.far_field_from(state.coefficient.size) * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
         root = np.sqrt(t * t - 1)
         expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
         y = segments.centre[0] + segments.half_width[0] * t
@@ -160,8 +159,7 @@ def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
     values = []
     for limit in (0, 10**9):
-        monkeypatch.setattr(fields, "MIN_SUM_SEGMENTS", limit)
-        monkeypatch.setattr(fields, "MIN_SUM_POINTS", min(limit, 1))
+        monkeypatch.setattr(fields, "MIN_SUM", limit)
         values.append((solution.pressure(x), solution.gap(x)))
     (pressure, gap), (closed_pressure, closed_gap) = values
     force = solution.mean_pressure * profile.period

@@ -5,7 +5,6 @@ import pytest
 
 from weier import Profile, random_phases
 from weier.methods.patches import solver
-from weier.methods.patches.segments import CRESTS, GRID, TENSIONS
 from weier.methods.patches.start import Starts
 
 
@@ -24,7 +23,8 @@ def test_an_ordinary_load_takes_the_first_attempt(D, gamma, m):
 
 
 @pytest.mark.parametrize(
-    ("load", "start", "dual"), [(1e-300, CRESTS, False), (1e-6, CRESTS, False), (0.5, GRID, False), (3.0, GRID, True)]
+    ("load", "start", "dual"),
+    [(1e-300, "crests", False), (1e-6, "crests", False), (0.5, "grid", False), (3.0, "grid", True)],
 )
 def test_each_part_of_a_curve_has_its_start(load, start, dual):
     state, _ = solver.solve_state(Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10), load)
@@ -34,4 +34,4 @@ def test_each_part_of_a_curve_has_its_start(load, start, dual):
 def test_the_last_gaps_start_on_crests_of_the_tension():
     starts = Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10)
     state, _ = solver.solve_state(starts, starts.surface.full_contact_load * (1 - 1e-6))
-    assert (state.route.start, state.dual) == (TENSIONS, True)
+    assert (state.route.start, state.dual) == ("tensions", True)

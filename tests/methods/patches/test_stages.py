@@ -126,7 +126,7 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
 def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     """Closed forms at some of the points are the reference."""
     state = patches.solve_load(FOUR_WAVES, 1.5).state
-    assert state.segments.centre.size > fields.MIN_SUM_SEGMENTS
+    assert state.segments.centre.size > fields.MIN_SUM
     monkeypatch.setattr(certificate, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)
     assert contact_residual(wrong, surface_of(FOUR_WAVES).series(state.dual))[0].max() > 1e-8

@@ -15,9 +15,9 @@ from weier.kernels.jit import kernel
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
-from weier.methods.patches.fields import MIN_SUM_SEGMENTS, residuals_by_sums, residuals_one_by_one
-from weier.methods.patches.inequalities import MAX_INNER, minima_of_gaps, minima_outside
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING, GAP, NEW_GAP_WIDTH, PRESSURE
+from weier.methods.patches.fields import MIN_SUM, residuals_by_sums, residuals_one_by_one
+from weier.methods.patches.inequalities import minima_of_gaps, minima_outside
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
@@ -32,9 +32,6 @@ MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for
 # Between the samples a residual, of the degree K + 2 on K nodes, is at most twice as large (docs/patches.md).
 SAMPLES_PER_DEGREE = 1.5
 SAMPLED_FACTOR = 1 / float(np.cos(0.5 * np.pi / SAMPLES_PER_DEGREE))
-DIRECT_SUMS = 40  # points at which residuals of many segments are checked without fast sums
-# |g' - g| over the error e of the heights (docs/patches.md); an estimate if part of e comes from tension or load
-GAP_FACTOR = 4.0
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
 # Four estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap,
@@ -109,7 +106,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
     The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
     matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.
     """
-    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM_SEGMENTS
+    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM
     first, crest, y = sample_points(segments, by_sums)
     if not by_sums:
         return _largest_and_width(segments, first, np.abs(residuals_one_by_one(state, series, crest, y)))
@@ -117,7 +114,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
     residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
     # The seed is fixed, so that each run checks the same points.
-    some = np.random.default_rng(y.size).choice(y.size, DIRECT_SUMS, replace=False)
+    some = np.random.default_rng(y.size).choice(y.size, MIN_SUM, replace=False)
     residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
     return _largest_and_width(segments, first, residual)
 
@@ -165,7 +162,7 @@ def certify(
     """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual is one or the other (`Kind.on_segments`).
+    contacts or a pressure in gaps. The residual is one or the other (`Kind`).
 
     residual, residual_width : the largest on each segment and its width, of `contact_residual`
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
@@ -189,8 +186,8 @@ def certify(
         contact, middle, reach = intervals.T
         pressure = np.append(pressure, -tensions["value"])
         width = np.append(width, 2 * reach * contacts[2][contact.astype(np.int64)])
-        # The move of an edge may remove intervals that reach it.
-        state = state._replace(tensions=intervals[np.abs(middle) + reach < MAX_INNER])
+        # The move of an edge may remove an interval that reaches it, up to rounding of its ends.
+        state = state._replace(tensions=intervals[np.abs(middle) + reach < 1 - 4 * EPS])
     moved, beyond, unsure = effect_of_cracks(state, period)
     error = unsure + error_bound(
         kind.largest_indentation(state.approach, series),
@@ -205,7 +202,7 @@ def certify(
     height_error = error + 2 * SAMPLED_FACTOR * kind.dual * largest
     state = state._replace(error=error, height_error=height_error)
     uncertainty = gap_uncertainty(height_error, total_height(series, kind.dual))
-    if kind.on_segments == GAP:
+    if state.dual:
         overlaps = minima_of_gaps(state)
     elif uncertainty > margin:
         overlaps = minima_outside(state, series, uncertainty)
@@ -245,11 +242,13 @@ def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, 
 
 
 def gap_uncertainty(error: float, height: float) -> float:
-    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`.
+    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`, 4 times it.
+
+    An estimate if part of the error comes from tension or load (docs/patches.md, "The bound on the compliance").
 
     height : the total amplitude, to which rounding is relative
     """
-    return GAP_FACTOR * error + FIELD_ROUNDING * height
+    return 4 * error + FIELD_ROUNDING * height
 
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
@@ -291,7 +290,7 @@ def _rise_by_cracks(state: ContactState, period: float) -> float:
     r = state.kind.contacts_of(state.segments.extent, period)[2][contact]
     B = state.kind.at_contacts(state.tangent_strength)[contact].mean(axis=1)
     q = np.maximum(B * np.sqrt(2 / (r * (1 - t**2))), 1.0)
-    return float(np.pi**2 / period * np.sum((NEW_GAP_WIDTH * b * r * q) ** 2))
+    return float(np.pi**2 / period * np.sum((np.sqrt(2.0) * b * r * q) ** 2))
 
 
 def _error_of_cracks(state: ContactState, period: float) -> float:
@@ -365,7 +364,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
     curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
-    if state.kind.on_segments == PRESSURE:
+    if not state.dual:
         most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5
         A = np.minimum(A, most[:, None])
     return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import FIELD_ROUNDING, POTENTIAL, PRESSURE, Kind
+from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH, Kind
 from weier.methods.patches.surface import Extent
 from weier.methods.punches import OFFSET, Inverse, invert_punches
 from weier.theory.halfplane import displacement_of_punch
@@ -87,8 +87,8 @@ CONTACTS = Kind(
     height_of_residual=np.ones_like,
     rounded_width=lambda period, half_width: period,
     share=lambda count: 1.0,
-    on_segments=PRESSURE,
-    integral=POTENTIAL,
+    new_outside=NEW_CONTACT_WIDTH,
+    new_within=np.sqrt(2.0),
     integral_factor=lambda period: -2.0,
     constant=lambda load, approach, maximum: -approach,
     contacts_of=lambda extent, period: extent,

@@ -19,7 +19,6 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.fields import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
-from weier.methods.patches.kind import CAUCHY, GAP, PRESSURE
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -338,11 +337,11 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
     Its distance from the event's origin and its value, which may be negative.
     """
-    y, which = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1], GAP if event.birth else PRESSURE
-    lowest = int(np.argmin(_gaps_or_pressures(state, series, which, event.origin, y)))
+    y = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1]
+    lowest = int(np.argmin(_gaps_or_pressures(state, series, event.birth, event.origin, y)))
     step = y[1] - y[0]
     minimum = scipy.optimize.minimize_scalar(
-        lambda position: _gaps_or_pressures(state, series, which, event.origin, np.full(1, position))[0],
+        lambda position: _gaps_or_pressures(state, series, event.birth, event.origin, np.full(1, position))[0],
         bounds=(y[lowest] - step, y[lowest] + step),
         method="bounded",
         options={"xatol": POSITION_ACCURACY * step},
@@ -350,24 +349,24 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
     return float(minimum.x), float(minimum.fun)
 
 
-def _gaps_or_pressures(state: ContactState, series: CosineSeries, which: int, origin: float, y: Array) -> Array:
+def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, origin: float, y: Array) -> Array:
     """Return gaps at points origin + y outside the contacts, or pressures at points on them; any may be negative.
 
     On segments they follow from the density, the pressure of contacts or (integrated) the gap in gaps; elsewhere they
     are the complementary residual.
     """
     at = np.full(y.size, origin)
-    if which != state.kind.on_segments:
+    if is_gap != state.dual:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
-    return values_on_segments(state, series.period, at, y, which == GAP)[1]
+    return values_on_segments(state, series.period, at, y, is_gap)[1]
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
     """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
-    if state.kind.on_segments == GAP:
+    if state.dual:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
-    integral = density_integrals(state, series.period, series.crest_position[crest], y, CAUCHY)
+    integral = density_integrals(state, series.period, series.crest_position[crest], y, True)
     return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
 
 

@@ -9,36 +9,39 @@ from it, so that points near a crest lose no digits.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
-from weier.methods.patches.kind import EPS, GAP, POTENTIAL
+from weier.methods.patches.kind import EPS
 from weier.methods.patches.pair_sums import make_tree, potential
 from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
-# least number of points for fast sums: they are faster from 50 to 90 points on for 39, 254 and 1342 contacts, and
-# from 250 on for 71 gaps
-MIN_SUM_POINTS = 100
-MIN_SUM_SEGMENTS = 40  # fewer cost little: 13 gaps at 1000 points take 1.1 ms, 0.8 ms by fast sums
+# least number of points and of segments for fast sums: they are faster from 50 to 90 points on for 39, 254 and 1342
+# contacts, from 250 on for 71 gaps, and fewer segments cost little (13 gaps at 1000 points 1.1 for 0.8 ms)
+MIN_SUM = 64
 LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
-# The error of Gauss's quadrature is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no
-# pole: rounding from ln(rho) = 18.4/(K+1) on, and so from the distance cosh(ln(rho)) from the centre, in half-widths.
-FAR_FIELD_EXPONENT = 0.5 * LN_ROUNDING
 BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
 # angle between x and the centre of a segment above which it is computed from the angles of both, with a rounding
 # error of 2e-15 of it
 MIN_ANGLE = 0.1
-# Power series of the kernels without their pole at 0, and without those at 1 and -1 (docs/patches.md): terms decrease
-# by a factor of at least 4, and fewer reach rounding for small |u|.
-SERIES_TERMS = 3 + int(LN_ROUNDING / np.log(4.0))
-_ORDER = np.arange(1, SERIES_TERMS + 1)
-_ZETA_LESS_1 = np.array(
-    [np.pi**2 / 6 - 1, np.pi**4 / 90 - 1, *(np.sum(np.arange(2.0, 1e3) ** (-2.0 * k)) for k in _ORDER[2:])]
-)
-POLE_FREE_SERIES = np.array([[-z / _ORDER, -2 / np.pi * z] for z in (_ZETA_LESS_1 + 1, _ZETA_LESS_1)])
+
+
+def _pole_free_series() -> NDArray[np.float64]:
+    """Return the power series of both kernels without their pole at 0, and without those at 1 and -1.
+
+    Their terms, with zeta(2 k) and zeta(2 k) - 1, decrease by a factor of at least 4 (docs/patches.md).
+    """
+    k = np.arange(1, 4 + int(LN_ROUNDING / np.log(4.0)))
+    zeta_less_1 = np.array([np.sum(np.arange(2.0, 1e3) ** (-2.0 * order)) for order in k])
+    zeta_less_1[:2] = np.pi**2 / 6 - 1, np.pi**4 / 90 - 1  # whose sums converge slowly
+    return np.array([[-z / k, -2 / np.pi * z] for z in (zeta_less_1 + 1, zeta_less_1)])
+
+
+POLE_FREE_SERIES = _pole_free_series()
 
 
 @kernel
@@ -48,9 +51,19 @@ def _local_coordinate(segment: float, centre: float, r: float, period: float, or
     return (d - period * np.rint(d / period)) / r
 
 
-def density_integrals(state: ContactState, period: float, origin: Array, y: Array, which: int) -> Array:
-    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds."""
-    return _integrals(state.segments, state.coefficient, period, origin, y, which)
+def density_integrals(state: ContactState, period: float, origin: Array, y: Array, is_slope: bool) -> Array:
+    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or, of its slope, int rho cot(pi (x-s)/L) ds."""
+    return _integrals(state.segments, state.coefficient, period, origin, y, is_slope)
+
+
+@kernel
+def far_field_from(count: int) -> float:
+    """Return the distance from a centre, in half-widths, from which quadrature on K nodes is exact to rounding.
+
+    Its error is rho^(-2 (K+1)), where rho belongs to the largest Bernstein ellipse that holds no pole, and whose
+    longer half-axis is cosh(ln(rho)).
+    """
+    return np.cosh(0.5 * LN_ROUNDING / (count + 1))
 
 
 @kernel
@@ -72,7 +85,9 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
 
 
 @kernel
-def _integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, which: int) -> Array:
+def _integrals(
+    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, is_slope: bool
+) -> Array:
     """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
 
     Far from a segment, quadrature is used, with sin(pi (x-s)/L) by the addition theorem: from the angle between x and
@@ -92,11 +107,11 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
         sine, cosine = np.empty(node.size), np.empty(node.size)
         for q in range(node.size):
             sine[q], cosine[q] = np.sin(factor * r * node[q]), np.cos(factor * r * node[q])
-        reach = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
+        reach = far_field_from(node.size)
         for i in range(y.size):
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
             if abs(t) <= reach:
-                integral[i] += _near_field(a, node, force, r, reach, t, period, which)
+                integral[i] += _near_field(a, node, force, r, reach, t, period, is_slope)
             else:
                 angle = factor * r * t
                 if abs(angle) < MIN_ANGLE:
@@ -107,7 +122,7 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
                 far[count] = i
                 count += 1
             if count == BLOCK or (i == y.size - 1 and count > 0):
-                value = _far_field(force, sine, cosine, s[:count], c[:count], which)
+                value = _far_field(force, sine, cosine, s[:count], c[:count], is_slope)
                 for k in range(count):
                     integral[far[k]] += value[k]
                 count = 0
@@ -115,13 +130,13 @@ def _integrals(segments: Segments, coefficient: Array, period: float, origin: Ar
 
 
 @kernel
-def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, which: int) -> Array:
+def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, is_slope: bool) -> Array:
     """Integrate over a segment by quadrature, at points with these sines and cosines of the angle from its centre.
 
     The loops over the points have no branches, so that the compiler vectorises them.
     """
     n, value = s.size, np.zeros(s.size)
-    if which == POTENTIAL:
+    if not is_slope:
         distance = np.empty(force.size * n)
         for q in range(force.size):
             row, u, v = distance[q * n : (q + 1) * n], 2 * cosine[q], 2 * sine[q]
@@ -142,7 +157,7 @@ def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, whi
 
 @kernel
 def _near_field(
-    a: Array, node: Array, force: Array, r: float, reach: float, t: float, period: float, which: int
+    a: Array, node: Array, force: Array, r: float, reach: float, t: float, period: float, is_slope: bool
 ) -> float:
     """Return an integral over a segment at its own coordinate t, near to it or on it.
 
@@ -154,22 +169,22 @@ def _near_field(
     total, largest_u = 0.0, r / period * (abs(t) + 1)
     images = 0 if largest_u < 0.5 and period / r - abs(t) > reach else 1
     for image in range(-images, images + 1):
-        if which == POTENTIAL:
+        if not is_slope:
             total += r * (log_integral(a, t - image * period / r) + np.log(r) * 0.5 * np.pi * a[0])
         else:
             total += cauchy_integral(a, t - image * period / r) * period / np.pi
-    factor, square, series = POLE_FREE_SERIES[images, which], np.empty(a.size), np.zeros(a.size)
+    factor, square, series = POLE_FREE_SERIES[images, int(is_slope)], np.empty(a.size), np.zeros(a.size)
     for q in range(a.size):
         square[q] = (r / period * (t - node[q])) ** 2
-    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), SERIES_TERMS)
+    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), factor.size)
     for k in range(np.int64(terms) - 1, -1, -1):
         term = factor[k]
         for q in range(a.size):
             series[q] = term + square[q] * series[q]
     for q in range(a.size):
-        power = square[q] if which == POTENTIAL else r / period * (t - node[q])
+        power = r / period * (t - node[q]) if is_slope else square[q]
         total += force[q] * power * series[q]
-    if which == POTENTIAL:
+    if not is_slope:
         total += r * 0.5 * np.pi * a[0] * (np.log(2 * np.pi / period) - 2 * images * np.log(period))
     return total
 
@@ -227,7 +242,7 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 
     Points are given by a crest and the distance from it.
     """
-    if y.size < MIN_SUM_POINTS or state.segments.centre.size < MIN_SUM_SEGMENTS:
+    if min(y.size, state.segments.centre.size) < MIN_SUM:
         return residuals_one_by_one(state, series, crest, y)
     origin = series.crest_position[crest]
     origin = origin - series.period * np.floor((origin + y) / series.period)
@@ -237,7 +252,7 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
     kind, origin = state.kind, series.crest_position[crest]
-    integral = density_integrals(state, series.period, origin, y, kind.integral)
+    integral = density_integrals(state, series.period, origin, y, kind.dual)
     integral *= kind.integral_factor(series.period)
     constant = kind.constant(state.load, state.approach, series.maximum)
     return np.asarray(constant - evaluate_at(series, crest, y, 0) + integral)
@@ -257,11 +272,11 @@ def residuals_by_sums(
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
     kind, density = state.kind, (segments, state.coefficient)
-    at_node, force = _node_forces(*density, kind.on_segments == GAP)
+    at_node, force = _node_forces(*density, kind.dual)
     tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
     total, factor = potential(tree, force, make_tree(origin, offset), period, kind.dual), kind.factor(period)
-    near = kind.integral, kind.integral_factor(period) / factor
-    value[order] = _correct_near_segments(*density, kind.dual, *near, force, origin, offset, period, total)
+    near = kind.integral_factor(period) / factor
+    value[order] = _correct_near_segments(*density, kind.dual, near, force, origin, offset, period, total)
     constant = kind.constant(state.load, state.approach, series.maximum)
     return np.asarray(constant - evaluate_at(series, crest, y, 0) + factor * value)
 
@@ -286,7 +301,6 @@ def _correct_near_segments(
     segments: Segments,
     coefficient: Array,
     dual: bool,
-    which: int,
     factor: float,
     force: Array,
     origin: Array,
@@ -303,7 +317,7 @@ def _correct_near_segments(
         centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
         a, (node, weight), at_nodes = coefficient[first:last], gauss_nodes(last - first), np.empty(last - first)
         density = _forces_at(a, r, node, weight)
-        far = np.cosh(FAR_FIELD_EXPONENT / (node.size + 1))
+        far = far_field_from(node.size)
         reach = min(far * r, 0.5 * period)
         for image in range(-1, 2):
             middle = centre + image * period
@@ -312,17 +326,17 @@ def _correct_near_segments(
                 for q in range(node.size):  # to the last digit as the sums have it
                     at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])
                 replace_by_influence(at_nodes, period, dual)
-                total[i] += factor * _near_field(a, node, density, r, far, t, period, which)
+                total[i] += factor * _near_field(a, node, density, r, far, t, period, dual)
                 for q in range(node.size):
                     total[i] -= force[first + q] * at_nodes[q]
     return total
 
 
-def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, which: int) -> Array:
-    """Return the pressure at positions x, in p_0*, or the gap there, in g_0 (`PRESSURE`, `GAP`)."""
-    (crest, y), on_segments = nearest_crests(series, x), state.kind.on_segments
-    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, on_segments == GAP)
-    if which != on_segments:
+def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
+    """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
+    crest, y = nearest_crests(series, x)
+    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
+    if is_gap != state.dual:
         value = np.zeros(x.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value

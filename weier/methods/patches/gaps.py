@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import CAUCHY, FIELD_ROUNDING, GAP, Kind
+from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between, total_height
 
 # of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), and power of n in the sum
@@ -81,8 +81,8 @@ GAPS = Kind(
     height_of_residual=lambda half_width: 2 * half_width,  # a pressure displaces by its product with the width
     rounded_width=lambda period, half_width: 2 * float(half_width.max()),
     share=lambda count: min(1.0, 5 / count),  # The bound is a sum over all gaps.
-    on_segments=GAP,
-    integral=CAUCHY,
+    new_outside=np.sqrt(2.0),
+    new_within=NEW_CONTACT_WIDTH,
     integral_factor=lambda period: 0.5 / (np.pi * period),
     constant=lambda load, approach, maximum: load - maximum,
     contacts_of=intervals_between,

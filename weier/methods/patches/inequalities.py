@@ -30,23 +30,17 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import EPS, GAP, MAX_THINNESS, NEW_WIDTHS
+from weier.methods.patches.kind import EPS, MAX_THINNESS
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
 # probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
 # a cosine differs from its parabola by 5 %
 PROBES_PER_WAVE = 8
-MIN_PROBE_DISTANCE = 1e-9  # relative to the mean; closer probes differ only by rounding
-# fraction of the half-width beyond which an interval of tension counts as ending at the edge, whose move may remove
-# it
-MAX_INNER = 0.99
 SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a segment
-# initial stencil of Newton's method on differences over the length of the bracket, and its ratio in each refinement;
-# a stencil h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
-FIRST_STENCIL, STENCIL_RATIO, REFINEMENTS = 0.1, 1 / 5, 6
-# largest half-width of a new segment over the distance to its nearest neighbour, so that two new ones do not touch
-MAX_NEW_WIDTH = 0.4
+# width of the stencil of Newton's method on differences over the bracket, and its ratio in each refinement; a stencil
+# h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
+STENCIL_RATIO, REFINEMENTS = 1 / 5, 6
 # largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
 # for other functions
 MAX_FALL = 3
@@ -85,6 +79,7 @@ def _probe_points(
         following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
         turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
     per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
+    least = np.sqrt(EPS) / per_length  # At closer probes, second differences of a parabola are rounding.
     for j in range(left.size):
         count[j] = PROBES_PER_WAVE + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
         total += count[j]
@@ -99,7 +94,7 @@ def _probe_points(
             if x >= left[j] + length[j]:
                 break
             i, k = i + (probe == x), k + (turn == x)
-            if last < 0 or interval[last] < j or x - point[last] > MIN_PROBE_DISTANCE / per_length:
+            if last < 0 or interval[last] < j or x - point[last] > least:
                 last += 1
                 point[last], interval[last] = x, j
     return point[: last + 1], interval[: last + 1]
@@ -140,12 +135,11 @@ def _minima_between(
 
 def find_negative_intervals(state: ContactState) -> Records:
     """Return intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
-    segments, kind = state.segments, state.kind
-    is_gap = kind.on_segments == GAP
-    found, _, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, is_gap)
+    segments = state.segments
+    found, _, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.dual)
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
-        found["height"] *= kind.height_of_negative(width)
+        found["height"] *= state.kind.height_of_negative(width)
     return found
 
 
@@ -228,7 +222,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
-    minima = _minima_between(state.segments, series, residual, state.kind.on_segments != GAP, 0.0)
+    minima = _minima_between(state.segments, series, residual, not state.dual, 0.0)
     minima["value"] += margin
     return minima
 
@@ -280,7 +274,7 @@ def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFa
     low, middle, high, interval = brackets
     if middle.size == 0:
         return np.empty(0, MINIMUM)
-    stencil, lowest = FIRST_STENCIL * (high - low), np.full((3, middle.size), np.inf)
+    stencil, lowest = 0.5 * STENCIL_RATIO * (high - low), np.full((3, middle.size), np.inf)
     for refinement in range(1, REFINEMENTS + 1):
         if middle.size == 0:
             break
@@ -322,8 +316,8 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    Also return all minima below the margin, including these. The width of a new segment is `NEW_WIDTHS` times that of
-    the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
+    Also return all minima below the margin, including these. The width of a new segment is `Kind.new_outside`
+    times that of the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
     punches, kind = step.punches, problem.kind
 
@@ -333,13 +327,12 @@ def find_missing(
         plane = (1 - kind.dual) * step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
-    is_gap = kind.on_segments != GAP
-    found = _minima_between(punches.segments, problem.series, residual, is_gap, tolerance + margin)
+    found = _minima_between(punches.segments, problem.series, residual, not kind.dual, tolerance + margin)
     if found.size == 0:
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if not is_gap:
+    if kind.dual:
         # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
         b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
         scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
@@ -347,7 +340,7 @@ def find_missing(
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
-    half_width = np.minimum(NEW_WIDTHS[kind.dual] * reach, MAX_NEW_WIDTH * room)
+    half_width = np.minimum(kind.new_outside * reach, 0.5 * room)  # at most halfway to others
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 

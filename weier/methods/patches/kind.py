@@ -12,8 +12,6 @@ from weier.kernels.arrays import Array, Flags, Records
 from weier.methods.patches.surface import CosineSeries, Extent, Sides
 from weier.methods.punches import Inverse
 
-POTENTIAL, CAUCHY = 0, 1  # integrals of the density with ln|2 sin| and with cot
-PRESSURE, GAP = 0, 1
 EPS = float(np.finfo(float).eps)
 # largest half-width b of a thin gap over its distance l to the nearest edge: their interaction changes the rise of R
 # by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
@@ -23,15 +21,16 @@ MAX_THINNESS = 2e-4
 # twice the largest difference measured between shifted profiles; and of singularities over min(w, 1), with w the
 # displacement under the whole load: at edges near births and mergers they do not fall below it
 FIELD_ROUNDING = 1e-13
-NEW_GAP_WIDTH = np.sqrt(2.0)  # width of a new gap over its interval of tension, exact for a parabola
 # Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
 # many loads are not solved (docs/numerics.md, "Contact patches in numbers").
 NEW_CONTACT_WIDTH = 0.5
-NEW_WIDTHS = NEW_CONTACT_WIDTH, NEW_GAP_WIDTH
 
 
 class Kind(NamedTuple):
     """Contacts or gaps: what differs.
+
+    The density on contacts is the pressure, and the residual, which vanishes on them, is the gap; the density on gaps
+    (dual) is their slope, whose integral is the gap, and the residual is the pressure.
 
     Where a formula for both kinds has a term or factor for one of them, that is multiplied by `dual`, 0 or 1.
 
@@ -52,9 +51,8 @@ class Kind(NamedTuple):
     share : from the number of segments, the fraction of the tolerance for each
 
     Fields and inequalities
-    on_segments : `PRESSURE` or `GAP`, which the density on segments gives; the other one is the residual, which
-        vanishes on segments
-    integral : of the density, for the residual, `POTENTIAL` or `CAUCHY`
+    new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments
+        and on one; a gap is exact for a parabola of tension
     integral_factor : factor of the integral over the density in the residual, from the period
     constant : the residual at the maximum of the series without the integral, from load, approach and that maximum
     contacts_of : from the extent of segments and the period, that of contacts
@@ -85,8 +83,8 @@ class Kind(NamedTuple):
     height_of_residual: Callable[[Array], Array]
     rounded_width: Callable[[float, Array], float]
     share: Callable[[int], float]
-    on_segments: int
-    integral: int
+    new_outside: float
+    new_within: float
     integral_factor: Callable[[float], float]
     constant: Callable[[float, float, float], float]
     contacts_of: Callable[[Extent, float], Extent]

@@ -24,9 +24,6 @@ from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
-# Kernels are run on one wave, under this load, in p_0*, and so far below the load of full contact.
-ONE_WAVE, LIGHT = Profile(D=1.25, gamma=2, m=1), 1e-3
-
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
     """Return expected seconds of a curve (docs/numerics.md, "Expected seconds")."""
@@ -38,12 +35,13 @@ def run_kernels() -> None:
 
     Nothing starts from boundary elements, which may still be compiled by another process.
     """
-    surface = surface_of(ONE_WAVE)
-    nearly_full = surface.full_contact_load - LIGHT
-    for guess in (isolated_contacts(surface.heights, LIGHT), isolated_gaps(surface.tensions, nearly_full)):
+    one_wave, light = Profile(D=1.25, gamma=2, m=1), 1e-3
+    surface = surface_of(one_wave)
+    nearly_full = surface.full_contact_load - light
+    for guess in (isolated_contacts(surface.heights, light), isolated_gaps(surface.tensions, nearly_full)):
         assert guess is not None
         series = surface.series(guess.dual)
-        curve(ONE_WAVE, guess.load)
+        curve(one_wave, guess.load)
         state, _ = stages.solve_in_stages(surface, guess, TOLERANCE)
         punches, none = (
             make_punches(state.segments, series.period, state.dual, most=0),

@@ -29,7 +29,6 @@ from weier.methods.patches.gaps import gap_degree, gap_node, gap_wave
 from weier.methods.patches.surface import distances_between
 
 Table = NDArray[np.float64]
-OF_CONTACTS, OF_GAPS = contacts.RULE, gaps.RULE
 
 
 class Rule(NamedTuple):
@@ -50,7 +49,7 @@ class Rule(NamedTuple):
 @kernel
 def rule_of(dual: bool) -> tuple[int, float, int]:
     """Return `RULE`: the shift, the sign of X(i + j + shift), and the power in its sum."""
-    return OF_GAPS if dual else OF_CONTACTS
+    return gaps.RULE if dual else contacts.RULE
 
 
 @kernel
@@ -111,7 +110,7 @@ def _own_table(K: int, dual: bool, inverse: bool) -> Array:
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
     q/2N)]. For the inverse it is the sum of the reciprocal powers over N^2.
     """
-    shift, _, power = OF_GAPS if dual else OF_CONTACTS
+    shift, _, power = gaps.RULE if dual else contacts.RULE
     N = K + shift - 1
     if inverse:
         X = _cosine_sums(N, -power) / N**2

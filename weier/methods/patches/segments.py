@@ -7,7 +7,7 @@ strengths and the number of nodes. A `ContactState` contains the segments at one
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,6 @@ MAX_NODES = 2000
 # least distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the coefficients
 # of a solution show whether more nodes are needed
 MIN_DISTANCE = 1e-3
-UNRESOLVED = 2  # last coefficients of the regular part that are 0, since psi is unknown two degrees higher
-NODE_STEPS = 8  # node counts between powers of 2, so that few rules are needed
 
 
 def kind_of(dual: bool) -> Kind:
@@ -116,19 +114,18 @@ class Cracks(NamedTuple):
 
 
 # Initial guess of a load: Hertzian contacts on crests, the last gaps on crests of the tension, or a grid.
-CRESTS, TENSIONS, GRID = range(3)
+Start = Literal["crests", "tensions", "grid"]
 
 
 class Route(NamedTuple):
     """How a state was found.
 
-    start : `CRESTS`, `TENSIONS` or `GRID`
     steps : solutions on given edges
     corrections : of the set of segments
     attempts : 1, or 2 if the first one failed
     """
 
-    start: int
+    start: Start
     steps: int = 0
     corrections: int = 0
     attempts: int = 1
@@ -174,7 +171,7 @@ class ContactState(NamedTuple):
     cracks: Cracks = Cracks()
     tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
-    route: Route = Route(GRID)
+    route: Route = Route("grid")
 
     @property
     def kind(self) -> Kind:
@@ -241,14 +238,14 @@ def count_nodes(
         nearest = max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE)
         ln_rho = np.log1p(nearest + np.sqrt(nearest) * np.sqrt(nearest + 2))
         needed = least + per_radian * finest * r + per_neighbour / ln_rho
-        count[j] = _round_up(np.ceil(needed) + UNRESOLVED)
+        count[j] = _round_up(np.ceil(needed) + 2)  # The last two coefficients are 0.
     return count
 
 
 @kernel
 def _round_up(count: float) -> float:
-    """Return the next even number of nodes that is a multiple of its power of 2 over `NODE_STEPS`."""
-    step = 2.0 ** max(1.0, np.floor(np.log2(count)) - np.log2(NODE_STEPS))
+    """Return the next even multiple of an eighth of the power of 2 below the count, so that rules are few."""
+    step = 2.0 ** max(1.0, np.floor(np.log2(count)) - 3)
     return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 
 
@@ -262,9 +259,12 @@ def node_factors(tolerance: float) -> tuple[float, float, float]:
     return 4.5 + digits / 4, max(1.0, 2.2 - digits / 8), 1.95 * digits - 8.7
 
 
-def coefficient_tails(segments: Segments, coefficient: Array, skipped: int) -> Array:
-    """Return the size of the last two Chebyshev coefficients that are not 0 over that of the largest."""
-    size, last = np.abs(coefficient), segments.first_node[1:] - skipped
+def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
+    """Return the size of the last two coefficients of the regular part that are not 0 over that of the largest.
+
+    Its last two are 0, since psi is unknown two degrees higher.
+    """
+    size, last = np.abs(coefficient), segments.first_node[1:] - 2
     largest = np.maximum.reduceat(size, segments.first_node[:-1])
     return np.asarray(np.maximum(size[last - 1], size[last - 2]) / np.maximum(largest, 1e-300))
 

@@ -18,7 +18,6 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.patches.certificate import resistance_error
 from weier.methods.patches.fields import pressures_or_gaps
-from weier.methods.patches.kind import GAP, PRESSURE
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -94,16 +93,16 @@ class Solution(NamedTuple):
         """Return pressure p(x), in p_0*, for x in lambda_0 of any shape; 0 outside the contacts."""
         if self.state is None:
             return self.mean_pressure - _series_at(self.surface.tensions, x)
-        return self._on_points(self.state, x, PRESSURE)
+        return self._on_points(self.state, x, False)
 
     def gap(self, x: ArrayLike) -> Array:
         """Return the gap, in g_0, at x in lambda_0 of any shape; 0 on the contacts."""
         if self.state is None:
             return np.zeros(np.shape(x))
-        return self._on_points(self.state, x, GAP)
+        return self._on_points(self.state, x, True)
 
-    def _on_points(self, state: ContactState, x: ArrayLike, which: int) -> Array:
-        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), which)
+    def _on_points(self, state: ContactState, x: ArrayLike, is_gap: bool) -> Array:
+        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), is_gap)
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:

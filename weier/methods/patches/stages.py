@@ -40,10 +40,9 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import FIELD_ROUNDING, MAX_THINNESS, NEW_WIDTHS
+from weier.methods.patches.kind import FIELD_ROUNDING, MAX_THINNESS
 from weier.methods.patches.segments import (
     MAX_NODES,
-    UNRESOLVED,
     ContactState,
     coefficient_tails,
     end_sums,
@@ -262,7 +261,7 @@ def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Record
     """
     if negative.size == 0:
         return negative
-    unresolved = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
+    unresolved = coefficient_tails(state.segments, state.coefficient)
     of_contacts = 1 - state.kind.dual
     wrong = negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION * of_contacts)[negative["segment"]]]
     return wrong[(wrong["height"] > opening) & ~are_thin(wrong, MAX_THINNESS * of_contacts)]
@@ -311,13 +310,12 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
     """
     if negative.size == 0:
         return np.empty((0, 2))
-    width = NEW_WIDTHS[1 - state.kind.dual]
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
         centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j
         left = -1.0
         for a, b in [*zip(negative["start"][here], negative["end"][here], strict=True), (1.0, 1.0)]:
-            widening = 0.5 * (width - 1) * (b - a) if a > -1 and b < 1 else 0.0
+            widening = 0.5 * (state.kind.new_within - 1) * (b - a) if a > -1 and b < 1 else 0.0
             if a - widening > left:
                 pieces.append((centre + r * left, centre + r * (a - widening)))
             left = max(left, b + widening)

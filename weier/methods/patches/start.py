@@ -18,9 +18,6 @@ from weier.methods.bem.staircase import in_continuum
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
-    CRESTS,
-    GRID,
-    TENSIONS,
     ContactState,
     Route,
     estimate_node_count,
@@ -83,16 +80,14 @@ class Starts:
 
         ConvergenceError is raised if no grid shows a contact and a gap.
         """
-        for start, find, series in (
-            (CRESTS, isolated_contacts, self.surface.heights),
-            (TENSIONS, isolated_gaps, self.surface.tensions),
-        ):
-            if (isolated := find(series, load)) is not None:
-                return isolated._replace(route=Route(start))
+        if (isolated := isolated_contacts(self.surface.heights, load)) is not None:
+            return isolated._replace(route=Route("crests"))
+        if (isolated := isolated_gaps(self.surface.tensions, load)) is not None:
+            return isolated._replace(route=Route("tensions"))
         is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
         for per_wave in (POINTS_PER_WAVE_OF_MANY, *POINTS_PER_WAVE) if is_large else POINTS_PER_WAVE:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
-                return contacts_guess(self.surface, load, found)._replace(route=Route(GRID))
+                return contacts_guess(self.surface, load, found)._replace(route=Route("grid"))
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:

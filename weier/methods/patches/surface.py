@@ -29,9 +29,6 @@ Sides = NDArray[np.float64]  # values at the left and the right edge of each int
 # relative to the sum of amplitudes: crests that differ by less are compared in extended precision, since their
 # difference would have fewer than ten digits, and are equally high within `COMPLIANCE_ROUNDING`
 TWIN_HEIGHT = 1e-6
-# largest distance, in steps, for the expansion about a crest: it is shifted from a node at most half a step away,
-# whose expansion is valid up to one step
-MAX_CREST_STEPS = 0.5
 
 
 class CosineSeries(NamedTuple):
@@ -151,10 +148,11 @@ def _round_positions(x: Array, period: float) -> Array:
 def evaluate_series(series: CosineSeries, crest: int, y: float) -> tuple[float, float, float]:
     """Return S - max S, S' and S'' at the distance y from a crest, without cancellation for small y.
 
-    Within half a step the expansion about the crest is used, with slope 0; beyond, that about the nearest node.
+    Within half a step the expansion about the crest is used, with slope 0: it is shifted from a node at most half a
+    step away, whose expansion is valid up to one step. Beyond, that about the nearest node is used.
     """
     t, row, crests = y / series.step, crest, series.crest_node.size
-    if abs(t) > MAX_CREST_STEPS:
+    if abs(t) > 0.5:
         t += series.node_offset[crest]
         steps = np.rint(t)
         t -= steps

@@ -17,8 +17,7 @@ from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
-from weier.methods.patches.kind import PRESSURE
-from weier.methods.patches.segments import UNRESOLVED, ContactState, Cracks, coefficient_tails
+from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
 from weier.methods.patches.surface import CosineSeries, nearest_crests
 
 # nodes on a crack: the pressure is a parabola up to terms in b/l and its square, with l the distance to the nearest
@@ -107,13 +106,13 @@ def with_cracks(
     if tensions.size == 0:
         return state, tensions
     kind, period = state.kind, series.period
-    tail = coefficient_tails(state.segments, state.coefficient, UNRESOLVED)
+    tail = coefficient_tails(state.segments, state.coefficient)
     is_certain = kind.are_certain(tensions, tail, residual, state.load)
     contacts = kind.contacts_of(state.segments.extent, period)
     contact, t, reach = kind.tensions(contacts, tensions[is_certain], period).T
     order = np.lexsort((t, contact))
     contact, t, reach = np.asarray(contact[order], np.int64), t[order], reach[order]
-    on_contacts = _densities if kind.on_segments == PRESSURE else _residuals
+    on_contacts = _residuals if state.dual else _densities
     cracks, found = find_thin_gaps(
         *on_contacts(state, series, punches, tangent), contact, t, reach, contacts[2][contact], period
     )
