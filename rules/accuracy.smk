@@ -38,7 +38,8 @@ rule measure_convergence:
         kernels=ancient(kernels_of(METHODS)),
         scene=configured("accuracy/infinite.yaml"),
     output:
-        "results/convergence/convergence.nc",
+        data="results/convergence/convergence.nc",
+        table="results/convergence/convergence.md",
     log:
         "results/logs/convergence/measure.log",
     conda:

@@ -5,6 +5,7 @@ import pytest
 
 from weier import Profile, figures, random_phases
 from weier.accuracy import convergence as study
+from weier.accuracy.metrics import by_resolved_terms
 from weier.figures import convergence as convergence_figure
 from weier.methods import bem
 from weier.scene import Figure
@@ -14,8 +15,13 @@ PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
 
 
 @pytest.fixture(scope="module")
-def convergence():
-    return study.measure_convergence([PROFILE], LOADS, 6).isel(case=0)
+def measured():
+    return study.measure_convergence([PROFILE], LOADS, 6)
+
+
+@pytest.fixture
+def convergence(measured):
+    return measured.isel(case=0)
 
 
 def test_estimates_lie_within_all_bounds_and_close_in(convergence):
@@ -82,3 +88,30 @@ def test_the_figure_is_written_in_all_formats_and_needs_several_estimates(conver
     shortest = convergence.isel(resolved_terms=[0])
     with pytest.raises(ValueError, match="no cases with several estimates"):
         figures.draw(Figure("convergence"), [shortest.expand_dims("case")], tmp_path / "one.png")
+
+
+def test_the_table_has_the_errors_of_each_number_of_terms(measured, convergence, tmp_path):
+    study.write_table(measured, "Infinite", tmp_path / "page.md")
+    text = (tmp_path / "page.md").read_text()
+    assert text.startswith("# Infinite\n\n| series | resolved terms |")
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| D = 1.25, gamma = 2")]
+    h, low, high = (convergence[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
+    assert [row[1:3] for row in rows] == [[str(k), str(32 * 2 ** (k - 1))] for k in range(1, 7)]
+    widths = [float(np.max(high[k] - low[k])) / 2 for k in range(6)]
+    assert [float(row[3]) for row in rows] == pytest.approx(widths, rel=0.05)
+    distances = [float(np.max(np.abs(h[k] - h[5]))) for k in range(5)]
+    assert [float(row[4]) for row in rows[:-1]] == pytest.approx(distances, rel=0.05)
+    assert len(rows[-1]) == 4  # the error of the last estimate is not known
+
+
+def test_errors_of_estimates_are_from_finer_bounds_where_there_are_any(convergence):
+    """Without the last two estimates, the middle of the last bounds is nearer to the infinite series."""
+    cut = convergence.copy(deep=True)
+    cut["compliance"].values[4:] = np.nan
+    width, error = by_resolved_terms(cut)
+    middle = (cut["compliance_lower"].values[5] + cut["compliance_upper"].values[5]) / 2
+    assert np.isfinite(width).all()
+    assert error[3] == np.abs(cut["compliance"].values[3] - middle).max()
+    assert np.isfinite(error).tolist() == [True] * 4 + [False] * 2
+    cut["compliance"].values[:], cut["compliance_lower"].values[:] = np.nan, np.nan
+    assert np.isnan(by_resolved_terms(cut)).all()

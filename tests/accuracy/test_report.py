@@ -1,13 +1,8 @@
-"""Tables from columns, and pages from templates."""
+"""Numbers of tables, and pages from templates."""
 
 import numpy as np
 
-from weier.accuracy.report import number, rows_as_table, write_page
-
-
-def test_a_heading_stands_over_what_its_column_says():
-    columns = [("n", str), ("square", lambda n: number(n**2, ".1f"))]
-    assert rows_as_table(columns, [2, 3]) == "| n | square |\n| --- | --- |\n| 2 | 4.0 |\n| 3 | 9.0 |"
+from weier.accuracy.report import number, write_page
 
 
 def test_what_is_unknown_leaves_its_cell_empty():

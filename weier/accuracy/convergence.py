@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from weier.accuracy.metrics import by_resolved_terms
+from weier.accuracy.report import number, write_page
 from weier.data import dataset, variables
+from weier.data.markdown import table
+from weier.data.selection import case_names
 from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, OutOfReachError
@@ -18,6 +23,7 @@ from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, bounds, cur
 from weier.surface.loads import checked_loads
 from weier.surface.profile import PARAMETERS, Profile
 
+HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
 
@@ -79,3 +85,15 @@ def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     except OutOfReachError:
         return {"status": Status.not_applicable}
     return {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}
+
+
+def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
+    """Write the convergence as Markdown, with a row for each number of resolved terms of a series."""
+    rows = []
+    for row, name in enumerate(case_names(data, but=("phases",))):
+        case = data.isel(case=row)
+        for terms, nodes, *errors in zip(
+            case["resolved_terms"].values, case["points"].values, *by_resolved_terms(case), strict=True
+        ):
+            rows.append([name, str(terms), number(nodes, ".0f"), *(number(error, ".1e") for error in errors)])
+    write_page(path, "convergence.md", title=title, rows=table(HEADER, rows))

@@ -1,4 +1,4 @@
-"""Errors of curves: deviations and correct digits; in a tradeoff, the largest errors and the Pareto front."""
+"""Errors of curves: deviations and correct digits; in a tradeoff the largest errors and the Pareto front."""
 
 from __future__ import annotations
 
@@ -59,6 +59,21 @@ def worst_over_loads(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> A
 def seconds_per_load(data: xr.Dataset) -> Array:
     """Return seconds a load of each case and variant, shape (case, variant)."""
     return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
+
+
+def by_resolved_terms(case: xr.Dataset) -> tuple[Array, Array]:
+    """Return half-width of the bounds and error of the estimate of h, largest over the loads; NaN where unknown.
+
+    The error is the distance from the middle of the finest bounds where these have more terms than any estimate, else
+    from the last estimate.
+    """
+    h, low, high = (case[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
+    width = (high - low).max(axis=1) / 2
+    bounded, estimated = (max(np.flatnonzero(np.isfinite(values).all(axis=1)), default=-1) for values in (low, h))
+    further = bounded > estimated
+    error = np.abs(h - ((low + high)[bounded] / 2 if further else h[estimated])).max(axis=1)
+    error[estimated] = error[estimated] if further else np.nan
+    return width, error
 
 
 def pareto(cost: Array, error: Array) -> list[int]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,10 +14,10 @@ from weier.accuracy import comparison
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.report import number, rows_as_table, write_page
+from weier.accuracy.report import number, write_page
 from weier.accuracy.runner import median_run
 from weier.accuracy.variants import Variant, variants_of
-from weier.data.markdown import plain
+from weier.data.markdown import plain, table
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods import registry
@@ -93,45 +92,30 @@ def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
     }
 
 
-class Row(NamedTuple):
-    """The results of a variant on the profiles that it solved.
-
-    seconds : for one load, shape (profiles,)
-    compliance, stated_compliance, resistance, stated_resistance : measured and stated errors, shape (profiles,
-        loads); NaN where the method states none
-    """
-
-    name: str
-    seconds: Array
-    compliance: Array
-    stated_compliance: Array
-    resistance: Array
-    stated_resistance: Array
-
-
-COLUMNS: list[tuple[str, Callable[[Row], str]]] = [
-    ("method and setting", lambda row: plain(row.name)),
-    ("profiles", lambda row: str(row.seconds.size)),
-    ("ms a load", lambda row: number(1e3 * np.median(row.seconds), ".2g")),
-    ("error of h: median", lambda row: number(np.median(row.compliance))),
-    ("90 %", lambda row: number(np.quantile(row.compliance, 0.9))),
-    ("largest", lambda row: number(row.compliance.max())),
-    ("stated: median", lambda row: number(np.median(row.stated_compliance))),
-    ("error of R: median", lambda row: number(np.median(row.resistance))),
-    ("90 %", lambda row: number(np.quantile(row.resistance, 0.9))),
-    ("largest", lambda row: number(row.resistance.max())),
-    ("stated: median", lambda row: number(np.median(row.stated_resistance))),
+OF_ERRORS = ("90 %", "largest", "stated: median")
+HEADER = [
+    *("method and setting", "profiles", "ms a load"),
+    *("error of h: median", *OF_ERRORS, "error of R: median", *OF_ERRORS),
 ]
 
 
 def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
     """Write the tradeoff as Markdown, with a row for each variant."""
+    seconds = seconds_per_load(data)
     errors = [by_load(data, quantity, kind) for quantity in QUANTITIES for kind in (MEASURED, STATED)]
-    columns = seconds_per_load(data), *errors
-    run = np.isfinite(columns[0])
+    run = np.isfinite(seconds)
     rows = [
-        Row(name, *(column[run[:, at], at] for column in columns))
+        _row(name, seconds[run[:, at], at], *(error[run[:, at], at] for error in errors))
         for at, name in enumerate(data["variant"].values.tolist())
         if run[:, at].any()
     ]
-    write_page(path, "tradeoff.md", title=title, variants=rows_as_table(COLUMNS, rows))
+    write_page(path, "tradeoff.md", title=title, variants=table(HEADER, rows))
+
+
+def _row(name: str, seconds: Array, *errors: Array) -> list[str]:
+    """Return the results of a variant: seconds a load on each profile, measured and stated errors of h and of R."""
+    cells = [plain(name), str(seconds.size), number(1e3 * np.median(seconds), ".2g")]
+    for measured, stated in (errors[:2], errors[2:]):
+        quantiles = np.median(measured), np.quantile(measured, 0.9), measured.max(), np.median(stated)
+        cells += map(number, quantiles)
+    return cells

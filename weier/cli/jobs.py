@@ -204,10 +204,12 @@ def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
 @click.command(hidden=True)
 @SCENE
 @output("path")
-def convergence(scene_file: Path, path: Path) -> None:
+@output("table")
+def convergence(scene_file: Path, path: Path, table: Path) -> None:
     """Solve infinite series by the number of terms resolved, from 1 to 8.
 
-    The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it.
+    The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it; TABLE will be a
+    page of their errors.
     """
     from weier.accuracy import convergence as study
     from weier.data import dataset
@@ -217,6 +219,7 @@ def convergence(scene_file: Path, path: Path) -> None:
         profiles = [case.profile for case in loaded.cases.values()]
         data = study.measure_convergence(profiles, loaded.loads, max_terms=8)
         dataset.write(data, path, loaded.title, "solved", loaded.text)
+        study.write_table(data, loaded.title, table)
 
 
 @click.command(hidden=True)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from weier.accuracy.metrics import by_resolved_terms
 from weier.data import curves
 from weier.figures import lines, style
 from weier.surface.profile import PARAMETERS
@@ -71,14 +72,9 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
 
 def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
     """Draw the half-width of the bounds, and the distance of estimates from the last one or from finer bounds."""
-    h, terms, estimated = case["compliance"].values, case["resolved_terms"].values, _rows_of_estimates(case)
-    low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
-    bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
-    width = (high - low)[bounded].max(axis=1) / 2
-    name = style.describe(case, "gamma")
-    axes.plot(terms[bounded], width, label=f"{name}: half-width of bounds", color=color, marker="s")
-    further = bounded[-1] > estimated[-1]
-    compared, best = (estimated, (low + high)[bounded[-1]] / 2) if further else (estimated[:-1], h[estimated[-1]])
-    deviation = np.abs(h[compared] - best).max(axis=1)
+    name, terms = style.describe(case, "gamma"), case["resolved_terms"].values
+    width, error = by_resolved_terms(case)
+    bounded, compared = np.isfinite(width), np.isfinite(error)
+    axes.plot(terms[bounded], width[bounded], label=f"{name}: half-width of bounds", color=color, marker="s")
     look: dict[str, Any] = {"color": color, "marker": "o", "markerfacecolor": "white", "linestyle": style.DASHES[1]}
-    axes.plot(terms[compared], deviation, label=f"{name}: error of estimate", **look)
+    axes.plot(terms[compared], error[compared], label=f"{name}: error of estimate", **look)

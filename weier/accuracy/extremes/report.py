@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from weier.accuracy.extremes.measurement import CHECKS
-from weier.accuracy.report import number, rows_as_table, write_page
+from weier.accuracy.report import number, write_page
 from weier.accuracy.runner import Outcome
 from weier.data.markdown import plain, table
 from weier.data.variables import Check
+from weier.methods.method import QUANTITIES
 
 # The outcomes in words.
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
+
+HEADER = ("method", "extremes", "numbers", "errors in words", "least digits of h", "of R", "largest error of h")
 
 
 def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
@@ -33,7 +36,7 @@ def write_summary(data: xr.Dataset, title: str, path: str | Path) -> None:
         title=title,
         rows=len(runs),
         faults=f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault.",
-        by_method=rows_as_table(SUMMARY, runs_of_method.values()),
+        by_method=table(HEADER, map(_summary, runs_of_method.values())),
         by_extreme=_matrix(runs, list(runs_of_method)),
         messages=_list(reversed(one_of_each.values())),
     )
@@ -62,6 +65,18 @@ def _digits_left(run: xr.Dataset | None) -> str:
         return "all refused"
     digits = number(_worst([run], "compliance_digits"), ".1f") or "finite"
     return f"{digits}, some refused" if refused.any() else digits
+
+
+def _summary(runs: Sequence[xr.Dataset]) -> list[str]:
+    """Return the cells of the runs of a variant, below `HEADER`."""
+    return [
+        plain(runs[0]["variant"].item()),
+        str(len(runs)),
+        _count(runs, refused=False),
+        _count(runs, refused=True),
+        *(number(_worst(runs, f"{quantity}_digits"), ".1f") for quantity in QUANTITIES),
+        number(_worst(runs, "compliance_deviation", np.fmax)),
+    ]
 
 
 def _worst(runs: Sequence[xr.Dataset], name: str, of: np.ufunc = np.fmin) -> float:
@@ -95,14 +110,3 @@ def _runs(data: xr.Dataset) -> list[xr.Dataset]:
     """Return one dataset for each variant that was run on an extreme."""
     run = (data["outcome"].values != Outcome.not_run).any(axis=-1)
     return [data.isel(case=case, variant=variant) for case, variant in np.argwhere(run)]
-
-
-SUMMARY: list[tuple[str, Callable[[list[xr.Dataset]], str]]] = [
-    ("method", lambda runs: plain(runs[0]["variant"].item())),
-    ("extremes", lambda runs: str(len(runs))),
-    ("numbers", lambda runs: _count(runs, refused=False)),
-    ("errors in words", lambda runs: _count(runs, refused=True)),
-    ("least digits of h", lambda runs: number(_worst(runs, "compliance_digits"), ".1f")),
-    ("of R", lambda runs: number(_worst(runs, "resistance_digits"), ".1f")),
-    ("largest error of h", lambda runs: number(_worst(runs, "compliance_deviation", np.fmax))),
-]
