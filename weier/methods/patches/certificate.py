@@ -29,9 +29,9 @@ from weier.methods.patches.surface import (
 )
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
-# Between the samples a residual, of the degree K + 2 on K nodes, is at most twice as large (docs/patches.md).
-SAMPLES_PER_DEGREE = 1.5
-SAMPLED_FACTOR = 1 / float(np.cos(0.5 * np.pi / SAMPLES_PER_DEGREE))
+# Between N samples a residual, of the degree n = K + 2 on K nodes, is at most 1/cos(pi n/2N) times as large
+# (docs/patches.md): twice, with N = 3 n/2 or more.
+SAMPLED_FACTOR = 2.0
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
 # Four estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap,
@@ -142,7 +142,7 @@ def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Ar
     far from all nodes as possible, for fast sums; otherwise there are enough for `SAMPLED_FACTOR` to hold.
     """
     nodes = segments.node_count
-    count = 2 * (nodes + 1) if apart else np.asarray(np.ceil(SAMPLES_PER_DEGREE * (nodes + 2)), np.int64)
+    count = 2 * (nodes + 1) if apart else (3 * (nodes + 2) + 1) // 2
     first = np.append(0, np.cumsum(count))
     of = np.repeat(np.arange(count.size), count)
     angle = (np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of]

@@ -19,8 +19,10 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.fields import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
+from weier.methods.patches.kind import EPS
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
+from weier.methods.patches.stages import TARGET
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import CosineSeries, Sides, Surface, evaluate_at, intervals_between, nearest_crests
 from weier.surface.waves import Waves
@@ -33,9 +35,7 @@ MAX_ADVANCE = 0.15
 MIN_SHARE_OF_LOAD = 0.7
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
-MAX_ROOTS = 4  # largest number of events for root-finding; a root takes several solutions, bisection one
 MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
-LOAD_ACCURACY = 1e-12  # relative, of the roots
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
@@ -44,8 +44,6 @@ MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
 # minimum is located
 SAMPLES = 12
-# accuracy of the position of such a minimum over the spacing of the samples; its value has an error of second order
-POSITION_ACCURACY = 1e-8
 
 
 class Events(NamedTuple):
@@ -195,12 +193,10 @@ class _Search(NamedTuple):
             return [(high.load, event) for event in changes]
         if is_certain and not changes:
             return []
-        if is_certain and width < MAX_ROOT_INTERVAL and len(changes) <= MAX_ROOTS:
+        if is_certain and width < MAX_ROOT_INTERVAL:
             located = self._locate_all(low, high, changes)
-            loads = sorted(state.load for _, state in located)
-            is_one = loads and loads[-1] <= (1 + MIN_INTERVAL) * loads[0]  # or several by symmetry
             is_direct = all(_is_direct(low, high, *pair) for pair in zip(changes, located, strict=False))
-            if is_one and is_direct and self._is_in_contact(located[0][1]):
+            if located and is_direct and self._is_in_contact(located[0][1]):
                 return [(state.load, event) for event, state in located]
         return None
 
@@ -249,11 +245,16 @@ class _Search(NamedTuple):
         return bool(np.all(minima <= births))
 
     def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """Return all changes, each located independently; empty if one cannot be located."""
-        try:
-            return [self._locate(low, high, event) for event in changes]
-        except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
-            return []
+        """Return all changes, each located independently; empty if one cannot be located, or two loads differ."""
+        located: list[_Located] = []
+        for event in changes:
+            try:
+                located.append(self._locate(low, high, event))
+            except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
+                return []
+            if abs(located[-1][1].load / located[0][1].load - 1) > MIN_INTERVAL:  # not one event, nor symmetric ones
+                return []
+        return located
 
     def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
         """Return position and state at which the minimum of the gap (birth) or of the pressure (merger) vanishes.
@@ -272,7 +273,8 @@ class _Search(NamedTuple):
             followed.insert(0, (event._replace(left=y, right=y), state))
             return value
 
-        accuracy = {"xtol": LOAD_ACCURACY * low.load, "rtol": LOAD_ACCURACY}
+        relative = TARGET * TOLERANCE  # of the residual
+        accuracy = {"xtol": relative * low.load, "rtol": relative}
         return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
 
     def _is_in_contact(self, state: ContactState) -> bool:
@@ -344,7 +346,7 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
         lambda position: _gaps_or_pressures(state, series, event.birth, event.origin, np.full(1, position))[0],
         bounds=(y[lowest] - step, y[lowest] + step),
         method="bounded",
-        options={"xatol": POSITION_ACCURACY * step},
+        options={"xatol": np.sqrt(EPS) * step},  # The value has an error of second order.
     )
     return float(minimum.x), float(minimum.fun)
 

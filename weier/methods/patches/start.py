@@ -30,24 +30,16 @@ from weier.theory.halfplane import displacement_at_distance, displacement_of_pun
 
 # limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
 MIN_TOLERANCE, MAX_TOLERANCE = FIELD_ROUNDING, 1.0
-# largest half-width of a Hertzian contact or parabolic gap, in radians of the finest wave: a cosine then differs from
-# its parabola by 2 %
-MAX_RADIANS = 0.5
-# largest half-width of an isolated one over the distance to the next: its field differs from that of a line force by
-# the square, 1 %
-MAX_CROWDING = 0.1
-MAX_ISOLATED = 32  # contacts whose forces are found as line forces, by dense equations
-# relative accuracy of the forces of isolated contacts and of the tangent pressure on grids, which locates the edges
-# between nodes: the errors of line forces and of the discretisation are of the same order
-GUESS_TOLERANCE = 1e-2
-MAX_FORCE_STEPS = 30  # for these forces; 3 or 4 are usual
-POINTS_PER_WAVE = (16, 32)  # per finest wave, of the grids that are tried in turn
-# number of waves from which a coarser grid is used: it misses contacts, which costs a step or two, but loads on
-# 15 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on 3 125 to 8 192 waves would take 1.0 to 1.2 of it
-MANY_WAVES, POINTS_PER_WAVE_OF_MANY = 10_000, 8
-# residual of boundary elements for the initial guess, the smaller of a value in g_0 and a fraction of the finest
-# wave; at least the last value, since the finest waves of a smooth measured surface are rounding
-GRID_TOLERANCE, WAVE_FRACTION, MIN_GRID_TOLERANCE = 1e-5, 0.01, 1e-10
+# relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
+# residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
+GUESS_TOLERANCE = 0.02
+# contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
+MAX_ISOLATED = 32
+# points per finest wave of the grids that are tried in turn. The first one is for `MANY_WAVES` only: it misses
+# contacts, which costs a step or two, but loads on 15 625 to 78 125 waves take 0.75 to 1.1 of the time, and those on
+# 3 125 to 8 192 waves would take 1.0 to 1.2 of it
+POINTS_PER_WAVE, MANY_WAVES = (8, 16, 32), 10_000
+GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
 TOLERANCE = 1e-10
@@ -72,8 +64,9 @@ class Starts:
 
     def _make_grid(self, per_wave: int) -> NestedSolver:
         points = per_wave * self.profile.waves_per_period[-1]
-        tolerance = min(GRID_TOLERANCE, WAVE_FRACTION * abs(float(self.profile.amplitude[-1])))
-        return NestedSolver(self.profile, points, max(MIN_GRID_TOLERANCE, tolerance))
+        tolerance = min(GRID_TOLERANCE, GUESS_TOLERANCE * abs(float(self.profile.amplitude[-1])))
+        # The finest waves of a smooth measured surface are rounding.
+        return NestedSolver(self.profile, points, max(TOLERANCE, tolerance))
 
     def guess(self, load: float) -> ContactState:
         """Return the contacts, or the gaps, that are likely under this load.
@@ -85,7 +78,7 @@ class Starts:
         if (isolated := isolated_gaps(self.surface.tensions, load)) is not None:
             return isolated._replace(route=Route("tensions"))
         is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
-        for per_wave in (POINTS_PER_WAVE_OF_MANY, *POINTS_PER_WAVE) if is_large else POINTS_PER_WAVE:
+        for per_wave in POINTS_PER_WAVE if is_large else POINTS_PER_WAVE[1:]:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
                 return contacts_guess(self.surface, load, found)._replace(route=Route("grid"))
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
@@ -189,11 +182,16 @@ def with_fewer_nodes(surface: Surface, guess: ContactState) -> ContactState:
     return _make_guess(there, guess.load, not guess.dual, np.stack([origin + centre, half_width]))
 
 
+def _widest(series: CosineSeries) -> float:
+    """Return the largest half-width x in parabolas of the finest wave k, which differ from it by (k x)^2/12."""
+    return float(np.sqrt(12 * GUESS_TOLERANCE) / series.wavenumber[-1])
+
+
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Return Hertzian contacts on crests if they are small enough to interact as line forces; otherwise None."""
     curvature, total = series.crest_curvature, load * series.period
     # A lower bound on the widest contact: all crests are as sharp as the sharpest and share the load equally.
-    if 2 * np.sqrt(total / curvature.size / curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+    if 2 * np.sqrt(total / curvature.size / curvature.max()) > _widest(series):
         return None
     force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
     return _isolated(series, load, False, force)
@@ -203,7 +201,7 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
     """Return the gaps where full contact would be in tension, if they are too small to interact."""
     most = series.maximum - load
     # A lower bound on the widest gap: the largest tension on the sharpest crest.
-    if most <= 0 or 2 * np.sqrt(most / series.crest_curvature.max()) * series.wavenumber[-1] > MAX_RADIANS:
+    if most <= 0 or 2 * np.sqrt(most / series.crest_curvature.max()) > _widest(series):
         return None
     return _isolated(series, load, True, np.maximum(most + series.crest_offset, 0.0))
 
@@ -218,7 +216,8 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
         return None
     origin, half_width = series.crest_position[crest], 2 * np.sqrt(amount[crest] / series.crest_curvature[crest])
     nearest = np.diff(origin, append=origin[0] + series.period).min()
-    if half_width.max() >= min(MAX_RADIANS / series.wavenumber[-1], MAX_CROWDING * nearest):
+    # The field of a contact differs from that of a line force by the square of half-width over distance.
+    if half_width.max() >= min(_widest(series), np.sqrt(GUESS_TOLERANCE) * nearest):
         return None
     none = np.zeros(crest.size)
     return ContactState(dual, load, 0.0, make_segments(crest, origin, none, half_width, np.zeros_like(crest)))
@@ -258,7 +257,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
     force, none, crest = np.empty(n), np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
         force[k] = total if offset[k] == 0 else 0.0
-    for _ in range(MAX_FORCE_STEPS):
+    for _ in range(most):
         count = 0
         for k in range(n):
             if force[k] > 0:
