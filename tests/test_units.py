@@ -1,5 +1,6 @@
 """Units that values carry: converted or refused wherever a number is given, never dropped."""
 
+import time
 from functools import partial
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 import xarray as xr
 
 import weier
+from tests.signals import OF_HANDLERS, interrupting
+from weier import units
 from weier.theory.conduction import composite_modulus, specific_resistance
 from weier.units import factor
 
@@ -173,12 +176,22 @@ NO_UNITS = [
     "(",
     "a" * 38 + "!",
     "degC",
+    "m\n  m\n (m",  # which the tokenizer of Python refuses by its indentation
+    "not-1",
+    "m(",
 ]
+
+
+@pytest.mark.parametrize("error", OF_HANDLERS)
+def test_what_a_signal_raises_is_no_wrong_unit(monkeypatch, error):
+    monkeypatch.setattr(units, "_registry", lambda: time.sleep(10))
+    with interrupting(error), pytest.raises(error):
+        factor("pressure", "MPa", "Pa")
 
 
 @pytest.mark.parametrize("unit", NO_UNITS)
 def test_a_text_that_is_no_unit_of_the_quantity_is_refused(unit):
-    with pytest.raises(ValueError, match=r"^rho_1 must be in ohm m, got values in .{0,90}$"):
+    with pytest.raises(ValueError, match=r"(?s)^rho_1 must be in ohm m, got values in .{0,90}$"):
         factor("rho_1", unit, "ohm m")
 
 

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Mapping
 from functools import cache
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +39,8 @@ MAX_NAME = 40  # No unit is longer than this.
 UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")
 # Spellings that pint does not know: powers as in "N mm-2", which are those of UDUNITS, and "Ohm" of astropy.
 POWER, OHM = re.compile(r"\b([A-Za-z]+)(-?\d)\b"), re.compile(r"Ohm\b")
+# The errors of pint for a text that is no unit, or of another quantity, and of its tokenizer.
+NO_UNIT = (AssertionError, AttributeError, ArithmeticError, SyntaxError, TokenError, TypeError, ValueError)
 # A number, and its unit if it has one.
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)\s*(.*?)\s*")
 
@@ -99,7 +102,7 @@ def factor(name: str, given: str, unit: str) -> float:
         if len(given) > MAX_NAME or not UNIT.fullmatch(given):
             raise ValueError("no unit")
         return float(_registry().Quantity(1.0, given).to("" if unit == NONE else unit).magnitude)
-    except Exception as error:  # pint raises errors of many types for a text that is no unit
+    except NO_UNIT as error:
         raise ValueError(f"{name} must {wanted}, got values in {given:.{MAX_NAME}}") from error
 
 

@@ -1,10 +1,12 @@
 """A variant ends in numbers, or in an error, which is judged for clarity."""
 
+import time
 import warnings
 
 import numpy as np
 import pytest
 
+from tests.signals import OF_HANDLERS, interrupting
 from weier import Profile
 from weier.accuracy.runner import MAX_REPEATED, REPEAT, Outcome, attempt, median_run, run
 from weier.accuracy.variants import Variant
@@ -78,6 +80,13 @@ def test_what_is_a_clear_error(listed, error, outcome):
     assert set(found.outcome) == {outcome}
     assert found.message == f"{type(error).__name__}: {error}"
     assert np.isnan(found.compliance).all()
+
+
+@pytest.mark.parametrize("error", OF_HANDLERS)
+def test_what_a_signal_raises_is_no_result(listed, error):
+    sleeping = listed(Method("sleeping", "sleeping", "sleeps", lambda profile, loads: time.sleep(10)))
+    with interrupting(error), pytest.raises(error):
+        attempt(sleeping, ONE, LOADS)
 
 
 def test_what_numpy_raises_is_not_clear(listed):

@@ -27,6 +27,11 @@ REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
 # The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
+# The errors that are results of a run: those of a fault in a method, too, but not that of a time limit.
+FAULTS = (
+    *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
+    *(NameError, RuntimeError, TypeError, ValueError),
+)
 
 
 class Outcome(IntEnum):
@@ -100,7 +105,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
 def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     try:
         return run(variant, profile, loads)
-    except Exception as error:  # of any kind, for the report
+    except FAULTS as error:
         none = np.full(loads.size, np.nan)
         outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
         outcomes = np.full(loads.size, outcome, np.int8)

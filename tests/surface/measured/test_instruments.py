@@ -2,11 +2,14 @@
 
 import os
 import sys
-from types import SimpleNamespace
+import time
+from types import ModuleType, SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
+from tests.signals import OF_HANDLERS, interrupting
 from weier.surface.measured.trace import Trace
 
 X, Y = np.arange(80), np.arange(40)
@@ -175,19 +178,24 @@ def test_text_is_read_by_one_reader(tmp_path, more):
 
 
 def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surface_topography, tmp_path):
-    (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7 rough")
-    with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography cannot read it either"):
-        Trace.read(tmp_path / "a.pdf")
-    (tmp_path / "a.pdf").write_bytes(b"%PDF-1.7")  # eight bytes: as a terrain model, 2 by 2 heights
-    with pytest.raises(ValueError, match=r"is a PDF document, .*; SurfaceTopography does not know its format either"):
-        Trace.read(tmp_path / "a.pdf", line=0)
+    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\nrough")
+    with pytest.raises(ValueError, match=r"is an HDF5 or netCDF file, .*; SurfaceTopography cannot read it either"):
+        Trace.read(tmp_path / "a.h5")
+    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\n")  # eight bytes: as a terrain model, 2 by 2 heights
+    with pytest.raises(ValueError, match=r"is an HDF5 .*; SurfaceTopography does not know its format either"):
+        Trace.read(tmp_path / "a.h5", line=0)
 
 
-def test_a_time_limit_is_no_damaged_file(tmp_path, monkeypatch):
-    def hang(path):
-        raise TimeoutError("after 10 s")  # as the handler of a signal
-
-    monkeypatch.setitem(sys.modules, "SurfaceTopography", SimpleNamespace(open_topography=hang))
+@pytest.mark.parametrize("error", OF_HANDLERS)
+def test_a_time_limit_is_no_damaged_file(tmp_path, monkeypatch, error):
+    package = ModuleType("SurfaceTopography")
+    package.open_topography = lambda path: time.sleep(10)
+    errors = SimpleNamespace(ReadFileError=type("ReadFileError", (Exception,), {}))
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", package)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.Exceptions", errors)
     (tmp_path / "a.opd").write_bytes(bytes(range(256)))
-    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+    with interrupting(error), pytest.raises(error):
+        Trace.read(tmp_path / "a.opd")
+    package.open_topography = Mock(side_effect=errors.ReadFileError)
+    with pytest.raises(ValueError, match=r"SurfaceTopography cannot read it either \(ReadFileError\)"):
         Trace.read(tmp_path / "a.opd")

@@ -5,12 +5,15 @@ SurfaceTopography reads some forty formats. It is an extra, which is imported wh
 
 from __future__ import annotations
 
+import struct
 import warnings
+import zlib
 from collections.abc import Iterator
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -25,6 +28,11 @@ INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
 OF_TEXT = ("asc", "xyz")  # The formats of SurfaceTopography that are text.
 UNMARKED = ("nms", "hgt")  # Its formats without a mark at the start, for which it takes any bytes.
 AXES = ("x", "y")  # The axes of a map, in the order of its array.
+# What its readers raise for a damaged file, besides its own ReadFileError.
+DAMAGED = (
+    *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, OSError, RuntimeError),
+    *(SyntaxError, TypeError, ValueError, BadZipFile, struct.error, zlib.error),
+)
 
 
 def read_lines(
@@ -64,6 +72,7 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
     """
     try:
         from SurfaceTopography import open_topography
+        from SurfaceTopography.Exceptions import ReadFileError
     except ModuleNotFoundError:
         raise ValueError(f"{why_not_text}; {INSTALL}") from None
     try:
@@ -77,9 +86,9 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
             chosen = _channel(path, file.channels, channel)
             sized = chosen.physical_sizes is not None
             return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
-    except (ChannelError, TimeoutError):  # the latter of a signal's handler, too
+    except (ChannelError, TimeoutError):  # which are a ValueError and an OSError
         raise
-    except Exception as error:  # of some forty readers, each with errors of its own for a damaged file
+    except (ReadFileError, *DAMAGED) as error:
         raise ValueError(
             f"{why_not_text}; SurfaceTopography cannot read it either ({type(error).__name__})"
         ) from None
