@@ -53,7 +53,7 @@ localrules:
 
 
 # Ctrl-C reaches all programs of a job; `tee -i` ignores it and writes the last messages of the others.
-# A job solves batches that need the same kernels, and makes the file of the last one, whose description names the others.
+# A job solves batches that need the same kernels. Its last batch stands for all of them, as long as it is there.
 # The name of a batch is a digest of all that its curves depend on, and products carry the digest of what they were made
 # of. So dates make nothing out of date: inputs are ancient. Of products, one input has the date: it is newer than a
 # product that was made of something else.

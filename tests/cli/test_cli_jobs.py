@@ -142,7 +142,7 @@ def test_an_unknown_figure_is_refused(scene_file):
     ("arguments", "code", "message"),
     [
         (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by demelio in none: run snake"),
-        (["batch", "test.yaml", "x.nc"], 1, "test.yaml does not describe a batch: delete it"),
+        (["batch", "test.json", "x.nc"], 1, "test.json does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
@@ -152,8 +152,9 @@ def test_an_unknown_figure_is_refused(scene_file):
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "test.json").write_text(SCENE)
     (data,) = solved.glob("*.nc")
     stopped, out, err = run(*(data if argument == "DATA" else argument for argument in arguments))
     assert (stopped, out) == (code, "")
     assert message in err.splitlines()[-1]
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches"}
+    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "test.json", "batches"}

@@ -10,7 +10,7 @@ from weier.methods.registry import find_method
 from weier.methods.settings import defaults
 from weier.pipeline import curves
 from weier.pipeline.batches import Solutions, unused
-from weier.pipeline.curves import Store, cut, read_batch, read_job
+from weier.pipeline.curves import Store, cut, read_batch
 from weier.pipeline.gather import read_study
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
@@ -139,19 +139,30 @@ def test_one_job_solves_what_needs_the_same_kernels(tmp_path):
     jobs = [sizes(large.store, path) for path in large.files()]
     assert jobs == [[("archard", 8)], [("archard", 4), ("demelio", 4)], [("demelio", 8)]]
     large.store.write()
-    read = [read_job(path.with_suffix(".json")) for path in large.files()]
-    assert [[(batch.kind.method, len(batch.cases)) for batch in job] for job in read] == jobs
+    assert [sizes(Store(tmp_path), path) for path in large.files()] == jobs
 
 
-def test_batches_that_are_solved_are_asked_for_by_themselves(tmp_path):
-    """Whatever job has solved them: if one of them is lost, another job solves it."""
-    done = solve_scene(load(tmp_path), tmp_path / "batches")
-    paths = done.files()
-    assert [path.stem.partition("-")[0] for path in paths] == ["archard", "demelio"]
-    paths[0].unlink()
-    again = Solutions(done.scene, tmp_path / "batches")
-    assert again.files() == paths
-    assert [[batch.kind.method for batch in job] for job in again.to_solve] == [["archard"]]
+def test_the_last_batch_of_a_job_stands_for_all_of_it_unless_one_is_lost(tmp_path):
+    """Before and after it is solved, since Snakemake has records of this file alone."""
+    scene, folder = load(tmp_path), tmp_path / "batches"
+    planned = Solutions(scene, folder).files()
+    done = solve_scene(scene, folder)
+    assert done.files() == planned
+    one, last = (folder / f"{name}.nc" for name in done.batches())
+    assert [path.stem.partition("-")[0] for path in (one, last)] == ["archard", "demelio"]
+    assert planned == [last]
+    for lost, left, method in ((one, [one, last], "archard"), (last, [last], "demelio")):
+        lost.rename(folder / "away")
+        again = Solutions(scene, folder)
+        assert again.files() == left
+        assert [[batch.kind.method for batch in job] for job in again.to_solve] == [[method]]
+        (folder / "away").rename(lost)
+    last.unlink()
+    alone = Solutions(load(tmp_path, methods=["archard"]), folder)  # of a scene that does not need the other
+    assert alone.files() == [one]
+    assert sizes(alone.store, last) == [("archard", 12), ("demelio", 12)]
+    one.with_suffix(".json").unlink()
+    assert sizes(Store(folder), last) == [("demelio", 12)]
 
 
 def test_what_a_scene_has_grown_by_is_read_with_the_rest(solved, tmp_path):

@@ -278,6 +278,18 @@ def test_unused_batches_are_removed_when_asked(folder, capsys):
     assert sorted(used.parent.iterdir()) == [used.with_suffix(".json"), used]
 
 
+def test_batches_are_kept_while_one_of_their_job_is_used(folder):
+    change(folder, "[demelio, bem]", "[archard, demelio]")
+    solve_scene(scenes().scene("test"), folder / "results/curves")
+    made = sorted((folder / "results/curves").iterdir())
+    change(folder, "[archard, demelio]", "[archard]")
+    scenes(prune=True).begin()
+    assert sorted((folder / "results/curves").iterdir()) == made
+    change(folder, "[archard]", "[bem]")
+    scenes(prune=True).begin()
+    assert not list((folder / "results/curves").iterdir())
+
+
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
     for function in (scenes().products, scenes().batches, scenes().batches_of_figure):

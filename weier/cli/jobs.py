@@ -14,7 +14,7 @@ import click
 
 import weier
 from weier.cli.options import FILE, output
-from weier.pipeline.curves import PART, Batch
+from weier.pipeline.curves import PART, Batch, Store, title_of
 from weier.scene import Figure
 
 if TYPE_CHECKING:
@@ -62,16 +62,14 @@ def compile(methods: Sequence[str]) -> None:
 @click.argument("description", type=FILE)
 @output("data")
 def batch(description: Path, data: Path) -> None:
-    """Solve the batch that the Snakefile has described in the file DESCRIPTION, after others that this names.
+    """Solve the batch that the Snakefile has described in the file DESCRIPTION, after the others of its job.
 
     The curves go to DATA, with the seconds that they took, and those of the others to files next to it, unless they
     are already there. Ctrl-C, or SIGTERM of a cluster, leaves those that are solved in a further file, from which the
     next run of the job continues.
     """
-    from weier.pipeline.curves import read_job, title_of
-
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    *others, last = read_job(description)
+    *others, last = Store(description.parent).job(description.stem)
     with job("solve", title_of([*others, last])):
         for other in others:
             if not (path := data.with_name(f"{other.name}.nc")).exists():

@@ -124,8 +124,8 @@ class Solutions:
                     )
         return batch, row, code
 
-    def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
-        """Return the batches of these studies, or of the whole scene: the solved ones, and the last one of each job.
+    def batches(self, studies: Collection[str] | None = None, cores: int = 1) -> list[str]:
+        """Return the names of the batches of these studies, or of the whole scene: solved ones, and new ones of jobs.
 
         Jobs contain only curves of these studies that no earlier call has described, so that a case of two figures is
         solved once. They are sized for this number of cores, and each needs the kernels of one method, or none;
@@ -147,7 +147,11 @@ class Solutions:
             if (own < 0).any():
                 own = self.store.find(part.kind, part.surfaces[wanted[part.cases]])[0]
             used |= dict.fromkeys(own[np.sort(np.unique(own, return_index=True)[1])].tolist())
-        return list(dict.fromkeys(map(self.store.target, used)))
+        return [self.store.batches[number].stem for number in used]
+
+    def files(self, studies: Collection[str] | None = None, cores: int = 1) -> list[Path]:
+        """Return the files by which Snakemake knows these batches: the last one of each job."""
+        return list(dict.fromkeys(map(self.store.target, self.batches(studies, cores))))
 
     def digest_of_curves(self, studies: Collection[str] | None = None) -> str:
         """Return a digest of all dependencies of the curves of these studies, in whatever batches they are."""
@@ -203,6 +207,6 @@ class CasesOfParts(Sequence[Case]):
 
 
 def unused(store: Store, scenes: Collection[Solutions]) -> Mapping[str, int]:
-    """Return the solved batches that none of these scenes uses, with their sizes in bytes."""
-    used = {path.stem for solutions in scenes for path in solutions.files()}
+    """Return the solved batches of jobs that none of these scenes uses, with their sizes in bytes."""
+    used = {name for own in scenes for batch in own.batches() for name in own.store.batch(batch).job}
     return {name: size for name, size in store.solved.items() if name not in used}

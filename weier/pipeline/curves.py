@@ -112,7 +112,7 @@ class Batch(NamedTuple):
     surfaces : the keys of their surfaces, shape (cases, 2)
     studies : the studies that contain them, for messages
     seconds : expected on one core
-    before : names of the batches that the same job solves before this one
+    job : names of the batches that one job solves, in their order; the last one stands for all
     """
 
     kind: Kind
@@ -120,7 +120,7 @@ class Batch(NamedTuple):
     surfaces: Keys
     studies: Sequence[str]
     seconds: float
-    before: Sequence[str] = ()
+    job: Sequence[str] = ()
 
     @property
     def name(self) -> str:
@@ -145,8 +145,7 @@ class Batch(NamedTuple):
             names = tuple(case.parameters)
             tables.setdefault(names, []).append(list(case.parameters.values()))
             order.append(list(tables).index(names))
-        own = {"surfaces": as_text(self.surfaces), "studies": self.studies, "seconds": self.seconds}
-        own |= {"before": self.before} if self.before else {}
+        own = {"surfaces": as_text(self.surfaces), "studies": self.studies, "seconds": self.seconds, "job": self.job}
         cases = {"tables": list(tables.items()), "order": order, "given": self.cases[0].settings}
         return f"{json.dumps(self.kind._asdict() | own)}\n{json.dumps(cases)}\n"
 
@@ -159,12 +158,6 @@ def title_of(job: Sequence[Batch]) -> str:
     return f"{sum(len(batch.surfaces) for batch in job)} curves by {', '.join(methods)}"
 
 
-def read_job(path: str | Path) -> list[Batch]:
-    """Read the batches of a job from the description of the last one, which names the others."""
-    last = read_batch(path)
-    return [*(read_batch(Path(path).with_name(f"{name}.json")) for name in last.before), last]
-
-
 def read_batch(path: str | Path) -> Batch:
     """Read the description of a batch, and its cases on access; ValueError if the file is none."""
     try:
@@ -172,7 +165,7 @@ def read_batch(path: str | Path) -> Batch:
             raw = json.loads(file.readline())
         kind, surfaces = Kind(*(raw[name] for name in Kind._fields)), from_text(raw["surfaces"])
         cases = CasesOfFile(Path(path), kind.method, len(surfaces))
-        return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"], raw.get("before", ()))
+        return Batch(kind, cases, surfaces, raw["studies"], raw["seconds"], raw.get("job", [Path(path).stem]))
     except (OSError, TypeError, KeyError, ValueError) as error:
         raise _no_batch(path, error) from None
 
@@ -225,7 +218,7 @@ class Store:
         self.folder = Path(folder)
         self.batches: list[Path] = []
         self.described: dict[str, Batch] = {}
-        self._last: dict[str, Path] = {}
+        self._last: dict[str, str] = {}
         self._written = set[str]()
         self._known: dict[str, list[tuple[int, Keys]]] = {}
         self._lookups: dict[str, tuple[Lookup, Indices, Indices]] = {}
@@ -238,19 +231,17 @@ class Store:
 
     def add(self, job: Sequence[Batch]) -> None:
         """Add batches that one job is to solve, of which the last one stands for all; `write` describes them."""
-        last = job[-1]._replace(before=[batch.name for batch in job[:-1]])
-        for batch in [*job[:-1], last]:
-            path = self.folder / f"{batch.name}.json"
-            self._batches_of(batch.kind.name).append((len(self.batches), batch.surfaces))
+        names = [batch.name for batch in job]
+        for name, batch in zip(names, job, strict=True):
+            self.described[name] = batch._replace(job=names)
+            self._batches_of(batch.kind.name)  # those that are solved
+            self._number(batch.kind.name, name, self.described[name])
             self._lookups.pop(batch.kind.name, None)
-            self.batches.append(path)
-            self.described[path.stem] = batch
-            self._last[path.stem] = self.folder / f"{last.name}.nc"
 
-    def target(self, number: int) -> Path:
-        """Return the file that is made when a batch is solved: its own, or that of the last batch of its job."""
-        path = self.batches[number]
-        return self._last.get(path.stem, path.with_suffix(".nc"))
+    def target(self, name: str) -> Path:
+        """Return the file by which Snakemake knows a batch: that of the last batch of its job, unless it was lost."""
+        last = self._last[name]
+        return self.folder / f"{last if last in self.described or last in self.solved else name}.nc"
 
     def write(self) -> None:
         """Write the descriptions of this process, each once, also in place of one that an older version has left."""
@@ -263,9 +254,11 @@ class Store:
         return self.described[name] if name in self.described else read_batch(self.folder / f"{name}.json")
 
     def job(self, name: str) -> list[Batch]:
-        """Return the batches of the job whose last batch has this name."""
-        last = self.batch(name)
-        return [*map(self.batch, last.before), last]
+        """Return the batches that are solved with this one if it is the last of its job, or this one."""
+        batch = self.batch(name)
+        others = batch.job[:-1] if batch.job[-1] == name else ()
+        left = [each for each in others if each in self.described or (self.folder / f"{each}.json").exists()]
+        return [*map(self.batch, left), batch]
 
     @cached_property
     def solved(self) -> dict[str, int]:
@@ -281,10 +274,16 @@ class Store:
         """Return the numbers of the batches of a kind, with the keys of their surfaces."""
         if kind not in self._known:
             self._known[kind] = []
-            for path in (self.folder / f"{batch}.json" for batch in self.solved if batch.startswith(f"{kind}-")):
-                self._known[kind].append((len(self.batches), read_batch(path).surfaces))
-                self.batches.append(path)
+            for name in self.solved:
+                if name.startswith(f"{kind}-"):
+                    self._number(kind, name, read_batch(self.folder / f"{name}.json"))
         return self._known[kind]
+
+    def _number(self, kind: str, name: str, batch: Batch) -> None:
+        """Give a batch of a kind its number."""
+        self._known[kind].append((len(self.batches), batch.surfaces))
+        self.batches.append(self.folder / f"{name}.json")
+        self._last[name] = batch.job[-1]
 
     def _lookup(self, kind: str) -> tuple[Lookup, Indices, Indices]:
         if kind not in self._lookups:

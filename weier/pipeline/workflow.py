@@ -205,8 +205,9 @@ class Scenes:
         """
         solutions = self.solutions(name)
         with ending_in_one_sentence():
-            paths = [str(path) for path in solutions.files(studies, self.cores)]
-            self._check_batches(name, paths)
+            batches = solutions.batches(studies, self.cores)
+            self._check_batches(name, self.store.solved.keys() & batches)
+            paths = list(dict.fromkeys(str(self.store.target(batch)) for batch in batches))
             lines, refusal = forecast_scene(solutions.scene, solutions.to_solve, self.cores)
             for line in filter(None, [*lines, refusal]):
                 self._report(line)
@@ -216,16 +217,17 @@ class Scenes:
                 self.store.write()
         return paths
 
-    def _check_batches(self, name: str, paths: Iterable[str]) -> None:
+    def _check_batches(self, name: str, batches: Iterable[str]) -> None:
         """Refuse batches whose content does not match their name, or has changed since the data were gathered.
 
         A job reads a batch only if a product is to be made, and verifies it then.
         """
         data = self.results / name / "contact.nc"
         gathered = data.stat().st_mtime if data.exists() else math.inf
-        for path in filter(Path.exists, map(Path, paths)):
-            if sealed_name(path) != path.stem or path.stat().st_mtime > gathered:
-                check_sealed(path, path.stem)
+        for batch in sorted(batches):
+            path = self.store.folder / f"{batch}.nc"
+            if sealed_name(path) != batch or path.stat().st_mtime > gathered:
+                check_sealed(path, batch)
 
     def description(self, wildcards: Any) -> str:
         """Return the description of the last batch of a job, which names the others."""
