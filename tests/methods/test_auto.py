@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import weier
-from weier.methods import auto, bem, patches, registry
+from weier.methods import bem, choice, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.surface.profile import Profile, random_phases
 
@@ -89,6 +89,18 @@ def test_a_refusal_names_the_least_tolerance_within_reach(profile):
         weier.choose(profile, 0.9 * least)
 
 
+def test_the_rest_of_a_tolerance_is_never_below_that_of_patches():
+    """The tail of the steepest series is below half of the least tolerance; it must leave the least one as well."""
+    steep = Profile(1.0001, 10**14, math.inf)
+    tail = float(steep.amplitude_beyond(1))
+    assert 0 < tail < patches.MIN_TOLERANCE / 2
+    for tolerance in (patches.MIN_TOLERANCE, patches.MIN_TOLERANCE + 0.9 * tail):
+        with pytest.raises(OutOfReachError, match=r"at least 1.2e-13 g_0 for the compliance of .*: 1 terms are"):
+            weier.choose(steep, tolerance)
+    choice = weier.choose(steep, 1.2e-13)
+    assert choice.settings["tolerance"] == 1.2e-13 - tail >= patches.MIN_TOLERANCE
+
+
 def test_a_resistance_is_within_its_tolerance_or_refused():
     found = weier.solve(THREE, LOADS, tolerance=1e-6, quantity="resistance")
     exact = patches.curve(THREE, LOADS, 1e-13).resistance
@@ -138,7 +150,7 @@ def test_the_choice_is_a_sentence():
 
 
 def test_expected_seconds_are_those_of_the_method_that_is_chosen():
-    choice = weier.choose(INFINITE, 1e-2)
-    expected = choice.method.seconds(choice.kept, LOADS, **choice.settings)
+    found = weier.choose(INFINITE, 1e-2)
+    expected = found.method.seconds(found.kept, LOADS, **found.settings)
     assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=1e-2) == expected > 0
-    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=auto.TOLERANCE) > expected
+    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=choice.TOLERANCE) > expected
