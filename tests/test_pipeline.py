@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from base64 import b64encode
 from collections import Counter
 from pathlib import Path
 
@@ -178,7 +179,7 @@ def test_a_page_and_all_products_need_the_same_jobs(checkout):
 
 @pytest.fixture(scope="module")
 def finished(checkout):
-    run(checkout)
+    run(checkout, "all", "pages")
     return checkout
 
 
@@ -311,9 +312,12 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     assert ran(run(finished)) == {"claims": 1}
 
 
-def test_the_report_of_snakemake_has_the_figures_with_captions(finished):
-    run(finished, "--report", "report.html")
+def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(finished):
+    run(finished, "pages", "--report", "report.html")
     text = (finished / "report.html").read_text()
+    page = (finished / "results/test/page.html").read_bytes()
+    assert b'"curve bem"' in page  # the data of a line of the explorer
+    assert f";filename=page.html;base64,{b64encode(page).decode()}" in text
     assert "Compliance over mean pressure. Colours show the estimates. A solid line shows boundary elements." in text
     assert "What the paper states, whether it holds, does not hold, or is not decided" in text
     assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
