@@ -10,10 +10,9 @@ import pytest
 from weier import ConvergenceError
 from weier.methods import layer
 from weier.methods.layer import fixed_point, solver, tables
-from weier.methods.layer.scales import Model
-from weier.methods.layer.solver import ACCURACY, POINTS, TOLERANCE, _may_be_infinite
+from weier.methods.layer.scales import model_of
+from weier.methods.layer.solver import ACCURACY, POINTS, _may_be_infinite
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
-from weier.methods.layer.wave import midpoints
 from weier.surface.series import tail_amplitude
 
 
@@ -21,7 +20,7 @@ from weier.surface.series import tail_amplitude
 def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     """The lightest load of the ordinary tables, on these and on those that begin 650 e-folds lower."""
     loads = np.array([MIN_LOADS[0], 1e-12, 1.0])
-    model = Model(D, gamma, m, midpoints(POINTS), ACCURACY, TOLERANCE)
+    model = model_of(D, gamma, m, POINTS, ACCURACY)
     short, long = (solver._solve(loads, bottom, MAX_POSITION, model)[0] for bottom in BOTTOM_POSITIONS)
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
@@ -38,7 +37,7 @@ def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, limit, least, 
 @pytest.mark.parametrize(("D", "gamma", "m"), [(1.75, 2, 110), (1.9, 3, 140)])
 def test_scales_one_by_one_reach_the_infinite_series(D, gamma, m):
     """So many terms that the tail is below the accuracy, and too few to be taken for infinite."""
-    model = Model(D, gamma, m, midpoints(POINTS), ACCURACY, TOLERANCE)
+    model = model_of(D, gamma, m, POINTS, ACCURACY)
     assert not _may_be_infinite(BOTTOM_POSITIONS[0], model)
     loads = np.array([1e-12, 1e-6, 1e-3, 0.1, 1.0, 3.6])
     tail = tail_amplitude(m, D, gamma)

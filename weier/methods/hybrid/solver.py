@@ -28,7 +28,7 @@ from weier.theory.halfplane import influence_coefficients
 # least number of points per finest resolved wave: the error is within 9e-4 of its amplitude, since the layer smooths
 # the contact edges
 POINTS_PER_WAVE = 32
-MESH_FRACTION = 0.1  # error of both meshes over the amplitude of the tail
+MESH_FRACTION = 0.1  # error of both meshes over the amplitude of the tail, which is the error that a user sees
 MAX_TOLERANCE = 1.0  # g_0: the tail of a gamma close to 1 is many times as high
 MAX_POINTS = 2**14  # More points take minutes.
 MIN_LOAD = 1e-6  # p_0*; lighter loads displace the surface by less than the residual

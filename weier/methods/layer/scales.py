@@ -17,9 +17,14 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import Closure
 from weier.methods.layer.conditions import violations
 from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
-from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, solve_waves
+from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, midpoints, solve_waves
 
 ROUNDING = 1e-13  # of the freshly applied operator, and at the lightest loads: the least residual of a wave
+
+
+# residual of a wave, relative to the compression at the edge of its contact, over the accuracy: residuals add up over
+# the scales. No setting of its own, since `accuracy` is one.
+RESIDUAL_FRACTION = 1e-5
 
 
 class Model(NamedTuple):
@@ -46,6 +51,11 @@ class Model(NamedTuple):
     def infinite_amplitude(self) -> float:
         """Sum of the amplitudes of the infinite series."""
         return -1 / math.expm1(self.log_height)
+
+
+def model_of(D: float, gamma: float, m: float, points: int, accuracy: float) -> Model:
+    """Return the model of a series with a mesh of this number of points and tables of this accuracy."""
+    return Model(D, gamma, m, midpoints(points), accuracy, max(RESIDUAL_FRACTION * accuracy, ROUNDING))
 
 
 class ComplianceTable(NamedTuple):
@@ -111,8 +121,7 @@ class Scale(NamedTuple):
                 )
             raise ConvergenceError(
                 f"a wave of the layer model stopped at a relative residual of {worst:.1e} under the mean pressure "
-                f"{load:.6g} in its own p*, above the tolerance {self.tolerance:.1e}; try other points or a larger "
-                "tolerance",
+                f"{load:.6g} in its own p*, above {self.tolerance:.1e}; try other points or a larger accuracy",
                 worst,
             )
 

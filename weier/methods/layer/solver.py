@@ -19,18 +19,15 @@ from weier.methods import westergaard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import infinite_waves
-from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, finer_waves, scale_on
+from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, model_of, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
-from weier.methods.layer.wave import Mesh, midpoints
 from weier.surface.loads import checked_loads
 from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
 
 POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
 ACCURACY = 1e-5
-TOLERANCE = 1e-10
 MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, growing as the cube
 MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the larger one few rows are added to the initial ones
-RESIDUAL_FRACTION = 1e-5  # residual of the waves over the accuracy: residuals add up over the scales
 MAX_SCALES = 1000  # of a finite series that differs from the infinite one
 TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
 FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
@@ -56,7 +53,6 @@ def curve(
     m: float,
     points: int = POINTS,
     accuracy: float = ACCURACY,
-    tolerance: float = TOLERANCE,
 ) -> LayerCurve:
     """Return compliance and resistance of the non-linear layer model (4.3).
 
@@ -75,8 +71,6 @@ def curve(
     accuracy : float
         Largest relative error of the compliance due to the tables of all scales, at any load; 1e-9 to 0.01. The error
         of the mesh is additional: see the notes.
-    tolerance : float
-        Largest residual of a wave, relative to the compression at the edge of its contact; 1e-13 to `accuracy`.
 
     Returns
     -------
@@ -88,9 +82,9 @@ def curve(
     ValueError
         If a parameter lies outside its range.
     ConvergenceError
-        If a wave misses the tolerance or a table the accuracy: errors add up over about 1/(1 - gamma^(D-2)) scales at
-        heavy loads, and over more at light ones. Or if a series has more than 1000 terms and still differs from the
-        infinite one.
+        If a wave does not converge, or a table misses the accuracy: errors add up over about 1/(1 - gamma^(D-2))
+        scales at heavy loads, and over more at light ones. Or if a series has more than 1000 terms and still differs
+        from the infinite one.
 
     Notes
     -----
@@ -105,7 +99,10 @@ def curve(
 
     """
     ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
-    model = Model(checked_dimension(D), ratio, checked_terms(m), *_checked_settings(points, accuracy, tolerance))
+    nodes = checked_count("points", points, MIN_POINTS, MAX_POINTS)
+    within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
+    held = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
+    model = model_of(checked_dimension(D), ratio, checked_terms(m), nodes, held)
     loads = checked_loads(mean_pressure)
     if loads[0] < MIN_LOADS[1]:
         raise ValueError(f"mean_pressure must be at least {MIN_LOADS[1]:g} p_0*, got {loads[0]:g}")
@@ -125,7 +122,7 @@ def curve(
 
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
     """Return the closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
-    model = Model(D, gamma, math.inf, midpoints(POINTS), ACCURACY, TOLERANCE)
+    model = model_of(D, gamma, math.inf, POINTS, ACCURACY)
     waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, model)
     carried, height, scale = _flat_waves(log_load, waves, model)
     log_W, power = log_compression(waves.rows.closure, carried)
@@ -158,8 +155,7 @@ def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
 @one_thread
 def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     """Return the waves finer than the first, on tables that depend on no load."""
-    D, gamma, m, _, accuracy, tolerance = model
-    model = model._replace(tolerance=max(min(tolerance, RESIDUAL_FRACTION * accuracy), ROUNDING))
+    D, gamma, m, _, accuracy, _ = model
     if _may_be_infinite(bottom, model):
         waves = infinite_waves(model, bottom, position_of(_top(model)))
         tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
@@ -188,12 +184,3 @@ def _may_be_infinite(bottom: float, model: Model) -> bool:
     """Return whether the tail may be negligible: ln W approaches -2 sqrt((2 - D) ln gamma |ln xi|) at light loads."""
     lightest = 2 * math.sqrt(-model.log_height * -log_load_at(bottom))
     return model.m * -model.log_height >= lightest - math.log(TAIL_FRACTION * model.accuracy)
-
-
-def _checked_settings(points: int, accuracy: float, tolerance: float) -> tuple[Mesh, float, float]:
-    points = checked_count("points", points, MIN_POINTS, MAX_POINTS)
-    within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
-    accuracy = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
-    within = f"lie in [{ROUNDING:g}, {accuracy:g}], at most the accuracy"
-    held = checked_number("tolerance", tolerance, within, lambda value: ROUNDING <= value <= accuracy)
-    return midpoints(points), accuracy, held
