@@ -219,17 +219,13 @@ def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     assert step.moves.relative[0] < 1e-9
 
 
-def test_a_gap_that_both_of_its_edges_nearly_close_is_tight_and_merges_if_it_was_so_before():
-    """Each edge takes 0.46 of the gap between the contacts, and one of them alone would not."""
-    first, r, gap, force = np.array([0, 1, 2]), np.ones(2), np.array([0.1, 3.0]), np.ones(2)
-    both = np.array([[0.0, 0.046], [0.046, 0.0]])
-    for outward, was, is_tight, merges in (
-        (both, False, True, False),
-        (both, True, True, True),
-        (both * [[1, 1], [0, 1]], True, False, False),
-        (both * [[1, 1], [-1, 1]], True, False, False),
-    ):
-        vanishing, merging, tight = _changes(first, r, gap, force, outward, np.zeros(2, bool), np.array([was, False]))
-        assert tight.tolist() == [is_tight, False]
+def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_without_a_force():
+    """Each of two edges takes half of the gap between the contacts, and one of them alone would not close it."""
+    first, gap, force = np.array([0, 1, 2]), np.array([0.1, 3.0]), np.ones(2)
+    both, closed = np.array([[0.0, 0.051], [0.051, 0.0]]), np.zeros(2, bool)
+    for outward, merges in ((both, True), (both * [[1, 1], [0, 1]], False), (both * [[1, 1], [-1, 1]], False)):
+        vanishing, merging = _changes(first, gap, force, outward, closed)
         assert merging.tolist() == [merges, False]
         assert not np.any(vanishing)
+    vanishing, merging = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
+    assert (vanishing.tolist(), merging.tolist()) == ([False, True], [False, False])

@@ -103,7 +103,7 @@ def test_contacts_without_the_last_wave_are_a_start(load):
     state, steps = solve_in_stages(surface, guess, TOLERANCE)
     expected = patches.solve_load(profile, load).state
     assert state.route.corrections == 2
-    assert steps <= 31
+    assert steps <= 40
     assert state.segments.centre.size == expected.segments.centre.size > 3 * coarse.centre.size
     assert state.approach == pytest.approx(expected.approach, abs=1e-12)
     assert state.resistance == pytest.approx(expected.resistance, rel=1e-9)
@@ -125,7 +125,7 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
 @one_thread
 def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     """Closed forms at some of the points are the reference."""
-    state = patches.solve_load(FOUR_WAVES, 1.5).state
+    state = patches.solve_load(FOUR_WAVES, 1.8).state
     assert state.segments.centre.size > fields.MIN_SUM
     monkeypatch.setattr(certificate, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)

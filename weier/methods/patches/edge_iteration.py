@@ -43,18 +43,9 @@ from weier.methods.patches.surface import (
     in_order,
 )
 
-# Safeguards far from the solution: halving or doubling each changes the number of steps from perturbed guesses by at
-# most 9 % (docs/numerics.md, "Contact patches in numbers").
-
-# range of the factor by which the square of a width changes in a step; contacts vanish before it (`MIN_GROWTH`)
-MIN_SQUARE, MAX_SQUARE = 0.02, 6.0
-MAX_SHIFT = 1.0  # largest move of a centre in a step, in half-widths
-# |psi/phi| where phi <= 0, unlike on Hertz's contact: an edge with overlap moves outward, one in tension inward
-RATIO_WITHOUT_CURVATURE = 0.5
-# fraction left by a step below which a gap is tight; it is merged if tight in two successive steps
-MIN_GAP_LEFT = 0.1
-MAX_GAP_LOSS = 0.8  # largest relative loss of a tight gap in a step
-MIN_GROWTH = -0.85  # relative change of the half-width below which a contact vanishes
+# largest factor by which the square of a width grows or shrinks in a step, a safeguard far from the solution; with 6,
+# perturbed guesses take 6 % fewer steps, but two of 61 fail (docs/numerics.md, "Contact patches in numbers")
+MAX_SQUARE = 4.0
 SETTLED_MOVE = 0.1  # move, in half-widths, below which Newton's method converges quadratically
 
 
@@ -85,8 +76,8 @@ def edge_moves(
 
     A contact narrower than the adjacent gaps is Hertzian, with psi/phi = (a^2 - r^2)/(2 r^2) -+
     (c - x_c)/r at its ends. The mean of both is half the growth of the squared half-width, and half their difference
-    is the shift of the centre. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the
-    opposite edge determines both Hertzian values.
+    is the shift of the centre, at most a half-width. At an edge of a narrow gap, the value for the gap replaces the
+    Hertzian one, and the opposite edge determines both Hertzian values.
 
     Both ends of a gap that is narrower than both contacts give its growth (`_growth_of_gap`): it grows by their mean,
     and half their difference shifts it.
@@ -109,7 +100,7 @@ def edge_moves(
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         left = _hertzian_ratio(psi[j, first], phi[j, first])
         right = _hertzian_ratio(psi[j, last], phi[j, last])
-        growth, shift = _growth_of_square(0.5 * (left + right)), _clip(0.5 * (right - left), MAX_SHIFT)
+        growth, shift = _growth_of_square(0.5 * (left + right)), min(max(0.5 * (right - left), -1.0), 1.0)
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # by narrow gaps
         k, half = (j + 1) % n, 0.5 * gap[j]
@@ -117,7 +108,7 @@ def edge_moves(
         right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
         narrower_left, narrower_right = half < r[j], half < r[k]
         linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
-        shift = _clip(0.5 * (right - left), MAX_SHIFT) if narrower_left and narrower_right else 0.0
+        shift = min(max(0.5 * (right - left), -1.0), 1.0) if narrower_left and narrower_right else 0.0
         closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
         if narrower_left:
             outward[j, 1] = -half * (widening - shift)
@@ -131,20 +122,14 @@ def edge_moves(
 
 @kernel
 def _hertzian_ratio(psi: float, phi: float) -> float:
-    """Return psi/phi at an edge, or a value of the sign of psi where phi is unlike that of Hertz's contact."""
-    sign = 1.0 if psi > 0 else (-1.0 if psi < 0 else 0.0)
-    return psi / phi if phi > 0 else RATIO_WITHOUT_CURVATURE * sign
-
-
-@kernel
-def _clip(value: float, most: float) -> float:
-    return min(max(value, -most), most)
+    """Return psi/|phi| at an edge: overlap moves it outward also where phi is unlike that of Hertz's contact."""
+    return psi / max(abs(phi), 1e-300)
 
 
 @kernel
 def _growth_of_square(linear: float) -> float:
     """Return the relative growth of a width whose square grows by twice the linear growth."""
-    return np.sqrt(min(max(1 + 2 * linear, MIN_SQUARE), MAX_SQUARE)) - 1
+    return np.sqrt(min(max(1 + 2 * linear, 1 / MAX_SQUARE), MAX_SQUARE)) - 1
 
 
 @kernel
@@ -210,12 +195,10 @@ class Iterate(NamedTuple):
     """Contacts with centres in [0, L), and initial forces of a step.
 
     force : at the nodes
-    tight : whether the last step would nearly have closed the gap on the right of each contact
     """
 
     punches: Punches
     force: Array
-    tight: Flags
 
 
 class NewtonStep(NamedTuple):
@@ -223,11 +206,10 @@ class NewtonStep(NamedTuple):
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
     moves : of the edges
-    vanishing : contacts without force or width
+    vanishing : contacts without force
     merging : contacts whose gap on the right vanishes
-    tight : contacts whose gap on the right would nearly close
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
-    settled : whether the iteration has begun to converge for all contacts; none vanishes or merges, no gap is tight
+    settled : whether the iteration has begun to converge for all contacts; none vanishes or merges
     """
 
     punches: Punches
@@ -237,7 +219,6 @@ class NewtonStep(NamedTuple):
     moves: EdgeMoves
     vanishing: Flags
     merging: Flags
-    tight: Flags
     singular: Array
     settled: bool
 
@@ -250,7 +231,7 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
     count = estimate_node_count(segments.extent, problem.series, tolerance)
     segments = make_segments(segments.crest, *segments.extent, count)
     punches = make_punches(segments, problem.series.period, problem.dual)
-    return Iterate(punches, np.zeros(punches.offset.size), np.zeros(count.size, bool))
+    return Iterate(punches, np.zeros(punches.offset.size))
 
 
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
@@ -260,10 +241,10 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
     signs = kind.right_sign, kind.k_0_of_curvature
-    changes = _changes_of_edges(*extent, forces.force, b, guess.tight, *signs)
-    a, outward, relative, vanishing, merging, tight, singular, settled = changes
+    changes = _changes_of_edges(*extent, forces.force, b, *signs)
+    a, outward, relative, vanishing, merging, singular, settled = changes
     moves = EdgeMoves(outward, relative)
-    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, tight, singular, settled)
+    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, singular, settled)
 
 
 @kernel
@@ -273,56 +254,52 @@ def _changes_of_edges(
     gap: Array,
     force: Array,
     b: Array,
-    was_tight: Flags,
     right_sign: float,
     k_0_of_curvature: float,
-) -> tuple[Array, Sides, Array, Flags, Flags, Flags, Array, bool]:
+) -> tuple[Array, Sides, Array, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
-    vanishing, merging, tight = _changes(first_node, r, gap, force, outward, closed, was_tight)
+    vanishing, merging = _changes(first_node, gap, force, outward, closed)
     settled = True
     for j in range(r.size):
-        settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j] or tight[j])
-    return a, outward, relative, vanishing, merging, tight, singular, settled
+        settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j])
+    return a, outward, relative, vanishing, merging, singular, settled
 
 
 @kernel
-def _changes(
-    first_node: Indices, r: Array, gap: Array, force: Array, outward: Sides, closed: Flags, was_tight: Flags
-) -> tuple[Flags, Flags, Flags]:
-    """Return whether each contact vanishes, merges over the gap on its right, and whether that gap is tight."""
-    n, strongest, most = r.size, 0, -np.inf
-    vanishing, merging, tight = np.empty(n, np.bool_), np.empty(n, np.bool_), np.empty(n, np.bool_)
+def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags) -> tuple[Flags, Flags]:
+    """Return whether each contact vanishes, having no force, and whether it merges over the gap on its right."""
+    n, strongest, most = gap.size, 0, -np.inf
+    vanishing, merging = np.empty(n, np.bool_), np.empty(n, np.bool_)
     for j in range(n):
         carried = 0.0
         for i in range(first_node[j], first_node[j + 1]):
             carried += force[i]
-        vanishing[j] = carried <= 0 or 0.5 * (outward[j, 0] + outward[j, 1]) < MIN_GROWTH * r[j]
+        vanishing[j] = carried <= 0
         if carried > most:
             strongest, most = j, carried
     vanishing[strongest] = False  # At least one contact remains.
     for j in range(n):
         k = (j + 1) % n
-        tight[j] = gap[j] - outward[j, 1] - outward[k, 0] < MIN_GAP_LEFT * gap[j]
-        merging[j] = (closed[j] or (tight[j] and was_tight[j])) and not (vanishing[j] or vanishing[k])
-    return vanishing, merging, tight
+        is_closed = closed[j] or gap[j] <= outward[j, 1] + outward[k, 0]
+        merging[j] = is_closed and not (vanishing[j] or vanishing[k])
+    return vanishing, merging
 
 
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series = step.punches.segments, problem.series
-    centre, half_width = _moved_segments(old.centre, old.half_width, step.moves.outward, step.punches.gap, step.tight)
-    moved, b = make_segments(old.crest, old.origin, centre, half_width, node_count), step.b
+    shift, growth = _shift_and_growth(step.moves.outward)
+    moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
-        shift, growth = centre - old.centre, half_width - old.half_width
         b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
     punches = make_punches(moved, series.period, problem.dual)
-    return Iterate(punches, _start_forces(old, b, np.arange(half_width.size), punches), step.tight)
+    return Iterate(punches, _start_forces(old, b, np.arange(shift.size), punches))
 
 
 def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
@@ -332,7 +309,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     square of the present ones, since the strength B changes with the edges as well.
     """
     punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
-    old, shift, growth = punches.segments, 0.5 * (outward[:, 1] - outward[:, 0]), 0.5 * outward.sum(axis=1)
+    old, (shift, growth) = punches.segments, _shift_and_growth(outward)
     b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
     moved = make_punches(segments, punches.period, punches.dual, MAX_NODES * gap.size)
@@ -344,27 +321,9 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     return step._replace(punches=moved, forces=forces, b=b, a=regular_part(old.first_node, b), moves=moves)
 
 
-@kernel
-def _moved_segments(
-    centre: Array, half_width: Array, outward: Sides, gap: Array, tight: Flags
-) -> tuple[Array, Array]:
-    """Return centres and half-widths of segments after the moves of their edges.
-
-    A tight gap loses at most the fraction `MAX_GAP_LOSS`.
-    """
-    n, limited = half_width.size, outward.copy()
-    for j in range(n):
-        k = (j + 1) % n
-        loss = max(outward[j, 1], 0.0) + max(outward[k, 0], 0.0)
-        if tight[j] and loss > MAX_GAP_LOSS * gap[j]:
-            factor = MAX_GAP_LOSS * gap[j] / loss
-            limited[j, 1] *= factor if outward[j, 1] > 0 else 1.0
-            limited[k, 0] *= factor if outward[k, 0] > 0 else 1.0
-    new_centre, new_half_width = np.empty(n), np.empty(n)
-    for j in range(n):
-        new_centre[j] = centre[j] + 0.5 * (limited[j, 1] - limited[j, 0])
-        new_half_width[j] = half_width[j] + 0.5 * (limited[j, 1] + limited[j, 0])
-    return new_centre, new_half_width
+def _shift_and_growth(outward: Sides) -> tuple[Array, Array]:
+    """Return the changes of centres and half-widths by the moves of both edges."""
+    return 0.5 * (outward[:, 1] - outward[:, 0]), 0.5 * (outward[:, 1] + outward[:, 0])
 
 
 def _start_forces(old: Segments, b: Array, origin: Indices, punches: Punches) -> Array:
@@ -413,8 +372,7 @@ def rearrange(
     order, turns = in_order(origin + centre, series.period)
     extent = (origin - turns)[order], centre[order], half_width[order]
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
-    tight = np.concatenate([step.tight[remaining], np.zeros(len(added), bool)])[order]
     count = estimate_node_count(extent, series, tolerance)
     count = np.where(origin_of >= 0, node_count[origin_of], count)
     punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
-    return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches), tight)
+    return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
+from weier.methods.patches.edge_iteration import MAX_SQUARE
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
@@ -25,7 +26,6 @@ from weier.methods.patches.surface import CosineSeries, nearest_crests
 NODES = 8
 # Newton steps for the edges; each reduces the error by b/l, and a parabola takes one
 STEPS, SETTLED = 12, 1e-6
-MAX_STEP = 4.0  # largest factor of the square of a half-width in a step; the middle moves by half of it
 
 # A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
@@ -64,8 +64,8 @@ def find_thin_gaps(
         t, b = np.where(inside, t, middle), np.where(inside, b, reach)
         c = pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T
         bend = np.where(c[:, 2] > 0, c[:, 2], np.inf)
-        growth = np.clip(1 - c[:, 0] / bend, 1 / MAX_STEP, MAX_STEP)
-        shift = np.clip(-0.25 * c[:, 1] / bend, -0.5 * MAX_STEP, 0.5 * MAX_STEP)
+        growth = np.clip(1 - c[:, 0] / bend, 1 / MAX_SQUARE, MAX_SQUARE)
+        shift = np.clip(-0.25 * c[:, 1] / bend, -1, 1)
         t, b = t + shift * b, np.sqrt(growth) * b
         move = np.where(c[:, 2] > 0, np.abs(growth - 1) + np.abs(shift), np.inf)
         inside &= np.abs(t) + b < 1
