@@ -10,16 +10,17 @@ from pathlib import Path
 from typing import Any
 
 
-def check(files: Sequence[Path], convention: str, folder: Path) -> dict[str, Any]:
-    """The whole answer of the checker for each file, by the name of the file; it has no network."""
-    output = folder / f"{convention.partition(':')[0]}.json"
+def check(files: Sequence[Path], conventions: Sequence[str], folder: Path) -> dict[str, dict[str, Any]]:
+    """The whole answer of the checker for each convention and file, by the name of the file; it has no network."""
+    output = folder / "answers.json"
     environment = os.environ | dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
-    command = ["cchecker.py", "-t", convention, "-c", "strict", "-f", "json_new", "-o", output, *files]
+    tests = [word for convention in conventions for word in ("-t", convention)]
+    command = ["cchecker.py", *tests, "-c", "strict", "-f", "json_new", "-o", output, *files]
     done = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True, timeout=300)
     assert "exceptions occurred" not in done.stdout + done.stderr, done.stdout + done.stderr
     answers = json.loads(output.read_text(encoding="utf-8"))
     assert set(answers) == set(map(str, files))
-    return {name: answer[convention] for name, answer in answers.items()}
+    return {one: {name: answer[one] for name, answer in answers.items()} for one in conventions}
 
 
 def complaints(answer: Any) -> list[str]:

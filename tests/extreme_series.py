@@ -20,8 +20,7 @@ def input_sensitivity(oracle, part, p, D, gamma, m):
     return float(total)
 
 
-def assert_accurate(computed, oracle, part, case):
-    exact = oracle(*case)[part]
+def assert_accurate(computed, exact, oracle, part, case):
     if exact < TINY:
         assert 0 <= computed <= TINY  # doubles have no digits left
         return
@@ -35,9 +34,9 @@ def assert_accurate(computed, oracle, part, case):
 def assert_sums(method, oracle, cases):
     """Compliance and resistance of all cases together, against the sums of each."""
     h, R = method.compliance(*np.transpose(cases)), method.resistance(*np.transpose(cases))
-    for case, compliance, resistance in zip(cases, h, R, strict=True):
-        assert_accurate(compliance, oracle, 0, case)
-        assert_accurate(resistance, oracle, 1, case)
+    for case, *computed in zip(cases, h, R, strict=True):
+        for part, exact in enumerate(oracle(*case)):
+            assert_accurate(computed[part], exact, oracle, part, case)
 
 
 def extreme_cases(seed, count, terms):

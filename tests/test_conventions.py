@@ -80,16 +80,44 @@ def files(folder):
     return sorted(folder.rglob("*.nc"))
 
 
-def test_cf_strict_finds_nothing(files, tmp_path):
-    assert len(files) == len(METHODS) + 3  # a batch a method, and those of the scene and of two measurements
-    answers = check(files, "cf:1.11", tmp_path)
-    assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
+CF, ACDD = "cf:1.11", "acdd:1.3"
+
+
+@pytest.fixture(scope="module")
+def bad(folder, tmp_path_factory):
+    """A file of which both conventions complain."""
+    path = tmp_path_factory.mktemp("bad") / "bad.nc"
+    shutil.copy(folder / "contact.nc", path)
+    with netCDF4.Dataset(path, "a") as file:
+        file["compliance"].units = "nonsense"
+        file.delncattr("summary")
+    return path
+
+
+@pytest.fixture(scope="module")
+def checked(folder, files):
+    """All files but the batches of one method: the scene's own has all that these have."""
+    batches = [path for path in files if path.parent == folder / "batches"]
+    assert [path.name.partition("-")[0] for path in batches] == sorted(METHODS)
+    return [path for path in files if path not in batches[1:]]
+
+
+@pytest.fixture(scope="module")
+def answers(checked, bad):
+    """Those of the checker, which takes a second a file."""
+    return check([*checked, bad], (CF, ACDD), bad.parent)
+
+
+def test_cf_strict_finds_nothing(checked, answers):
+    assert len(checked) == 4  # a batch, and those of the scene and of two measurements
+    answers = {str(path): answers[CF][str(path)] for path in checked}
+    assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in checked}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())
 
 
-def test_acdd_misses_only_what_mechanics_cannot_have(files, tmp_path):
-    for answer in check(files, "acdd:1.3", tmp_path).values():
-        said = complaints(answer)
+def test_acdd_misses_only_what_mechanics_cannot_have(checked, answers):
+    for path in checked:
+        said = complaints(answers[ACDD][str(path)])
         assert [word for word in IMPOSSIBLE if not any(word in text for text in said)] == []  # no excuse without need
         lacking = [text for text in said if not any(word in text for word in IMPOSSIBLE)]
         assert lacking == []
@@ -139,15 +167,10 @@ def test_quantities_name_what_says_how_good_they_are(files):
         ]
 
 
-def test_the_checker_would_complain(folder, tmp_path):
+def test_the_checker_would_complain(bad, answers):
     """So the two tests above can fail."""
-    shutil.copy(folder / "contact.nc", tmp_path / "bad.nc")
-    with netCDF4.Dataset(tmp_path / "bad.nc", "a") as file:
-        file["compliance"].units = "nonsense"
-        file.delncattr("summary")
-    for convention, word in (("cf:1.11", "nonsense"), ("acdd:1.3", "summary")):
-        (answer,) = check([tmp_path / "bad.nc"], convention, tmp_path).values()
-        assert any(word in text for text in complaints(answer))
+    for convention, word in ((CF, "nonsense"), (ACDD, "summary")):
+        assert any(word in text for text in complaints(answers[convention][str(bad)]))
 
 
 def test_plain_xarray_reads_it(folder):

@@ -15,6 +15,7 @@ from weier import load_scene, scene
 from weier.methods import registry
 from weier.pipeline.workflow import CONFIG_KEYS
 from weier.scene import keys
+from weier.scene.case import short_keys
 from weier.scene.keys import schema
 from weier.scene.models import SceneKeys
 from weier.scene.yaml import parse_yaml
@@ -43,9 +44,11 @@ def write(folder, **changes):
 def test_every_scene_that_comes_with_weier_is_sound(path):
     loaded = load_scene(path)  # with its figures and claims
     assert loaded.name == path.stem
-    solved = [case.key for case in loaded.distinct]
-    assert len(solved) == len(set(solved))
-    assert set(solved) == {case.key for cases in loaded.studies.values() for case in cases}
+    solved, listed = short_keys(loaded.keys_of_cases), loaded.products
+    assert len(solved) == len(set(solved)) == len(loaded.distinct)
+    assert set(solved) == {key for product in listed for key in short_keys(product.case_keys)}
+    some = range(0, len(solved), max(1, len(solved) // 1000))
+    assert [loaded.distinct[number].key for number in some] == [solved[number] for number in some]
 
 
 def test_the_schema_knows_every_method(monkeypatch):

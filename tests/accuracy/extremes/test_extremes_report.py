@@ -66,7 +66,7 @@ def test_a_fault_is_reported(measured):
 def test_the_data_are_by_the_conventions(measured, tmp_path):
     path = tmp_path / "extremes.nc"
     dataset.write(measured, path, "Small", "examined")
-    assert complaints(check([path], "cf:1.11", tmp_path)[str(path)]) == []
+    assert complaints(check([path], ["cf:1.11"], tmp_path)["cf:1.11"][str(path)]) == []
 
 
 def test_the_figure_is_drawn_from_the_file_and_refused_without_digits(measured, tmp_path):

@@ -68,7 +68,7 @@ def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
 
 
 # Of random series: on a mesh of 32 points a wave their estimates lie outside the bounds.
-LARGE_RATIOS = [(1.1214, 1000, 255, 0.016583), (1.0831, 5505, 1, 3e-5), (1.21, 8077, 2, 1e-3), (1.02, 1e6, 3, 0.1)]
+LARGE_RATIOS = [(1.1214, 1000, 255, 0.016583), (1.0831, 5505, 1, 3e-5), (1.21, 8077, 2, 1e-3)]
 
 
 @pytest.mark.parametrize(("D", "gamma", "seed", "load"), LARGE_RATIOS)

@@ -76,16 +76,16 @@ def test_full_contact_is_exact(D, gamma, m):
     assert answer.resistance[1] < 1e-9
 
 
-SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma in (2, 10) for m in (2, 12, math.inf)]
+SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma, m in ((2, 2), (2, 12), (2, math.inf), (10, math.inf))]
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), SERIES + WORST)
 def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
     heaviest = min(1e3, 0.99 * full_contact(D, gamma, m)) if math.isfinite(m) else 1e3
     loads = np.geomspace(1e-12, heaviest, 25)
+    best = layer.curve(loads, D, gamma, m, accuracy=ACCURACY / 100, points=40).compliance
     for accuracy in (1e-3, ACCURACY):
         found = layer.curve(loads, D, gamma, m, accuracy=accuracy).compliance
-        best = layer.curve(loads, D, gamma, m, accuracy=accuracy / 100, points=40).compliance
         error = np.abs(found / best - 1).max()
         print(f"D = {D}, gamma = {gamma}, m = {m}: accuracy {accuracy:.0e}, error {error:.1e}")
         assert error <= accuracy  # and that of the mesh, 5e-6 at most
@@ -137,7 +137,7 @@ def test_settings_at_the_ends_of_their_ranges_hold(m, least, most):
     """The infinite series at 1e-9, or on 200 points, takes tens of seconds."""
     loads = np.array([1e-305, 1e-3, 0.3, 2.0, 1e6])
     finest = layer.curve(loads, 1.5, 5, m, accuracy=least)
-    for accuracy in (10 * least, 1e-5, 1e-2):
+    for accuracy in {10 * least, 1e-5, 1e-2}:
         coarser = layer.curve(loads, 1.5, 5, m, accuracy=accuracy)
         np.testing.assert_allclose(coarser.compliance, finest.compliance, rtol=accuracy)
     for points in (4, most):
