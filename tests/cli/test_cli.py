@@ -11,6 +11,7 @@ import pytest
 
 from weier import __main__ as program
 from weier.cli import cli
+from weier.methods.registry import METHODS
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
 FEW = ["--loads", "0.1,1"]  # the last word counts
@@ -61,6 +62,12 @@ def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
     assert all((tmp_path / name).stat().st_size > 0 for name in files)
     named = re.findall(r"the figure is in (\S+)", err)  # where the example names none
     assert files or out or [name for name in named if (tmp_path / name).stat().st_size > 0]
+
+
+def test_help_describes_every_method(run):
+    text = " ".join(run("solve", "--help")[1].split())
+    for method in METHODS:
+        assert f"{method.name}: {method.summary}" in text
 
 
 def test_help_names_every_command_of_a_user(run):

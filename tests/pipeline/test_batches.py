@@ -10,7 +10,7 @@ from weier.methods.registry import find_method
 from weier.methods.settings import defaults
 from weier.pipeline import curves
 from weier.pipeline.batches import Solutions, unused
-from weier.pipeline.curves import Store, cut, read_batch
+from weier.pipeline.curves import CASE_SECONDS, Store, cut, read_batch
 from weier.pipeline.gather import read_study
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
@@ -258,3 +258,12 @@ def test_only_batches_that_no_scene_uses_are_unused(tmp_path):
     assert len(found) == 2
     assert all(size == (folder / f"{name}.nc").stat().st_size for name, size in found.items())
     assert unused(Store(folder), [current, Solutions(load(tmp_path, loads=[3.0]), folder)]) == {}
+
+
+@pytest.mark.parametrize(("method", "solved"), [("layer", 4), ("patches", 4 * 50)])
+def test_curves_that_differ_in_phases_alone_are_expected_once_if_the_method_uses_none(tmp_path, method, solved):
+    scene = load(tmp_path, methods=[method], **product(seed={"from": 1, "to": 50, "count": 50}))
+    (part,) = Solutions(scene, tmp_path / "batches").parts
+    cases = [part.batch_case(number) for number in range(0, 200, 50)]  # one of each D and gamma
+    once = sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases)
+    assert part.seconds().sum() == pytest.approx(200 * CASE_SECONDS + once * solved / 4, rel=1e-9)

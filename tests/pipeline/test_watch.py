@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import weier
+from weier.methods import layer
 from weier.pipeline import progress
 from weier.pipeline.single import solve_one
 
@@ -51,6 +52,14 @@ def test_what_is_refused_is_not_announced(capsys):
         weier.solve([series], [0.1], ["patches", "bem"], bem={"tolerance": 1e-12})
     with pytest.raises(ValueError, match=refusal):
         solve_one({"D": 1.25, "gamma": 5, "m": 5}, np.array([0.1]), ["bem"], {"bem": {"tolerance": 1e-12}})
+    assert capsys.readouterr() == ("", "")
+
+
+def test_series_that_differ_in_phases_alone_are_announced_as_one_if_the_method_uses_none(capsys):
+    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(40)]
+    settings = {"layer": {"points": 150}}
+    assert len(series) * layer.METHOD.seconds(series[0], LOADS, **settings["layer"]) > progress.LONG
+    weier.solve(series, LOADS, ["layer"], **settings)
     assert capsys.readouterr() == ("", "")
 
 

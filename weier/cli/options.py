@@ -127,7 +127,8 @@ OF_SOLUTION = (
         ["--method", "methods"],
         multiple=True,
         type=click.Choice(names()),
-        help="Method of solution; repeatable  "
+        help="Method of solution; repeatable. "
+        f"{'. '.join(f'{method.name}: {method.summary}' for method in METHODS)}  "
         f"[default: patches, or auto with a tolerance; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(

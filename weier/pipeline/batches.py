@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from weier.digests import digest
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.methods.registry import methods_run_by
+from weier.methods.registry import find_method, methods_run_by
 from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
 from weier.scene.case import Case
 from weier.scene.cases import Scene
@@ -54,10 +55,12 @@ class Part(NamedTuple):
         loads, loads_of, axes = np.array(self.kind.loads), self.kind.loads_of, self.product.axes
         shape = [len(values) for values in axes.values()]
         costs = np.zeros([1 if name in SEEDS else len(values) for name, values in axes.items()])
+        # those that differ in phases alone are solved once, if the method uses none
+        shared = 1 if find_method(self.kind.method).uses_phases else math.prod(shape) / costs.size
         for place in np.ndindex(costs.shape):
             case = self.product.case(int(np.ravel_multi_index(place, shape)))
             own = loads if loads_of is None else loads_of(case.profile)
-            costs[place] = CASE_SECONDS + case.seconds(self.kind.method, own)
+            costs[place] = CASE_SECONDS + case.seconds(self.kind.method, own) / shared
         return np.broadcast_to(costs, shape).ravel()[self.positions]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.pipeline.progress import clock, watching
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
+from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves, checked_surface
 from weier.units import PASCAL
 
@@ -151,12 +152,24 @@ def solve_under(
     ]
     for surface, _, solver in pairs:  # before anything is announced or solved
         solver.check(surface, **checked.get(solver.name, {}))
-    expected = sum(solver.seconds(surface, own, **checked.get(solver.name, {})) for surface, own, solver in pairs)
+    expected = sum(
+        solver.seconds(surface, own, **checked.get(solver.name, {})) for surface, own, solver in _distinct(pairs)
+    )
     with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
         if several:
             return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers)
         curve = _solve_one(profiles[0], own_loads[0], solvers[0], checked[methods[0]], edges)
     return curve if loads_of is None else curve.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
+
+
+def _distinct(pairs: Iterable[tuple[Waves, Array, Method]]) -> Iterator[tuple[Waves, Array, Method]]:
+    """Yield the curves that are solved: one of the series that differ in phases alone, if the method uses none."""
+    known = set[tuple[Any, ...]]()
+    for surface, loads, method in pairs:
+        series = method.name, *(getattr(surface, name, None) for name in PARAMETERS)
+        if method.uses_phases or series not in known:
+            known.add(series)
+            yield surface, loads, method
 
 
 def _list(name: str, given: Any) -> list[Any]:
