@@ -39,7 +39,6 @@ TANGENT_ERROR = 5e-11
 # contact or gap whose edge may move by its half-width, as a move by 2 half-widths of the gap or 2 a chi of the
 # contact.
 SAFETY_FACTOR = 2.0
-NEIGHBOUR_FACTOR = 4.0
 
 
 def error_bound(
@@ -299,7 +298,7 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
     The tension q_0 at the middle of a crack has the error k e/(2 pi r sqrt(1-t^2)), the pressure of a residual e T_k
     on its contact. With b^2 = 4 q_0/kappa, the error of the rise pi^2 b^2 q^2/L is 4 pi^2 q^2/(kappa L) times that.
     Here kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by a
-    relative `NEIGHBOUR_FACTOR` (b/l)^2.
+    relative 4 (b/l)^2: twice (b/l)^2, for edges on both sides, and `SAFETY_FACTOR`.
     """
     cracks, segments = state.cracks, state.segments
     if cracks.contact.size == 0:
@@ -311,7 +310,7 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
     tension = state.height_error * modes[cracks.contact] / (2 * np.pi * np.sqrt(inside))
     b = cracks.half_width
     by_tension = 4 * np.pi**2 / period * np.sqrt(2 * b) * cracks.tangent_strength**2 / cracks.strength * tension
-    by_neighbour = NEIGHBOUR_FACTOR * cracks.rise * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2
+    by_neighbour = 2 * SAFETY_FACTOR * cracks.rise * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2
     return float(np.sum(by_tension + by_neighbour))
 
 

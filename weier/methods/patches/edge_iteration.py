@@ -46,7 +46,8 @@ from weier.methods.patches.surface import (
 # largest factor by which the square of a width grows or shrinks in a step, a safeguard far from the solution; with 6,
 # perturbed guesses take 6 % fewer steps, but two of 61 fail (docs/numerics.md, "Contact patches in numbers")
 MAX_SQUARE = 4.0
-SETTLED_MOVE = 0.1  # move, in half-widths, below which Newton's method converges quadratically
+# move, in half-widths, below which Newton's method converges quadratically, and so ratio of the next move to this one
+SETTLED_MOVE = 0.1
 
 
 class EdgeMoves(NamedTuple):

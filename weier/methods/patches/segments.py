@@ -16,14 +16,11 @@ from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import MAX_THINNESS, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances_between
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# least distance of neighbours over the half-width in the formula, since it is inaccurate in a guess; the coefficients
-# of a solution show whether more nodes are needed
-MIN_DISTANCE = 1e-3
 
 
 def kind_of(dual: bool) -> Kind:
@@ -235,7 +232,7 @@ def count_nodes(
     distance, count = distances_between(origin, centre, half_width, period), np.empty(centre.size, np.int64)
     for j in range(centre.size):
         r = half_width[j]
-        nearest = max(min(distance[j], distance[j - 1]) / r, MIN_DISTANCE)
+        nearest = max(min(distance[j], distance[j - 1]) / r, 2 * MAX_THINNESS)  # Narrower gaps are cracks.
         ln_rho = np.log1p(nearest + np.sqrt(nearest) * np.sqrt(nearest + 2))
         needed = least + per_radian * finest * r + per_neighbour / ln_rho
         count[j] = _round_up(np.ceil(needed) + 2)  # The last two coefficients are 0.

@@ -19,6 +19,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.certificate import certify, contact_residual, gap_uncertainty
 from weier.methods.patches.edge_iteration import (
+    SETTLED_MOVE,
     ContactProblem,
     Iterate,
     NewtonStep,
@@ -40,7 +41,7 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import FIELD_ROUNDING, MAX_THINNESS
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_THINNESS
 from weier.methods.patches.segments import (
     MAX_NODES,
     ContactState,
@@ -57,22 +58,13 @@ LEAST_TOLERANCE = 10 * FIELD_ROUNDING  # relative, of the residual
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
 LARGEST_TOLERANCE = 1e-6
-# target of the iteration over the tolerance: equations, edges and truncation contribute separately, and stage 3
-# measures their sum
-TARGET = 0.01
-# largest residual in stage 3 over the target, unless rounding limits the target; a second attempt (`solve_state`)
-# therefore divides its tolerance by it
+# Residual in stage 3 over the target of the iteration, at most, and target over the residual of the equations: both
+# contribute separately, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
+TARGET = MAX_OVER_TARGET**-2  # of the iteration over the tolerance, by which stage 3 measures the sum of all parts
 # tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
 # compliance to second order
 MAX_TENSION = 1e-9
-# Reduction of the residual for the resistance, which is an energy: its relative error is the square of this.
-LEAST_TANGENT_REDUCTION = 1e-8
-MAX_LEFT_BY_NODES = 0.5  # ratio of the residuals with more and with fewer nodes above which they are rounding
-MIN_ROUNDING_RATIO = 0.1  # ratio of successive moves from which they no longer shrink
-
-
-NO_SET = "no set of contacts was found that meets all conditions under {:.6g} p_0*"
 
 
 class Limits(NamedTuple):
@@ -154,13 +146,17 @@ def solve_in_stages(
         found = Converged(solved, step, state, minima, negative, residual, width, float(height.max()))
         short = (height > limits.allowed) & (count < MAX_NODES)
         # More nodes do not reduce rounding, and in gaps they increase it.
-        if short.any() and (coarser is None or found.height <= MAX_LEFT_BY_NODES * coarser.height):
+        if short.any() and (coarser is None or found.height < coarser.height):
             coarser, now = found, next_guess(problem, step, tolerance, more_nodes(count, short))
             continue
         best = coarser if coarser is not None and coarser.height < found.height else found
         state = _certified(best, series, tolerance, accepted or tolerance, margin)  # stage 4
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
-    raise ConvergenceError(NO_SET.format(problem.load))
+    raise _no_set(problem.load)
+
+
+def _no_set(load: float) -> ConvergenceError:
+    return ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
 def _converge(
@@ -185,7 +181,7 @@ def _converge(
         if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
             return step, carried_along(step, limits.rounding), steps
         last_move, now = float(step.moves.relative.max()), next_guess(problem, step, limits.tolerance, counts)
-    raise ConvergenceError(NO_SET.format(problem.load))
+    raise _no_set(problem.load)
 
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
@@ -222,7 +218,7 @@ def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     and singularities may be rounding.
     """
     has_moved, is_solved = last_move < np.inf, step.forces.residual < limits.target
-    is_settled = float(step.moves.relative.max()) > MIN_ROUNDING_RATIO * last_move
+    is_settled = float(step.moves.relative.max()) > SETTLED_MOVE * last_move  # each the square of the last
     conditions = float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits)
     return has_moved and is_solved and sum(conditions) > 1
 
@@ -235,7 +231,7 @@ def _is_small(step: NewtonStep, limits: Limits) -> bool:
 def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
     move = float(step.moves.relative.max())
-    is_small = _is_small(step, limits) and move < MIN_ROUNDING_RATIO * last_move
+    is_small = _is_small(step, limits) and move < SETTLED_MOVE * last_move
     return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < limits.target
 
 
@@ -338,7 +334,8 @@ def _certified(
     found: Converged, series: CosineSeries, tolerance: float, accepted: float, margin: float
 ) -> ContactState:
     """Return the state with its resistance, its thin gaps and its certificate."""
-    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(LEAST_TANGENT_REDUCTION, tolerance))
+    # The resistance is an energy, with the square of the reduction as relative error.
+    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(np.sqrt(EPS), tolerance))
     overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
