@@ -22,7 +22,7 @@ from weier.data import curves
 from weier.data.bodies import Bodies
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
-from weier.figures.tables import Extent, Table, extent, tables_of
+from weier.figures.tables import Extent, Table, codes, extent, tables_of
 from weier.kernels.arrays import Array, Indices
 from weier.methods.method import QUANTITIES
 from weier.methods.registry import names, numerical_names
@@ -44,7 +44,7 @@ MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 class PlottedCurve(NamedTuple):
     """The curves of one method that look alike, reduced to a line and a band.
 
-    case : the first of their cases, in the units of the axes
+    table, row : the first of their cases, and its row
     method : of all
     loads, values : the line
     band : the low and the high end of the band, shape (2, loads); None for a single curve
@@ -54,7 +54,8 @@ class PlottedCurve(NamedTuple):
     differing : the parameters in which the curves differ
     """
 
-    case: xr.Dataset
+    table: Table
+    row: int
     method: str
     loads: Array
     values: Array
@@ -63,6 +64,11 @@ class PlottedCurve(NamedTuple):
     points: bool
     parameters: Mapping[str, Hashable]
     differing: Sequence[str]
+
+    @property
+    def case(self) -> xr.Dataset:
+        """The first of their cases, in the units of the axes."""
+        return self.table.case(self.row)
 
 
 class Members(NamedTuple):
@@ -134,6 +140,8 @@ def compare(
     )
     bands: dict[str, Patch] = {}
     ensembles = tables_of(behind, quantity, interface)
+    for axes in panels:  # else each band would set the limits of all panels
+        axes.set_autoscale_on(False)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [curve for curve in drawn if tuple(curve.parameters[name] for name in grouping.facet) == value]
         if band := _draw_behind(axes, ensembles, members, quantity, grouping):
@@ -144,8 +152,9 @@ def compare(
         own = _join(_label(drawn, *parameter) for parameter in zip(grouping.facet, value, strict=True))
         style.name_panel(axes, number, len(shown), own if len(shown) > 1 else _join([own, shared]))
     _add_legend(figure, panels, _legend(drawn, grouping) + list(bands.values()))
-    if interface:  # a power of ten stands beside the title
-        for axes in panels:
+    for axes in panels:
+        axes.autoscale()
+        if interface:  # a power of ten stands beside the title
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + 0.2 * len(above))  # inches for each line
@@ -170,14 +179,15 @@ def _groups(tables: Sequence[Table], grouping: Grouping) -> list[Members]:
     shown = [name for name in (grouping.colour, *grouping.facet) if name not in ("", "method")]
     found: dict[tuple[Any, ...], Members] = {}
     for table in tables:
-        keys = np.stack([table.columns[name] for name in shown], axis=1) if shown else np.zeros((table.size, 1))
+        keys = [table.columns[name] for name in shown] or [np.zeros(table.size)]
+        code = codes(*keys)
         for column, method in enumerate(table.methods):
             rows = np.flatnonzero(table.known[:, column])
             if not rows.size:
                 continue
-            values, inverse = np.unique(keys[rows], axis=0, return_inverse=True)
-            parts = np.split(rows[np.argsort(inverse, kind="stable")], np.cumsum(np.bincount(inverse))[:-1])
-            for value, part in zip(values.tolist(), parts, strict=True):
+            rows = rows[np.argsort(code[rows], kind="stable")]
+            for part in np.split(rows, np.flatnonzero(np.diff(code[rows])) + 1):
+                value = [values[part[0]] for values in keys]
                 found.setdefault((method, *value), Members(method, [])).rows.append((table, part, column))
     return list(found.values())
 
@@ -190,20 +200,20 @@ def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
     if same.size > 1 and (hidden := grouping.hidden(differing)):
         raise ValueError(grouping.proposal(hidden))
     points = bool(table.beside[row, column]) and "method" not in grouping.facet
-    case = table.case(row)
     parameters = table.parameters(row) | {"method": same.method}
     if same.size == 1:
         loads, values = table.line(row, same.method, quantity, points)
-        return PlottedCurve(case, same.method, loads, values, None, 1, points, parameters, ())
+        return PlottedCurve(table, row, same.method, loads, values, None, 1, points, parameters, ())
     loads, reduced = _reduce(same, quantity, grouping)
-    return PlottedCurve(case, same.method, loads, reduced[0], reduced[1:], same.size, points, parameters, differing)
+    band = reduced[1:]
+    return PlottedCurve(table, row, same.method, loads, reduced[0], band, same.size, points, parameters, differing)
 
 
 def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
-    units = np.unique(np.stack([same.column("pressure_unit"), same.column("unit")]), axis=1)
+    units = [same.column(name) for name in ("pressure_unit", "unit")]
     first = same.rows[0][0].loads
-    if units.shape[1] > 1 or any(
+    if np.ptp(units, axis=1).any() or any(
         table.in_pascal or not np.array_equal(table.loads, first) for table, _, _ in same.rows
     ):
         each = [table.line(int(row), same.method, quantity) for table, rows, _ in same.rows for row in rows]
@@ -212,7 +222,7 @@ def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Ar
     h, slope = (
         np.concatenate([table.values[name][rows, column] for table, rows, column in same.rows]) for name in QUANTITIES
     )
-    pressure, unit = units[:, 0]
+    pressure, unit = (values[0] for values in units)
     if quantity == "resistance" or first.size < 2 or not np.isfinite(slope).all():
         given = h if quantity == "compliance" else slope
         return first * pressure, grouping.reduce(given) * unit

@@ -59,12 +59,10 @@ def compliance_at(fine: Array, loads: Array, h: Array, slope: Array) -> Array:
     width = (loads[1:] - loads[:-1])[piece]
     t = (fine - loads[piece]) / width
     left, right = h[..., piece], h[..., piece + 1]
-    values: Array = (
-        left * (1 + 2 * t) * (1 - t) ** 2
-        + right * t**2 * (3 - 2 * t)
-        + width * (slope[..., piece] * t * (1 - t) ** 2 - slope[..., piece + 1] * t**2 * (1 - t))
-    )
-    return np.clip(values, left, right)
+    values: Array = left * ((1 + 2 * t) * (1 - t) ** 2) + right * (t**2 * (3 - 2 * t))
+    values += slope[..., piece] * (width * t * (1 - t) ** 2)
+    values -= slope[..., piece + 1] * (width * t**2 * (1 - t))
+    return np.clip(values, left, right, out=values)
 
 
 def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:

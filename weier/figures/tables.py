@@ -129,22 +129,21 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
         np.pad(table.phases, ((0, 0), (0, terms - table.phases.shape[1])), constant_values=MISSING)
         for table in tables
     ]
-    phases = np.unique(np.concatenate(padded), axis=0, return_inverse=True)[1].ravel()
     seeds = np.concatenate([table.seeds for table in tables])
-    trace = np.unique(np.concatenate([table.names.astype(str) for table in tables]), return_inverse=True)[1]
+    names = np.concatenate([table.names.astype(str) for table in tables])
+    phases = codes(np.zeros(seeds.size), *np.concatenate(padded).T)  # of one wave there are none
     columns: dict[str, NDArray[Any]] = {
         "case": np.arange(phases.size),
-        "trace": trace,
+        "trace": codes(names),
         "phases": phases,
         "seed": np.where(np.isfinite(seeds), seeds, -1.0 - phases),
         "seeded": np.isfinite(seeds),
         "waves": np.concatenate([table.study["m"].values for table in tables]),
     }
-    is_trace = np.concatenate([table.names.astype(str) != "" for table in tables])
     for name in PARAMETERS:
         values = np.concatenate([np.asarray(table.study[name].values, float) for table in tables])
-        values[is_trace] = MISSING  # its name says all
-        columns[name] = np.unique(np.where(np.isnan(values), MISSING, values), return_inverse=True)[1]
+        values[names != ""] = MISSING  # the name of a trace says all
+        columns[name] = codes(np.where(np.isnan(values), MISSING, values))
     units = [_units(table.study, quantity, interface) for table in tables]
     columns |= {name: np.concatenate([own[name] for own in units]) for name in units[0]}
     ends = np.cumsum([table.size for table in tables])
@@ -152,6 +151,21 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
         table.columns = {name: values[end - table.size : end] for name, values in columns.items()}
         table.normalise_loads()
     return tables
+
+
+def codes(*columns: NDArray[Any]) -> Indices:
+    """Return a number for each row of these columns, the same for the same values.
+
+    A product of parameters repeats its values in runs, of which only the first ones are sorted.
+    """
+    new = np.ones(len(columns[0]), bool)
+    new[1:] = np.any([values[1:] != values[:-1] for values in columns], axis=0)
+    first = [values[new] for values in columns]
+    order = np.lexsort(first)
+    changes = np.any([values[order[1:]] != values[order[:-1]] for values in first], axis=0)
+    code = np.empty(order.size, int)
+    code[order] = np.append(0, np.cumsum(changes))
+    return code[np.cumsum(new) - 1]
 
 
 def extent(tables: Sequence[Table], quantity: str) -> Extent:

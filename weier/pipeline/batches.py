@@ -19,7 +19,7 @@ from weier.methods.registry import find_method, methods_run_by
 from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
 from weier.scene.case import Case
 from weier.scene.cases import Scene
-from weier.scene.identity import Keys, as_text, distinct, key_of, ordered
+from weier.scene.identity import Keys, digest_of_keys, distinct, key_of, ordered
 from weier.scene.study import CaseProduct
 
 SEEDS = ("phases", "seed")  # a curve's time hardly depends on these
@@ -84,6 +84,7 @@ class Solutions:
         self.scene = scene
         self.store = curves if isinstance(curves, Store) else Store(curves)
         self.to_solve: list[list[Batch]] = []
+        self._digests: dict[frozenset[str], str] = {}  # of curves, by studies
 
     @cached_property
     def parts(self) -> list[Part]:
@@ -158,11 +159,15 @@ class Solutions:
 
     def digest_of_curves(self, studies: Collection[str] | None = None) -> str:
         """Return a digest of all dependencies of the curves of these studies, in whatever batches they are."""
-        wanted, own = self._cases_of(studies), dict[str, list[Keys]]()
-        for part in self.parts:
-            if len(surfaces := part.surfaces[wanted[part.cases]]):
-                own.setdefault(json.dumps(part.kind._asdict(), sort_keys=True), []).append(surfaces)
-        return digest([[kind, as_text(ordered(np.concatenate(own[kind])))] for kind in sorted(own)])
+        names = frozenset(self.scene.studies if studies is None else studies)
+        if names not in self._digests:
+            wanted, own = self._cases_of(names), dict[str, list[Keys]]()
+            for part in self.parts:
+                if len(surfaces := part.surfaces[wanted[part.cases]]):
+                    own.setdefault(json.dumps(part.kind._asdict(), sort_keys=True), []).append(surfaces)
+            every = [[kind, digest_of_keys(ordered(np.concatenate(own[kind])))] for kind in sorted(own)]
+            self._digests[names] = digest(every)
+        return self._digests[names]
 
     def _cases_of(self, studies: Collection[str] | None) -> Flags:
         wanted = np.full(len(self.scene.distinct), studies is None)

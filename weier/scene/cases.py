@@ -17,7 +17,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import returned_by
 from weier.scene.case import Case
 from weier.scene.figure import Figure
-from weier.scene.identity import Keys, as_text, distinct
+from weier.scene.identity import Keys, digest_of_keys, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.limits import resolvable
@@ -195,4 +195,4 @@ class Scene:
 
     def digest_of_cases(self, *studies: str) -> str:
         """Return a digest of the cases of some studies in their order, and of which study they belong to."""
-        return digest([[digest(as_text(part.case_keys)) for part in self.study(name).products] for name in studies])
+        return digest([[digest_of_keys(part.case_keys) for part in self.study(name).products] for name in studies])

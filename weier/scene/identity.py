@@ -41,6 +41,11 @@ def from_text(text: str) -> Keys:
     return np.frombuffer(bytes.fromhex(text), WORDS).reshape(-1, 2)
 
 
+def digest_of_keys(keys: Keys) -> str:
+    """Return a digest of keys in their order: a tenth of the time of one of their digits."""
+    return hashlib.sha256(np.ascontiguousarray(keys, WORDS).data).hexdigest()
+
+
 def distinct(keys: Keys) -> tuple[Indices, Indices]:
     """Return the first position of each distinct key, increasing, and the number of its own for every key."""
     order = _sorted(keys)
