@@ -3,6 +3,7 @@
 import doctest
 import pkgutil
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 import weier
+from tests import plots
 from tests.scenes import scene_in, solve_scene
 from weier import scene
 from weier.data import variables
@@ -27,7 +29,7 @@ from weier.pipeline.claims.claim import judge
 from weier.scene import keys
 
 
-@pytest.mark.parametrize(("name", "least"), [("index", 5), ("tutorial", 20), ("first_day", 20), ("measured", 20)])
+@pytest.mark.parametrize(("name", "least"), [("index", 5), ("tutorial", 20), (plots.NOT_RUN, 20), ("measured", 20)])
 def test_the_pages_that_run_are_true(name, least):
     plt.switch_backend("agg")  # no windows
     result = doctest.testfile(str(Path(f"docs/{name}.rst").resolve()), module_relative=False)
@@ -173,8 +175,12 @@ def site(tmp_path_factory):
     for name in figures:
         shutil.copy("docs/message.png", folder / f"{name}.png")
     command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet"]
-    settings = ["-D", f"scene_figures={folder}", "-d", folder / "doctrees"]
-    done = subprocess.run([*command, *settings, "docs", folder / "html"], capture_output=True, text=True)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(sys, "path", sys.path[:])  # to which it adds folders
+        extensions = [*runpy.run_path("docs/conf.py")["extensions"], "tests.plots"]
+    settings = ["-D", f"scene_figures={folder}", "-D", f"extensions={','.join(extensions)}"]
+    command += [*settings, "-d", folder / "doctrees", "docs", folder / "html"]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return folder / "html"
 
