@@ -2,12 +2,13 @@
 
 import re
 import warnings
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from weier.data import dataset, variables
+from weier.data import dataset, netcdf, variables
 from weier.data.variables import Status
 
 METHODS = ["westergaard", "demelio", "bem"]
@@ -95,3 +96,20 @@ def test_what_variables_say_of_themselves_is_whole_sentences():
         comment = variables.attributes(name).get("comment", "A.")
         assert comment[0].isupper(), comment
         assert comment.endswith("."), comment
+
+
+@pytest.mark.parametrize(
+    ("owner", "name", "use"),
+    [
+        (netcdf.hashlib, "sha256", dataset.read),
+        (netcdf.netCDF4, "Dataset", netcdf.check_whole),
+        (dataset.xr, "open_groups", dataset.read),
+    ],
+)
+def test_a_time_limit_is_no_damaged_file(waves, tmp_path, monkeypatch, owner, name, use):
+    """While the digest of the file, its names or its values are read."""
+    path = tmp_path / "waves.nc"
+    dataset.write(waves, path, "test")
+    monkeypatch.setattr(owner, name, Mock(side_effect=TimeoutError("after 10 s")))  # as the handler of a signal
+    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+        use(path)

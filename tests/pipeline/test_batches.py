@@ -1,5 +1,7 @@
 """What is solved is found again case by case, and only what is missing is cut into batches."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
@@ -267,3 +269,12 @@ def test_curves_that_differ_in_phases_alone_are_expected_once_if_the_method_uses
     cases = [part.batch_case(number) for number in range(0, 200, 50)]  # one of each D and gamma
     once = sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases)
     assert part.seconds().sum() == pytest.approx(200 * CASE_SECONDS + once * solved / 4, rel=1e-9)
+
+
+@pytest.mark.parametrize("of", ["kind", "cases"])
+def test_a_time_limit_is_no_damaged_description(solved, monkeypatch, of):
+    path = next((solved / "batches").glob("*.json"))
+    cases = read_batch(path).cases
+    monkeypatch.setattr(curves.json, "loads", Mock(side_effect=TimeoutError("after 10 s")))
+    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+        read_batch(path) if of == "kind" else cases[0]

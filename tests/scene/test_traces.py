@@ -1,6 +1,7 @@
 """Studies of measured heights: a file beside the scene, whose content counts."""
 
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -53,6 +54,13 @@ def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder
     assert case.profile.labels == expected.labels
     same = Case.of(expected, ("bem",), {})
     assert same.key == case.key
+
+
+@pytest.mark.parametrize(("owner", "name"), [(scene.file, "read_yaml"), (Trace, "read")])
+def test_a_time_limit_is_no_mistake_of_a_scene(folder, monkeypatch, owner, name):
+    monkeypatch.setattr(owner, name, Mock(side_effect=TimeoutError("after 10 s")))  # as the handler of a signal
+    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+        load(folder)
 
 
 def test_several_files_are_several_cases(folder):

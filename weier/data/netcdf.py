@@ -184,6 +184,8 @@ def check_origin(path: str | Path, names: Container[object], program: str) -> No
 
 def damaged_error(path: str | Path, error: Exception) -> Exception:
     """Return the error for a file that cannot be opened; only an incomplete one that was read is damaged."""
+    if isinstance(error, TimeoutError):  # of a program with a time limit, which says nothing about the file
+        return error
     if not str(path).isprintable() or not Path(path).is_file():
         return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     try:
@@ -201,6 +203,8 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
 def _unreadable(path: str | Path, error: OSError) -> OSError:
     if isinstance(error, FileNotFoundError):
         return FileNotFoundError(f"there is no file {path}: make it first")
+    if isinstance(error, TimeoutError):
+        return error
     return OSError(f"{path} cannot be opened ({error.strerror}), and may be whole: open it for reading")
 
 

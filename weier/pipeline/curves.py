@@ -197,7 +197,9 @@ class CasesOfFile(Sequence[Case]):
             raise _no_batch(self._path, error) from None
 
 
-def _no_batch(path: str | Path, error: Exception) -> ValueError:
+def _no_batch(path: str | Path, error: Exception) -> Exception:
+    if isinstance(error, TimeoutError):  # of a program with a time limit, which says nothing about the file
+        return error
     return ValueError(f"{path} does not describe a batch: delete it and run snakemake again ({error})")
 
 

@@ -57,6 +57,8 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     try:
         text = path.read_text(encoding="utf-8")
         document = read_yaml(text)
+    except TimeoutError:  # of a program with a time limit
+        raise
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()

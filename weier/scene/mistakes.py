@@ -50,6 +50,8 @@ class Mistakes(dict[Keys, str]):
             return instead
         try:
             return read()
+        except TimeoutError:  # of a program with a time limit
+            raise
         except (OSError, ValueError) as error:
             self[keys] = str(error)
             return instead

@@ -236,7 +236,7 @@ class ProfileKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Yield phases are given or drawn."""
+        """Yield a mistake if phases are both given and drawn."""
         if {"phases", "seed"} <= values.keys():
             yield Mistake((), "a profile takes phases or a seed, not both")
 
@@ -585,7 +585,7 @@ class SceneKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Yield keys go together, and figures and claims are of studies of the scene."""
+        """Yield mistakes in keys that go together, and in names of studies that the scene does not have."""
         if not values.keys() & {"methods", "tolerance"}:
             yield Mistake(("methods",), f"this key is missing: {cls.keys()['methods']}")
         studies, figures, claims, bodies = (
