@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +28,9 @@ from weier.theory.conduction import (
     shear_modulus,
     specific_resistance,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # ranges outside which a warning names the likely mistake
 USUAL = {
@@ -147,7 +150,7 @@ class Bodies:
         """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2)."""
         return self._of_unit("g_0/p_0*", normalised)
 
-    def in_si(self, data: Any) -> Any:
+    def in_si(self, data: xr.Dataset) -> xr.Dataset:
         """Convert a Dataset with its coordinates to SI units; call it before any arithmetic.
 
         Parameters
@@ -186,7 +189,7 @@ class Bodies:
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
         return converted(data, self._scales(*scale)).assign_attrs(own)
 
-    def _scale_of(self, data: Any) -> tuple[Array, Array]:
+    def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
         own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
         if not np.isfinite(own).all():

@@ -338,7 +338,7 @@ class StudyKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Yield a study has one kind of surfaces."""
+        """Yield a mistake unless a study has one kind of surfaces."""
         kinds = "product", "cases", "trace"
         given = [kind for kind in kinds if kind in values]
         if len(given) != 1:
@@ -387,7 +387,7 @@ class InterfaceKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Yield each body has one modulus."""
+        """Yield a mistake for each body without exactly one modulus."""
         for kinds in ("mu_1", "E_1"), ("mu_2", "E_2"):
             given = [kind for kind in kinds if kind in values]
             if len(given) != 1:
@@ -495,7 +495,7 @@ class FigureKeys(Part):
 
     @classmethod
     def rules(cls, values: Mapping[str, Any]) -> Iterator[Mistake]:
-        """Yield a parameter is shown in one way."""
+        """Yield a mistake for each parameter that is shown in two ways."""
         parts = [as_list(values.get(key, [])) for key in ("colour", "facet", "median over")]
         for name in set[str]().union(*(filter(lambda name: isinstance(name, str), part) for part in parts)):
             if sum(name in part for part in parts) > 1:
