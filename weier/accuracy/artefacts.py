@@ -30,42 +30,52 @@ LIMITS = (
 )
 STEPS, SPIKES = ((0, 1), (0, 0.4, 1)), ((0, 1, 0), (0, -1, 0), (0, 1, 0.7, 0))  # shapes, over the range of heights
 CODES = (-9999.0, 32767.0, 0.0)
+SAMPLES = 1000  # of a line of roughness, and of one with artefacts
 BANDS = tuple(product((1, 4, 8), (2, 4, 32)))  # longest wavelengths in a line, and their ratio to the shortest
+
+
+def power_law(random: Generator, samples: int, D: float, longest: float = 1.0, shortest: float = 2.0) -> Array:
+    """Return random heights of this fractal dimension.
+
+    Waves that fit less often than `longest` times into the line are as high as those that do. There are none of fewer
+    samples than `shortest`.
+    """
+    k = np.arange(1, samples // 2)
+    wave = np.maximum(k, longest) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
+    return np.fft.irfft(np.append(0, np.where(k * shortest <= samples, wave, 0)), samples)
 
 
 def self_affine(samples: int, D: float, random: Generator) -> Array:
     """Return random heights of this fractal dimension with a unit deviation."""
-    k = np.arange(1, samples // 2)
-    wave = np.maximum(k, samples // 100) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
-    z = np.fft.irfft(np.append(0, wave), samples)
+    z = power_law(random, samples, D, samples // 100)
     return np.asarray(z / z.std())
 
 
-def roughness(random: Generator, samples: int = 1000) -> Iterator[Array]:
+def roughness(random: Generator) -> Iterator[Array]:
     """Yield roughness of many kinds that has no jumps."""
-    x = np.arange(samples)
+    x = np.arange(SAMPLES)
     for D in (1.02, 1.3, 1.6, 1.99):
-        z = self_affine(samples, D, random)
+        z = self_affine(SAMPLES, D, random)
         yield from (z, np.minimum(z, np.quantile(z, 0.6)), np.round(10 * z), np.round(2 * z))
-    yield from (random.normal(size=samples), random.laplace(size=samples).cumsum())
-    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(samples, 1.4, random)  # turned
+    yield from (random.normal(size=SAMPLES), random.laplace(size=SAMPLES).cumsum())
+    yield (x % 23 / 23 - 0.5) ** 2 + 0.01 * self_affine(SAMPLES, 1.4, random)  # turned
     yield np.clip(2 * np.sin(2 * np.pi * x / 60), -1, 1)  # flat tops and flanks of several steps
-    grooves = [np.exp(-(((x - random.uniform(0, samples)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
+    grooves = [np.exp(-(((x - random.uniform(0, SAMPLES)) / random.uniform(3, 9)) ** 2)) for _ in range(20)]
     yield -np.maximum.reduce(grooves)  # honed
 
 
-def with_artefacts(random: Generator, samples: int = 1000) -> Iterator[tuple[Array, str]]:
+def with_artefacts(random: Generator) -> Iterator[tuple[Array, str]]:
     """Yield self-affine lines with steps, spikes and codes for missing heights, each with a part of its refusal."""
     for D in (1.05, 1.5, 1.7):
-        z = self_affine(samples, D, random)
-        at, size = int(random.integers(10, samples - 10)), random.uniform(1, 3) * np.ptp(z)
+        z = self_affine(SAMPLES, D, random)
+        at, size = int(random.integers(10, SAMPLES - 10)), random.uniform(1, 3) * np.ptp(z)
         for shape in (*STEPS, *SPIKES):
             spoilt = z.copy()
             spoilt[at : at + len(shape)] += size * np.array(shape)
             spoilt[at + len(shape) :] += size * shape[-1]
             yield spoilt, "must not jump"
         for code in CODES:
-            gone = random.random(samples) < 0.05
+            gone = random.random(SAMPLES) < 0.05
             yield np.where(gone, code, z), "missing_value="
 
 
@@ -89,16 +99,16 @@ def scaled(limit: str, factor: float, module: Any = artefacts) -> Iterator[None]
         setattr(module, limit, usual)
 
 
-def wrong(rounds: int, seed: int = 0) -> tuple[int, int]:
+def wrong(rounds: int) -> tuple[int, int]:
     """Return the numbers of refused lines of roughness, and of artefacts that are not recognised."""
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     refused = sum(bool(refusal(z)) for _ in range(rounds) for z in roughness(random))
     return refused, sum(why not in refusal(z) for _ in range(rounds) for z, why in with_artefacts(random))
 
 
-def doubted_fits(rounds: int, seed: int = 0) -> tuple[int, int]:
+def doubted_fits(rounds: int) -> tuple[int, int]:
     """Return the numbers of fits to roughness in which one part of the line decides, and of all fits."""
-    random, found = np.random.default_rng(seed), list[bool]()
+    random, found = np.random.default_rng(0), list[bool]()
     for _ in range(rounds):
         for samples, D in product((200, 1000, 4000), (1.1, 1.3, 1.5, 1.7, 1.9)):
             with warnings.catch_warnings(record=True) as caught, suppress(ValueError):  # of lines without a power law
@@ -108,18 +118,11 @@ def doubted_fits(rounds: int, seed: int = 0) -> tuple[int, int]:
     return sum(found), len(found)
 
 
-def power_law(random: Generator, samples: int, D: float, shortest: float = 2.0) -> Array:
-    """Return random heights of this fractal dimension without waves shorter than this number of samples."""
-    k = np.arange(1, samples // 2)
-    wave = k ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
-    return np.fft.irfft(np.append(0, np.where(k * shortest <= samples, wave, 0)), samples)
-
-
-def without_power(rounds: int, shortest: float, seed: int = 0) -> tuple[int, int]:
+def without_power(rounds: int, shortest: float) -> tuple[int, int]:
     """Return the number of mirrored lines that are refused as they have no power in the band, and of all lines."""
-    random, found = np.random.default_rng(seed), list[bool]()
+    random, found = np.random.default_rng(0), list[bool]()
     for _, samples, D in product(range(rounds), (200, 2000), (1.1, 1.5, 1.9)):
-        trace, text = Trace(power_law(random, samples, D, shortest), 5e-6 * samples, height_unit="um"), ""
+        trace, text = Trace(power_law(random, samples, D, shortest=shortest), 5e-6 * samples, height_unit="um"), ""
         try:
             with warnings.catch_warnings(action="ignore"):
                 fit(trace)
@@ -129,9 +132,9 @@ def without_power(rounds: int, shortest: float, seed: int = 0) -> tuple[int, int
     return sum(found), len(found)
 
 
-def within_errors(rounds: int, longest: int, ratio: int, seed: int = 0) -> tuple[float, float, float]:
+def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, float]:
     """Return the fraction of lines with a D in (1, 2), and the fractions of these within one and two errors."""
-    random, off = np.random.default_rng(seed), list[float]()
+    random, off = np.random.default_rng(0), list[float]()
     for _, D in product(range(rounds), (1.2, 1.5, 1.8)):
         trace = Trace(power_law(random, 4000, D)[:1000], 5e-3, height_unit="um")
         with suppress(ValueError), warnings.catch_warnings(action="ignore"):  # of no D, and of parts that decide
