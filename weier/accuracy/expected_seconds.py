@@ -1,31 +1,80 @@
-"""Measured over expected processor seconds: `python -m weier.accuracy.expected_seconds [--most WAVES]`.
+"""Measured over expected processor seconds, and the constants of the models fitted again.
 
-The constants of `Method.seconds` come from this table, for series and traces of 25 to 12 000 waves, and m = inf.
+`python -m weier.accuracy.expected_seconds [--most WAVES]` solves series and traces of 25 to 12 000 waves and m = inf
+under single loads, and those of at most `FEW_WAVES` waves under many loads and with other settings as well. The last
+table has the `SECONDS` of each method, to be pasted into its module.
 """
 
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import process_time
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
+import scipy
 
 from weier import ConvergenceError, Profile, Trace, random_phases
-from weier.data import markdown
+from weier.data import dataset, markdown
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
+from weier.methods import bem, hybrid, layer, patches
 from weier.methods.method import Method
 from weier.methods.registry import find_method
+from weier.pipeline.batch import solve_batch
 from weier.pipeline.compile import compile_kernels
+from weier.pipeline.curves import CASE_SECONDS, START_SECONDS
+from weier.scene import Case
 from weier.surface.waves import Waves
 
 FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
+MANY = np.geomspace(FRACTIONS[0], FRACTIONS[-1], 40)
 SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
-HEADER = ("surface", "waves", "method", "seconds at 0.001 / 0.01 / 0.1 / 0.4 / 0.9 of full contact", "mean/expected")
+FEW_WAVES = 125  # of surfaces with many loads and other settings
+OTHER_SETTINGS: dict[str, list[dict[str, Any]]] = {
+    "bem": [{"points_per_wave": 16}, {"points_per_wave": 256}],
+    "layer": [{"points": 12}, {"points": 96}],
+    "hybrid": [{"terms": 1}, {"terms": 2}, {"terms": 4}, {"terms": 6}],
+}
+CONSTANTS: dict[str, tuple[float, ...]] = {
+    "bem": bem.SECONDS,
+    "hybrid": hybrid.SECONDS,
+    "layer": layer.SECONDS,
+    "patches": patches.SECONDS,
+}
+HEADER = ("surface", "waves", "method", "settings", "loads", "seconds", "measured/expected")
+HEADER_OF_FITS = ("method", "`SECONDS`", "measured/expected", "fitted", "measured/fitted")
+
+
+class Measurement(NamedTuple):
+    """Curves of one surface by one method.
+
+    surface : name of it
+    loads : of each curve, all of one size
+    seconds : processor seconds of each curve; NaN where it is not solved
+    """
+
+    surface: str
+    profile: Waves
+    method: Method
+    settings: dict[str, Any]
+    loads: list[Array]
+    seconds: Array
+
+    def ratio(self, constants: tuple[float, ...]) -> float:
+        """Return measured over expected seconds, the mean of the curves that are solved."""
+        expected = self.method.seconds(self.profile, self.loads[0], constants=constants, **self.settings)
+        return float(np.nanmean(self.seconds) / expected)
 
 
 def surfaces(most: int) -> Iterator[tuple[str, Waves]]:
@@ -48,40 +97,95 @@ def _trace(waves: int, exponent: float) -> Trace:
     return Trace(1e-6 * heights, 4e-3, ends="periodic", unit="m")
 
 
-def seconds_of_loads(method: Method, profile: Waves) -> Array:
-    """Return processor seconds of each load, without compiling; NaN where it is not solved."""
+def measurements(name: str, profile: Waves, method: Method) -> Iterator[Measurement]:
+    """Measure a method on a surface under single loads and, for few waves, under many loads and by other settings."""
+    is_long = math.isfinite(profile.m) and profile.waves_per_period[-1] > FEW_WAVES
     full = profile.full_contact_load if math.isfinite(profile.m) else 1.0
-    loads = full * np.array([FRACTIONS]).T
-    seconds = np.full(len(FRACTIONS), np.nan)
-    for number, load in enumerate(loads):
-        start = process_time()
-        with suppress(ConvergenceError):
-            method.solve(profile, load)
-            seconds[number] = process_time() - start
-    return seconds
+    curves = [full * np.array([FRACTIONS]).T] if is_long else [full * np.array([FRACTIONS]).T, full * MANY[None]]
+    for settings, loads in product([{}] if is_long else [{}, *OTHER_SETTINGS.get(method.name, [])], curves):
+        seconds = [seconds_of(method, profile, own, settings) for own in loads]
+        yield Measurement(name, profile, method, settings, list(loads), np.array(seconds))
 
 
-def row(name: str, profile: Waves, method: Method) -> list[str]:
-    """Return the numbers of a method on a surface, below HEADER."""
-    seconds = seconds_of_loads(method, profile)
-    expected = method.seconds(profile, np.ones(1))
+def seconds_of(method: Method, profile: Waves, loads: Array, settings: dict[str, Any]) -> float:
+    """Return processor seconds of a curve, without compiling; NaN if it is not solved."""
+    start = process_time()
+    with suppress(ConvergenceError, ValueError):  # more terms than hybrid can resolve
+        method.solve(profile, loads, **settings)
+        return process_time() - start
+    return math.nan
+
+
+def row(measured: Measurement) -> list[str]:
+    """Return the numbers of a measurement, below HEADER."""
+    name, profile, method, settings, loads, seconds = measured
     waves = profile.waves_per_period[-1] if math.isfinite(profile.m) else math.inf
-    listed = " / ".join(f"{value:.2g}" for value in seconds)
-    return [name, f"{waves:g}", method.name, listed, f"{np.nanmean(seconds) / expected:.2f}"]
+    listed, given = (
+        " / ".join(f"{value:.2g}" for value in seconds),
+        ", ".join(f"{k}={v}" for k, v in settings.items()),
+    )
+    ratio = measured.ratio(CONSTANTS[method.name])
+    return [name, f"{waves:g}", method.name, given, str(loads[0].size), listed, f"{ratio:.2f}"]
+
+
+def fitted(measured: list[Measurement]) -> tuple[float, ...]:
+    """Return the constants of a method with the least squares of ln(measured/expected)."""
+    start = np.log(CONSTANTS[measured[0].method.name])
+
+    def deviations(logarithm: Array) -> Array:
+        return np.log([each.ratio(tuple(np.exp(logarithm).tolist())) for each in measured])
+
+    return tuple(np.exp(scipy.optimize.least_squares(deviations, start).x).tolist())
+
+
+def row_of_fit(measured: list[Measurement]) -> list[str]:
+    """Return constants of a method and those fitted, each with the range of its ratios, below HEADER_OF_FITS."""
+    cells = [measured[0].method.name]
+    for constants in (CONSTANTS[measured[0].method.name], fitted(measured)):
+        ratios = [each.ratio(constants) for each in measured]
+        cells += [", ".join(f"{value:.2g}" for value in constants), f"{min(ratios):.2f} to {max(ratios):.2f}"]
+    return cells
+
+
+def seconds_of_start() -> float:
+    """Return processor seconds of starting a process of the pipeline."""
+    before = os.times()
+    subprocess.run([sys.executable, "-c", "import weier.pipeline.batch"], check=True)
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def seconds_of_case(count: int = 500) -> float:
+    """Return processor seconds of a closed form of a case, with the bounds, labels and file of its batch."""
+    series = [{"D": D, "gamma": 5, "m": 3, "phases": 0.0} for D in np.linspace(1.1, 1.9, count)]
+    cases = [Case(parameters, ("archard",), {}) for parameters in series]
+    with TemporaryDirectory() as folder:
+        start = process_time()
+        dataset.write(solve_batch(cases, MANY), Path(folder) / "batch.nc", "closed forms")
+        return (process_time() - start) / count
 
 
 @click.command()
 @click.option("--most", default=TRACES[-1], show_default=True, help="Waves of the finest surface.")
-@click.option("--methods", default="layer,hybrid,bem,patches", show_default=True, help="Methods, with commas.")
+@click.option("--methods", default=",".join(CONSTANTS), show_default=True, help="Methods, with commas.")
 def main(most: int, methods: str) -> None:
-    """Print the seconds of each load, and their mean ratio to the expected ones."""
-    rows = []
+    """Print the seconds of each curve, their mean ratio to the expected ones, and the constants fitted again."""
+    rows, fits = [], []
     compile_kernels()
     with one_thread:
         for method in map(find_method, methods.split(",")):
-            taken = [(what, profile) for what, profile in surfaces(most) if method.takes(profile)]
-            rows += [row(what, profile, method) for what, profile in taken]
-    click.echo(markdown.table(HEADER, rows))
+            taken = [(name, profile) for name, profile in surfaces(most) if method.takes(profile)]
+            for surface in taken[:2]:  # loads kernels
+                list(measurements(*surface, method))
+            measured = [each for surface in taken for each in measurements(*surface, method)]
+            solved = [each for each in measured if np.isfinite(each.seconds).any()]
+            rows += [row(each) for each in solved]
+            fits.append(row_of_fit(solved))
+    click.echo(f"{markdown.table(HEADER, rows)}\n\n{markdown.table(HEADER_OF_FITS, fits)}")
+    click.echo(
+        f"\nStarting a process takes {seconds_of_start():.2g} s (`START_SECONDS` {START_SECONDS:g}), and the closed "
+        f"form of a case {seconds_of_case():.2g} s (`CASE_SECONDS` {CASE_SECONDS:g})."
+    )
 
 
 if __name__ == "__main__":

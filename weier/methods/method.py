@@ -101,7 +101,7 @@ class Method:
         The look of its curve.
     seconds : callable
         From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
-        factor of 3; 0 if they are negligible.
+        factor of 3; 0 if they are negligible. The keyword `constants`, if any, replaces those of its formula.
     """
 
     name: str

@@ -317,10 +317,10 @@ def cut(seconds: Array, most: int, cores: int) -> list[slice]:
     return parts
 
 
-# least time of a job with several per core: starting one takes one or two seconds
-MIN_SECONDS = 30.0
-MAX_SECONDS = 120.0  # longest time of a job, of which a batch is lost if it is killed
-# least time of a job with less than one per core: the time to start a process
-START_SECONDS = 1.0
+# Seconds to start a process, the least time of a job with less than one per core, and those for the closed forms of a
+# case and for writing its values: `python -m weier.accuracy.expected_seconds` measures both.
+START_SECONDS, CASE_SECONDS = 1.0, 1e-3
+# arbitrary within a factor of two, since curves do not depend on the jobs that solve them: least time of a job with
+# several per core, which starting it hardly prolongs; its longest time, of which a batch is lost if it is killed
+MIN_SECONDS, MAX_SECONDS = 30 * START_SECONDS, 120.0
 JOBS_PER_CORE = 2  # Two jobs for each core leave no core idle for long at the end.
-CASE_SECONDS = 1e-3  # Time for the closed forms of a case, and for writing its values.

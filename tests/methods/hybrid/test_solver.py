@@ -10,7 +10,8 @@ from weier import Profile, random_phases
 from weier.methods import hybrid, layer
 from weier.methods.hybrid import newton
 from weier.methods.hybrid.closure import MAX_LOAD
-from weier.methods.hybrid.solver import MESH_FRACTION, MIN_LOAD
+from weier.methods.hybrid.method import METHOD
+from weier.methods.hybrid.solver import MAX_POINTS, MESH_FRACTION, MIN_LOAD
 from weier.methods.layer.solver import ACCURACY
 
 LOADS = np.geomspace(3e-3, 3, 7)
@@ -25,6 +26,7 @@ def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
         found = hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
         errors.append(np.abs(found.compliance - exact.compliance).max())
         assert np.all(found.residual <= newton.TOLERANCE)
+    assert errors[0] < 0.9 / 32**2
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
     assert min(orders) > 1.7, errors
     assert errors[-1] < 1.5 / 128**2 + 1e-5  # the layer's own tables
@@ -47,8 +49,9 @@ def test_what_is_not_infinite_or_too_long_is_refused():
         hybrid.curve(Profile(1.5, 5, 3), LOADS, 1)
     with pytest.raises(ValueError, match="m = inf, got m = 3"):
         hybrid.bounds(Profile(1.5, 5, 3), LOADS, 1)
-    with pytest.raises(ValueError, match="terms must be fewer, got 7"):
-        hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 7)
+    for terms, says in ((7, "terms must be fewer, got 7"), (900, "m = 900 exceeds: take fewer terms")):
+        with pytest.raises(ValueError, match=says):
+            hybrid.curve(Profile(1.5, 5, math.inf), LOADS, terms)
 
 
 @pytest.mark.parametrize("load", [1e-300, 0.9e-6, 1.1e3, 1e300])
@@ -106,3 +109,16 @@ def test_ratios_close_to_1_put_hundreds_of_waves_into_the_layer(D, gamma, loads)
     found, exact = hybrid.curve(Profile(D, gamma, math.inf), loads, 1), layer.curve(loads, D, gamma, math.inf)
     assert found.compliance == pytest.approx(exact.compliance, rel=1e-5, abs=2e-3)
     assert np.all(found.residual <= newton.TOLERANCE)
+
+
+def test_expected_seconds_follow_the_nodes_of_the_terms():
+    """Newton's method takes them for each node and load, up to the most nodes that are solved."""
+    profile = Profile(1.25, 5, math.inf)
+
+    def seconds(terms, count):
+        return METHOD.seconds(profile, np.ones(count), terms=terms)
+
+    of_load = [seconds(terms, 40) - seconds(terms, 20) for terms in (1, 2, 3, 4, 9, 900)]
+    nodes = [32, 160, 800, 4000, MAX_POINTS, MAX_POINTS]
+    np.testing.assert_allclose(np.diff(of_load), 20 * hybrid.SECONDS[2] * np.diff(nodes), rtol=1e-9, atol=1e-12)
+    assert METHOD.seconds(profile, np.ones(20)) == seconds(3, 20)

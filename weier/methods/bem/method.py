@@ -18,6 +18,9 @@ from weier.surface.waves import Waves
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
+# of a curve, of each load on few nodes, nodes that double it, and the power of more:
+# `python -m weier.accuracy.expected_seconds`
+SECONDS = 1e-3, 6e-5, 300.0, 1.4
 
 
 def _solve(
@@ -89,9 +92,12 @@ def points_of(
     return _points(profile, points_per_wave) if tolerance is None else points_within(profile, tolerance)
 
 
-def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Return expected seconds of a curve (docs/numerics.md, "Expected seconds")."""
-    return 6e-5 * loads.size * (1 + (points_of(profile, **settings) / 300) ** 1.4)
+def _seconds(
+    profile: Waves, loads: Array, constants: tuple[float, float, float, float] = SECONDS, **settings: Any
+) -> float:
+    """Return expected seconds of a curve."""
+    start, load, nodes, power = constants
+    return start + load * loads.size * (1 + (points_of(profile, **settings) / nodes) ** power)
 
 
 METHOD = Method(

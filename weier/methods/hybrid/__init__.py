@@ -4,7 +4,7 @@ docs/hybrid.md derives the formulas; each module names its sections. `closure` i
 the equations, and `solver` adds the bounds (27) from the resolved terms alone.
 """
 
-from weier.methods.hybrid.method import METHOD
+from weier.methods.hybrid.method import METHOD, SECONDS
 from weier.methods.hybrid.solver import HybridCurve, bounds, curve
 
-__all__ = ["METHOD", "HybridCurve", "bounds", "curve"]
+__all__ = ["METHOD", "SECONDS", "HybridCurve", "bounds", "curve"]

@@ -25,8 +25,8 @@ from weier.surface.profile import Profile
 from weier.theory.bounds import complete_bounds
 from weier.theory.halfplane import influence_coefficients
 
-# least number of points per finest resolved wave: the error is within 9e-4 of its amplitude, since the layer smooths
-# the contact edges
+# least number of points per finest resolved wave: the error is 0.9/32^2 of its amplitude, since the layer smooths the
+# contact edges (tests/methods/hybrid/test_solver.py)
 POINTS_PER_WAVE = 32
 MESH_FRACTION = 0.1  # error of both meshes over the amplitude of the tail, which is the error that a user sees
 MAX_TOLERANCE = 1.0  # g_0: the tail of a gamma close to 1 is many times as high
@@ -105,8 +105,9 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
 def default_points(kept: Profile) -> int:
     """Return the number of nodes for which the error of the mesh is small against the height of the layer."""
     finest = kept.waves_per_period[-1]
-    needed = fewest_points(kept, MESH_FRACTION * kept.tail_amplitude)
-    return max(POINTS_PER_WAVE * finest, min(needed, MAX_POINTS // finest * finest))
+    least, most = POINTS_PER_WAVE * finest, MAX_POINTS // finest * finest
+    # With more terms the least number is refused, and the height of the layer may vanish.
+    return least if least > most else max(least, min(fewest_points(kept, MESH_FRACTION * kept.tail_amplitude), most))
 
 
 def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Array, Array]:

@@ -10,6 +10,10 @@ from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
+# of a table of a finite series and of the infinite one, nodes that double them, and seconds of a load:
+# `python -m weier.accuracy.expected_seconds`
+SECONDS = 0.008, 0.1, 42.0, 1e-4
+
 
 def _solve(
     profile: Profile,
@@ -20,13 +24,17 @@ def _solve(
     return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
 
 
-def _seconds(profile: Profile, loads: Array, points: int = POINTS, **settings: Any) -> float:
-    """Return the expected seconds: one table per scale of a finite series, a single one if m = inf.
-
-    The numbers are from `python -m weier.accuracy.expected_seconds`.
-    """
-    tables = 0.008 * profile.m if math.isfinite(profile.m) else 0.08
-    return tables * (1 + (points / 33) ** 2) + 1e-4 * loads.size
+def _seconds(
+    profile: Profile,
+    loads: Array,
+    points: int = POINTS,
+    constants: tuple[float, float, float, float] = SECONDS,
+    **settings: Any,
+) -> float:
+    """Return the expected seconds: one table per scale of a finite series, a single one if m = inf."""
+    scale, infinite, nodes, load = constants
+    tables = scale * profile.m if math.isfinite(profile.m) else infinite
+    return tables * (1 + (points / nodes) ** 2) + load * loads.size
 
 
 METHOD = Method(

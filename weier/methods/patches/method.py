@@ -24,10 +24,14 @@ from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
+# of a curve, of each load, and of each of its finest waves: `python -m weier.accuracy.expected_seconds`
+SECONDS = 3e-3, 7e-4, 1.1e-4
 
-def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Return expected seconds of a curve (docs/numerics.md, "Expected seconds")."""
-    return loads.size * (7e-4 + 1.1e-4 * profile.waves_per_period[-1])
+
+def _seconds(profile: Waves, loads: Array, constants: tuple[float, float, float] = SECONDS, **settings: Any) -> float:
+    """Return expected seconds of a curve."""
+    start, load, wave = constants
+    return start + loads.size * (load + wave * profile.waves_per_period[-1])
 
 
 def run_kernels() -> None:
