@@ -7,7 +7,8 @@
 | `snakemake convergence` | the infinite series by the number of terms resolved |
 | `python -m weier.accuracy.coverage` | coverage of stated errors, on families of hard series |
 | `python -m weier.accuracy.estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
-| `python -m weier.accuracy.expected_seconds` | measured over expected seconds of each method |
+| `python -m weier.accuracy.expected_seconds` | measured over expected seconds of each method, and their constants |
+| `python -m weier.accuracy.tuning` | cost with each tuned number halved and doubled |
 | `python -m weier.accuracy.node_counts` | Chebyshev coefficients that contacts and gaps need |
 | `python -m weier.accuracy.direct_solution` | direct solutions against conjugate gradients |
 | `python -m weier.accuracy.artefacts` | lines that the checks of heights judge wrongly |

@@ -19,9 +19,11 @@ from weier.theory.halfplane import displacement_at_distance
 
 Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
 
-MAX_COARSEST = 32  # number of coarsest punches, each of which is conditioned on all before it
-NEIGHBOURS = 8  # on either side of a punch; 12 save no step of conjugate gradients
-# offset of all displacements, which makes the matrix positive definite and has no effect on forces of sum 0
+# number of coarsest punches, each of which is conditioned on all before it, and of neighbours on either side of a
+# finer one; their cost is in `weier.accuracy.tuning`
+MAX_COARSEST, NEIGHBOURS = 32, 8
+# offset of all displacements, above 2 ln 2, the most by which a force lifts a point: the matrix is positive definite,
+# and forces of sum 0 are the same
 OFFSET = 2.0
 
 

@@ -38,7 +38,8 @@ CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
 VALUES = "csv"  # format of its values
 # A process takes as long to start as to draw three figures, and the claims of the paper's scene, which are checked at
-# the same time, as long as five: `results/logs/paper/*.tsv` has the seconds.
+# the same time, as long as five: Snakemake writes the seconds of both into `results/logs/paper/*.tsv`. Figures do not
+# depend on either number.
 MAX_DRAWN = 8  # figures of one process, if there are no more
 CLAIMS_AS_FIGURES = 5
 DATA = ("contact.nc", "claims.md")
@@ -52,9 +53,10 @@ LOCKED = (
     "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
     "power was lost, the lock can be removed with the --unlock argument"
 )
-# megabytes of a process and of each of its cases; minutes in addition to the expected ones
+# megabytes of a process and of each of its cases, above `max_rss` in `results/logs/curves/*.tsv`; minutes in addition
+# to the expected ones, for a busy disk; a job that needs more is run again with twice as much
 BATCH_MB, CASE_MB, BATCH_MINUTES = 500, 0.05, 5
-# Expected seconds of a batch may be wrong by this factor.
+# Expected seconds of a batch may be wrong by this factor (`weier.accuracy.expected_seconds`).
 SECONDS_FACTOR = 3
 
 

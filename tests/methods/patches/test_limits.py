@@ -1,17 +1,13 @@
 """Limits on which results do not depend, as docs/numerics.md lists them: all of them at once, halved and doubled."""
 
-import ast
-import json
-import os
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import weier
+from weier.accuracy import tuning
+from weier.accuracy.tuning import scale
 
 PACKAGE = Path(weier.__file__).parent
 PAGE = PACKAGE.parent / "docs" / "numerics.md"
@@ -42,44 +38,21 @@ print(json.dumps([found, events.mean_pressure.tolist(), events.birth.tolist()]))
 
 
 def limits():
-    """The names of each module in the table of the page."""
+    """The names of each module in the table of the page, which leaves out the room of contact patches."""
     section = PAGE.read_text(encoding="utf-8").split("## Limits of contact patches\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.*) \|$", section, re.MULTILINE)
-    return {module: re.findall(r"`(\w+)`", names) for module, names in rows}
-
-
-def scale(path, names, factor):
-    """Multiply the numbers that a module assigns to these names; whole numbers stay whole, and at least 1."""
-    source, left = path.read_text(encoding="utf-8"), set(names)
-    lines, places = source.splitlines(keepends=True), []
-    for node in ast.parse(source).body:
-        if isinstance(node, ast.Assign):
-            target, value = node.targets[0], node.value
-            both = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
-            pairs = zip(target.elts, value.elts, strict=True) if both else [(target, value)]
-            places += [(number, one.id) for one, number in pairs if isinstance(one, ast.Name) and one.id in left]
-    for value, name in sorted(places, key=lambda place: (-place[0].lineno, -place[0].col_offset)):
-        number = eval(compile(ast.Expression(value), "", "eval"))
-        new = max(1, round(number * factor)) if isinstance(number, int) else number * factor
-        line = lines[value.lineno - 1]
-        lines[value.lineno - 1] = line[: value.col_offset] + repr(new) + line[value.end_col_offset :]
-        left.discard(name)
-    assert not left, f"{path.name} has no {left}"
-    path.write_text("".join(lines), encoding="utf-8")
-
-
-def solved(folder):
-    """The results by the package in a folder."""
-    environment = os.environ | {"PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "cache")}
-    run = subprocess.run([sys.executable, "-c", SOLVE], cwd=folder, env=environment, capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout)
+    return {
+        module if (PACKAGE / "methods" / f"{module}.py").exists() else f"patches.{module}": re.findall(
+            r"`(\w+)`", names
+        )
+        for module, names in rows
+    }
 
 
 def test_the_page_lists_numbers_that_modules_assign(tmp_path):
     for module, names in limits().items():
         path = tmp_path / f"{module}.py"
-        before = (PACKAGE / "methods" / "patches" / path.name).read_text(encoding="utf-8")
+        before = (PACKAGE / "methods" / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
         path.write_text(before, encoding="utf-8")
         scale(path, names, 2)
         assert path.read_text(encoding="utf-8") != before
@@ -89,13 +62,13 @@ def test_the_page_lists_numbers_that_modules_assign(tmp_path):
 @pytest.mark.parametrize("factor", [0.5, 2])
 def test_results_do_not_depend_on_limits(tmp_path, factor):
     """Kernels are compiled with the others: a minute or two."""
-    changed = tmp_path / "changed"
-    for folder in (tmp_path, changed):
-        shutil.copytree(PACKAGE, folder / "weier", ignore=shutil.ignore_patterns("__pycache__"))
-    for module, names in limits().items():
-        scale(changed / "weier" / "methods" / "patches" / f"{module}.py", names, factor)
-    (usual, loads, births), (found, other_loads, other_births) = solved(tmp_path), solved(changed)
-    for (h, of_h, R, of_R, count), (h_2, of_h_2, R_2, of_R_2, count_2) in zip(usual, found, strict=True):
+    found = []
+    for name, changes in (("usual", {}), ("changed", limits())):
+        (tmp_path / name).mkdir()
+        tuning.copy_package(tmp_path / name, changes, factor)
+        found.append(tuning.run_in(tmp_path / name, SOLVE))
+    (usual, loads, births), (curves, other_loads, other_births) = found
+    for (h, of_h, R, of_R, count), (h_2, of_h_2, R_2, of_R_2, count_2) in zip(usual, curves, strict=True):
         assert count == count_2
         for i in range(len(h)):
             assert abs(h[i] - h_2[i]) <= of_h[i] + of_h_2[i]

@@ -9,6 +9,7 @@ from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
 from weier.methods.patches import fields
+from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.surface import evaluate_series, from_crests, make_series, nearest_crests
 
@@ -169,3 +170,21 @@ def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     rounding = pressure * np.finfo(float).eps * profile.period / distance  # of a position, beside the root at an edge
     assert np.all(np.abs(pressure - closed_pressure) <= 1e-11 * pressure.max() + 2 * rounding)
     assert 20 < np.count_nonzero(gap > 0) < x.size - 20
+
+
+@pytest.mark.parametrize(
+    "profile", [THREE_WAVES, Profile(1.17, 4, 3, (0.5, 2.0, 4.0)), Profile(1.38, 2, 4, (1.0, 3.0, 5.0, 0.2))]
+)
+@pytest.mark.parametrize("part", [0.01, 0.3, 0.8])
+def test_fields_of_a_shifted_profile_differ_by_rounding(profile, part):
+    """Gaps, and pressures away from the edges, at which a position that is rounded moves them by more."""
+    shift, x = 0.3718, np.random.default_rng(1).random(300)
+    phases = profile.phase + 2 * np.pi * shift * np.array(profile.waves_per_period)
+    moved = Profile(profile.D, profile.gamma, profile.m, tuple(phases.tolist()))
+    load = part * profile.full_contact_load
+    here, there = (patches.solve_load(one, load, 1e-12) for one in (profile, moved))
+    assert np.abs(there.gap(x) - here.gap(x + shift)).max() <= FIELD_ROUNDING * profile.total_amplitude
+    pressure, other = here.pressure(x + shift), there.pressure(x)
+    inside = pressure > 0.5 * pressure.max()
+    assert inside.any()
+    assert np.abs(pressure - other)[inside].max() <= FIELD_ROUNDING * pressure.max()

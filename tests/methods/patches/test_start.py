@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.methods import patches
+from weier.methods import patches, westergaard
 from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import start
 from weier.methods.patches.surface import make_series
@@ -26,6 +26,16 @@ def test_a_contact_between_nodes_is_on_the_crest_of_a_parabola(at):
     assert turns == pytest.approx(np.round(turns), abs=1e-12)
     reach = spacing * np.sqrt(2 * depth / curvature)
     assert half_width == pytest.approx(start.NEW_CONTACT_WIDTH * reach)
+
+
+@pytest.mark.parametrize("load", [1e-12, 1e-6, 1e-3, 0.1])
+def test_a_new_contact_has_half_its_final_width_within_a_factor_of_two(load):
+    """Westergaard's contact (8), whose crest would stand above the plane by h, the compliance (12)."""
+    half_width = np.arcsin(np.sqrt(load)) / np.pi
+    overlap = np.sqrt(2 * westergaard.compliance(load)) / (2 * np.pi)  # of the parabola of curvature (2 pi)^2 g_0
+    by_hertz = overlap * np.sqrt(2 / (1 - 2 * np.log(np.pi * half_width)))
+    assert half_width == pytest.approx(by_hertz, rel=0.03)
+    assert 0.5 < half_width / (start.NEW_CONTACT_WIDTH * overlap) < 2
 
 
 def test_no_contact_is_missed_where_the_crest_is_below_the_plane_or_touches_at_a_node():

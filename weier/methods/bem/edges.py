@@ -9,8 +9,8 @@ from __future__ import annotations
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
-# contact widths over which the residual falls linearly to 0 in a gap. A jump at the edge would give a logarithmically
-# large force: extrapolation reduces the condition number from 12 to 2.7 at N = 2048, and the steps by a third.
+# contact widths over which the residual falls linearly to 0 in a gap. A jump at the edge, as with 1, would give a
+# logarithmically large force. Its cost is in `weier.accuracy.tuning`.
 REACH = 2
 
 

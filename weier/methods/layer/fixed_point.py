@@ -36,8 +36,8 @@ MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's es
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # 10 to 60 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
-# damping factors beta that are tried, from Newton's method (1) to a fixed-point step (0)
-DAMPINGS = 1.0, 0.9998, 0.9984, 0.9936, 0.98, 0.95, 0.9, 0.8, 0.6, 0.2, 0.0
+# damping factors beta = 1 - DAMPING_RATIO^-j that are tried, from Newton's method (1) to a fixed-point step (0)
+DAMPING_RATIO, DAMPING_EXPONENTS = 4.0, (math.inf, 6, 5, 4, 3, 2, 1, 0)
 # fraction of the correction that is tried next if a wave has no solution, and its lower limit
 PART_AGAIN, MIN_PART = 0.25, 1e-3
 RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
@@ -123,7 +123,8 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
             return rows, size
         size = _sensitivity(new, scale)
         residual = new.log_compliance - log_W
-        for damping in DAMPINGS:
+        for exponent in DAMPING_EXPONENTS:
+            damping = 1 - DAMPING_RATIO**-exponent
             step = np.linalg.solve(identity - damping * size, residual)
             change = float(np.max(np.abs(step)))
             if change <= MAX_STEP:

@@ -30,8 +30,8 @@ from weier.surface.waves import Waves
 # largest advance of an edge, in finest waves: beyond it, the edge may have passed a minimum and a maximum of the gap
 # between two of the `SAMPLES` samples of the slope
 MAX_ADVANCE = 0.15
-# least increment of the load over its trapezoidal rule (`_needed_load`): at most 2/3 if the edge has jumped over a
-# contact, and otherwise at least 0.80 for 87 000 advances, births and mergers of 10 random profiles
+# least increment of the load over its trapezoidal rule (`_needed_load`): above the 2/3 of an edge that has just
+# jumped over a contact, and below the 1 of rates that are linear (docs/patches.md, "Births and mergers")
 MIN_SHARE_OF_LOAD = 0.7
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
@@ -39,7 +39,7 @@ MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
-# bisections per event: 31 lead from a decade to `MIN_INTERVAL`, at most 8 were needed by 64 random profiles
+# bisections per event, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
 # minimum is located

@@ -17,12 +17,14 @@ EPS = float(np.finfo(float).eps)
 # by the crack by a relative 4 (b/l)^2 = 1.6e-7; contacts next to wider gaps need 15/(4 b/r)^(1/2) nodes for twelve
 # digits, at most 750 at the half of it from which existing contacts are merged
 MAX_THINNESS = 2e-4
-# rounding of tensions over the largest pressure of their contact or the load; of gaps over the sum of the amplitudes,
-# twice the largest difference measured between shifted profiles; and of singularities over min(w, 1), with w the
-# displacement under the whole load: at edges near births and mergers they do not fall below it
+# rounding of tensions over the largest pressure of their contact or the load; of gaps over the sum of the amplitudes:
+# above the differences between shifted profiles (tests/methods/patches/test_patches_fields.py); and of singularities
+# over min(w, 1), with w the displacement under the whole load: at edges near births and mergers they do not fall
+# below it
 FIELD_ROUNDING = 1e-13
-# Width of a new contact over the interval of overlap that it replaces. With sqrt(2) it would carry no force; with 1
-# many loads are not solved (docs/numerics.md, "Contact patches in numbers").
+# Half-width a of a new contact over that of the overlap, c, which it replaces: Hertz's contact alone in a period has
+# a = c (2/(1 + 2 ln(L/(pi a))))^(1/2), which is c/2 for L = 104 a, and c/4 to c for L = 5 a to 2e7 a. With
+# a = sqrt(2) c it would carry no force.
 NEW_CONTACT_WIDTH = 0.5
 
 
