@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import linprog
 
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
@@ -159,6 +160,12 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert mean == pytest.approx(force / period, rel=1e-9, abs=0)
         assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9, abs=0)
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
+        state, series, none = wave.state(dual)._replace(cracks=cracks), wave.series(dual), np.zeros(1)
+        found = certify(state, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1e-3, 0.0)
+        missing, closure = imbalance(state, period)
+        indentation = state.kind.largest_indentation(state.approach, series)
+        bound = bound_by(indentation, wave.load, closure + moved, missing + mean, period=period)
+        assert found.error == pytest.approx(doubt + bound, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("dual", [False, True])
@@ -235,6 +242,21 @@ def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
             coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)
             wave = np.polynomial.Chebyshev(coefficients + 1e-9)
             assert np.abs(wave(everywhere)).max() <= SAMPLED_FACTOR * np.abs(wave(at)).max()
+
+
+@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("nodes", [8, 11])
+def test_no_polynomial_exceeds_the_factor_between_samples(nodes, apart):
+    """The largest value of any polynomial of degree K + 2 that is at most 1 at the samples, by linear programming."""
+    state = OneWave(1.0, 0.2, 0.3).state(False, nodes)
+    _, _, y = sample_points(state.segments, apart)
+    t = (y - state.segments.centre[0]) / state.segments.half_width[0]
+    samples = np.polynomial.chebyshev.chebvander(t, nodes + 2)
+    limits, most, largest = np.concatenate([samples, -samples]), np.ones(2 * t.size), 0.0
+    for x in np.cos(np.arange(t.size + 1) * np.pi / t.size):  # halfway between the samples
+        row = np.polynomial.chebyshev.chebvander(x, nodes + 2)
+        largest = max(largest, -linprog(-row, limits, most, bounds=(None, None)).fun)
+    assert 0.7 * SAMPLED_FACTOR <= largest <= SAMPLED_FACTOR * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("apart", [False, True])
