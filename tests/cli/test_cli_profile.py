@@ -36,7 +36,7 @@ def test_json_is_what_solve_gives(run):
 def test_other_processes_solve_the_same(run):
     of_methods = []
     for count in (1, 2):
-        methods = ("--method", "layer", "--method", "bem", "--workers", count)
+        methods = ("--method", "archard", "--method", "demelio", "--workers", count)
         code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", *methods)
         assert code == 0
         of_methods.append(json.loads(out)["methods"])

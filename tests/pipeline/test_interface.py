@@ -82,8 +82,9 @@ def test_what_cannot_be_solved_is_refused_in_a_sentence():
 
 
 def test_processes_side_by_side_give_the_same_bits():
+    """Each surface has loads of its own; other methods are in the tests of workers."""
     surfaces = [LINE, SERIES, weier.Trace(2 * HEIGHTS[:150], 0.75, x_unit="mm", height_unit="um", source="other")]
-    alone, both = (SCALED.solve(surfaces, [1e6, 1e7], workers=count).drop_vars("seconds") for count in (1, 2))
+    alone, both = (SCALED.solve(surfaces, [1e6, 1e7], "bem", workers=count).drop_vars("seconds") for count in (1, 2))
     xr.testing.assert_identical(alone, both)
 
 

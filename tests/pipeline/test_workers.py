@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,7 +110,10 @@ def test_all_processes_end_with_the_first(tmp_path, kill, sent):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(count=3000, guard="if __name__ == '__main__': "))
     process = subprocess.Popen([sys.executable, script], stderr=subprocess.PIPE, text=True, start_new_session=True)
-    time.sleep(4)  # in which the others have started, but are far from done
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    while len(children.read_text().split()) < 2:
+        time.sleep(0.1)
+    time.sleep(1)  # The others have started, but are far from done.
     kill(process.pid, sent)
     _, output = process.communicate(timeout=10)  # which waits for all that hold the pipe
     assert process.returncode == -sent
