@@ -207,7 +207,8 @@ def test_the_seconds_of_each_curve_stand_beside_it_unless_bytes_are_to_be_reprod
     solutions, tmp_path, monkeypatch
 ):
     gather(solutions, tmp_path / "a.nc")
-    data, batches = dataset.read(tmp_path / "a.nc"), [dataset.read(path) for path in solutions.files()]
+    data, folder = dataset.read(tmp_path / "a.nc"), solutions.store.folder
+    batches = [dataset.read(folder / f"{name}.nc") for name in solutions.batches()]
     assert np.all(np.isfinite(data.seconds) == (data.status == Status.solved))
     assert np.nansum(data.seconds) == pytest.approx(sum(np.nansum(batch.seconds) for batch in batches))
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
