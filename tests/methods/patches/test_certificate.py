@@ -415,10 +415,14 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_a_contact_or_a_gap_that_may_not_be_there_counts_whole(period):
-    """Four times what the loss of a contact changes, L f^2 chi, and eight times that of a gap, pi^2 b^2 q^2/L."""
+    """R = R_0 - tau^2/(chi L), with chi of the contact, of none, or of the largest force; 8 times pi^2 b^2 q^2/L."""
     contact = OneWave(period, 1e-3 * period, 0.2 * period)
-    chi = -2 * np.log(np.pi * contact.half_width / period)
-    assert stated(contact, height_error=1.0) == pytest.approx(4 * period * chi, rel=1e-4, abs=0)
+    chi, force = -2 * np.log(np.pi * contact.half_width / period), contact.load * period
+    for error in (3 * force, 10 * force, 1.0):
+        largest = max(chi - np.log(1 + 4 * error / (chi * force)), 1.0)
+        drop = max(1.0, chi / largest - 1)
+        assert (drop > 1) == (error == 1.0)
+        assert stated(contact, height_error=error) == pytest.approx(period * chi * drop, rel=1e-3, abs=0)
     gap = OneWave(period, 0.5 * period * (1 - 1e-3), 0.2 * period)
     b = 0.5e-3 * period  # q = 1 near full contact
     assert stated(gap, height_error=1.0) == pytest.approx(8 * np.pi**2 * b**2 / period, rel=1e-3, abs=0)

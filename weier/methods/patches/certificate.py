@@ -34,10 +34,10 @@ MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for
 SAMPLED_FACTOR = 2.0
 # relative error of R by its conjugate gradients: the square of their reduction, and rounding
 TANGENT_ERROR = 5e-11
-# Four estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap,
-# which neglects the motion of the opposite edge; a missing gap, which assumes parabolic tension; and the loss of a
-# contact or gap whose edge may move by its half-width, as a move by 2 half-widths of the gap or 2 a chi of the
-# contact.
+# Estimates of first order count twice: the next move of an edge that has not settled; an edge of a narrow gap, which
+# neglects the motion of the opposite edge; a missing gap, which assumes parabolic tension, and the loss of one; and
+# the interaction of a crack with its neighbours. No error exceeded them (docs/numerics.md, "How often stated errors
+# hold"): estimated, not derived.
 SAFETY_FACTOR = 2.0
 
 
@@ -383,9 +383,10 @@ def _releases(
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
             move = np.sqrt(2.0) / np.pi * height_error[j] / (A[j, side] * np.sqrt(scale)) + by_force
-            # If the move may reach this scale, the contact or gap may not exist: then the effect of its loss is
-            # stated.
+            # If the move may reach this scale, the contact or gap may not exist. A gap has lost less than a move by
+            # 2 b says. The contact lowers R by f^2 chi L, and by chi/chi' times as much with the largest force.
             if not move < scale:
-                move = SAFETY_FACTOR * (beside if is_narrow else r[j] * chi)
+                more = max(chi - np.log(1 + 4 * height_error[j] / (chi * force)), 1.0)  # of the largest contact
+                move = SAFETY_FACTOR * beside if is_narrow else 0.5 * r[j] * chi * max(1.0, chi / more - 1)
             total += (SAFETY_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
     return total
