@@ -55,7 +55,6 @@ OF_BEM = (
     ("bem.grids", "COARSE_ACCURACY"),
 )
 OF_PATCHES = (
-    ("punches", "MAX_COARSEST"),
     ("punches", "NEIGHBOURS"),
     ("patches.pair_sums", "LEAF_POINTS"),
     ("patches.fields", "MIN_SUM"),

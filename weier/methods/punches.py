@@ -19,9 +19,10 @@ from weier.theory.halfplane import displacement_at_distance
 
 Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
 
-# number of coarsest punches, each of which is conditioned on all before it, and of neighbours on either side of a
-# finer one; their cost is in `weier.accuracy.tuning`
-MAX_COARSEST, NEIGHBOURS = 32, 8
+NEIGHBOURS = 8  # on either side of a punch; their cost is in `weier.accuracy.tuning`
+# largest number of coarsest punches, each of which is conditioned on all before it. There are more than half as many,
+# so that the neighbours of a finer one are distinct, and their equations fit into the same matrix.
+MAX_COARSEST = 4 * NEIGHBOURS
 # offset of all displacements, above 2 ln 2, the most by which a force lifts a point: the matrix is positive definite,
 # and forces of sum 0 are the same
 OFFSET = 2.0
