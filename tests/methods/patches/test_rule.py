@@ -8,12 +8,13 @@ from weier.methods.patches.rule import (
     add_own_blocks,
     expansion_of,
     forces_of,
+    make_rule,
     own_tables,
     place_nodes,
     times_own,
 )
 
-PERIODS, COUNTS = (1.0, 2.0, 9.0), np.array([1, 2, 5, 12])
+PERIODS, COUNTS = (1.0, 2.0, 9.0), np.array([2, 4, 6, 12])
 FIRST = np.append(0, np.cumsum(COUNTS))
 RADII = np.array([0.3, 0.01, 0.1, 0.2])  # of L
 
@@ -44,7 +45,7 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     """-ln 2 - 2 sum T_k T_k/k for ln|t_i - t_j|, and -2 sum (k+1) U_k U_k for 1/(t_i - t_j)^2, on each segment."""
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
     offset, left, diagonal = placed(FIRST, r, period, dual)
-    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, dual, False), dual, dense)
+    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, dual), dual, dense)
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)
         t, k = -np.cos(angles(K, dual)), np.arange(K)
@@ -62,8 +63,8 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
         np.testing.assert_allclose(dense[here, here][upper], expected[upper], atol=2e-13 * scale)
     assert not np.any(np.tril(dense, -1))
     force = np.random.default_rng(0).normal(size=FIRST[-1])
-    total = diagonal * force
-    times_own(FIRST, own_tables(FIRST, dual, False), left, dual, force, total)
+    total, rule = diagonal * force, make_rule(FIRST, dual)
+    times_own(FIRST, rule.own, rule.start, left, force, total)
     both = dense + dense.T - np.diag(np.diag(dense))
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
 
@@ -75,13 +76,14 @@ def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
 
     The kernels of both have the factors -2 and -1/(2 L^2).
     """
-    nodes, r = 9, np.array([0.13]) * period
+    nodes, r = 10, np.array([0.13]) * period
     first, wave = np.array([0, nodes]), waves(nodes, dual)
+    rule = make_rule(first, dual)
     _, left, _ = placed(first, r, period, dual)
     weight = np.pi / (nodes + 1) * np.sin(angles(nodes, dual)) ** 2 * 2 * np.pi * r**2
     for k in range(nodes):
         force = np.zeros(nodes)
-        times_own(first, own_tables(first, dual, True), 1 / left, dual, wave[k], force)
+        times_own(first, rule.inverse, rule.start, 1 / left, wave[k], force)
         force *= 2 * period**2 if dual else 0.5
         expected = weight * wave[k] / (k + 1) if dual else k / (2 * nodes) * wave[k]
         np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)

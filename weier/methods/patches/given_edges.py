@@ -23,6 +23,7 @@ from weier.methods.patches.rule import (
     add_own_blocks,
     expansion_of,
     forces_of,
+    make_rule,
     own_tables,
     place_nodes,
     times_own,
@@ -44,7 +45,7 @@ class Punches(NamedTuple):
     gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
     offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
     left, diagonal : factors of the nodes in the self-influences, and further diagonal entries, shape (nodes,)
-    rule, matrix : tables of each segment and kernel between all nodes, for conjugate gradients; None for a direct
+    rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
         solution
     period : L, in lambda_0
     kind : `CONTACTS` or `GAPS`
@@ -99,7 +100,7 @@ def make_punches(segments: Segments, period: float, dual: bool = False, most: in
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = Rule(*(own_tables(segments.first_node, dual, is_inverse) for is_inverse in (False, True)))
+        rule = make_rule(segments.first_node, dual)
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
     return Punches(segments, gap, offset, left, diagonal, rule, matrix, period, kind_of(dual))
 
@@ -149,15 +150,15 @@ def displacement(punches: Punches, force: Array) -> Array:
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
     total += punches.diagonal * force
-    times_own(punches.segments.first_node, rule.own, punches.left, punches.dual, force, total)
+    times_own(punches.segments.first_node, rule.own, rule.start, punches.left, force, total)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
 
 def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) -> Array:
     """Apply the preconditioner: segments interact as flat punches, or not at all."""
     assert punches.rule is not None
-    segments, force = punches.segments, np.zeros(residual.size)
-    times_own(segments.first_node, punches.rule.inverse, 1 / punches.left, punches.dual, residual, force)
+    segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
+    times_own(segments.first_node, rule.inverse, rule.start, 1 / punches.left, residual, force)
     force /= -punches.kind.factor(punches.period)
     if inverse is not None:
         mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
@@ -194,7 +195,7 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind.dual, False)
+    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind.dual)
     factors = kind.factor(period), OFFSET * (1 - kind.dual)
     matrix, right = _equations(
         segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, kind.dual, *factors

@@ -34,12 +34,14 @@ Table = NDArray[np.float64]
 class Rule(NamedTuple):
     """Self-influences of segments, for conjugate gradients.
 
-    own : X of each segment; that of segment j begins at the entry 2 first_node[j] + j
-    inverse : the table of the inverse on what it can invert: all of a gap, and all but the mean of a contact
+    own : of each number of nodes K, shape (K, K), in turn and row by row, without the factors left
+    inverse : the inverse on what it can invert: all of a gap, and all but the mean of a contact
+    start : where the matrix of each segment begins, shape (segments,)
     """
 
     own: Array
     inverse: Array
+    start: Indices
 
 
 # Compiled code cannot call the functions of `Kind`: the kernels of this module choose those of contacts or of gaps
@@ -120,28 +122,42 @@ def _own_table(K: int, dual: bool, inverse: bool) -> Array:
     return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
 
 
-def own_tables(first_node: Indices, dual: bool, inverse: bool) -> Array:
-    """Return the tables X of all segments, optionally those of the inverse."""
+def own_tables(first_node: Indices, dual: bool) -> Array:
+    """Return the tables X of all segments; that of segment j begins at the entry 2 first_node[j] + j."""
     count = first_node[1:] - first_node[:-1]
-    return np.concatenate([_own_table(K, dual, inverse) for K in count.tolist()])
+    return np.concatenate([_own_table(K, dual, False) for K in count.tolist()])
+
+
+def make_rule(first_node: Indices, dual: bool) -> Rule:
+    """Return the self-influences of segments, one for each number of nodes, since few numbers occur."""
+    counts, which = np.unique(first_node[1:] - first_node[:-1], return_inverse=True)
+    own, inverse = (
+        np.concatenate([_own_block(K, dual, is_inverse).ravel() for K in counts.tolist()])
+        for is_inverse in (False, True)
+    )
+    return Rule(own, inverse, np.append(0, np.cumsum(counts**2))[which])
+
+
+def _own_block(K: int, dual: bool, inverse: bool) -> Table:
+    """Return the matrix X(i - j) +- X(i + j + shift) of K nodes."""
+    X, i, (shift, sign, _) = _own_table(K, dual, inverse), np.arange(K), gaps.RULE if dual else contacts.RULE
+    return np.asarray(X[np.abs(i[:, None] - i)] + sign * X[i[:, None] + i + shift])
 
 
 @kernel
-def times_own(first_node: Indices, table: Array, left: Array, dual: bool, f: Array, result: Array) -> None:
-    """Add the self-influence of each segment, or its inverse, times f; the diagonal is that of the table."""
-    shift, sign, _ = rule_of(dual)
-    total, mirrored = np.empty(first_node[-1]), np.empty(2 * first_node[-1])
+def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f: Array, result: Array) -> None:
+    """Add the self-influence of each segment, or its inverse, times f."""
+    total = np.empty(np.max(first_node[1:] - first_node[:-1]))
     for j in range(first_node.size - 1):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
-        X, here = table[2 * first + j : 2 * (first + K) + j + 1], total[first : first + K]
-        for q in range(K):
-            mirrored[K + q] = mirrored[K - q] = X[q]
+        rows, here = block[start[j] : start[j] + K * K].reshape(K, K), total[:K]
         for i in range(K):
             here[i] = 0.0
-        for k in range(K):  # along columns, so that the compiler vectorises
-            g = left[first + k] * f[first + k]
+        # Two rows of the symmetric matrix at once: the number of nodes is even, and the compiler vectorises.
+        for k in range(0, K, 2):
+            g, next_g = left[first + k] * f[first + k], left[first + k + 1] * f[first + k + 1]
             for i in range(K):
-                here[i] += g * (mirrored[K - k + i] + sign * X[k + shift + i])
+                here[i] += g * rows[k, i] + next_g * rows[k + 1, i]
         for i in range(K):
             result[first + i] += left[first + i] * here[i]
 
