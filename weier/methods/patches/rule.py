@@ -153,11 +153,10 @@ def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f:
         rows, here = block[start[j] : start[j] + K * K].reshape(K, K), total[:K]
         for i in range(K):
             here[i] = 0.0
-        # Two rows of the symmetric matrix at once: the number of nodes is even, and the compiler vectorises.
-        for k in range(0, K, 2):
-            g, next_g = left[first + k] * f[first + k], left[first + k + 1] * f[first + k + 1]
+        for k in range(K):  # along the rows of the symmetric matrix, so that the compiler vectorises
+            g = left[first + k] * f[first + k]
             for i in range(K):
-                here[i] += g * rows[k, i] + next_g * rows[k + 1, i]
+                here[i] += g * rows[k, i]
         for i in range(K):
             result[first + i] += left[first + i] * here[i]
 

@@ -31,6 +31,7 @@ from weier.methods.patches.edge_iteration import (
     take_step,
 )
 from weier.methods.patches.given_edges import (
+    MAX_DIRECT,
     Forces,
     expansion,
     regular_part,
@@ -47,6 +48,7 @@ from weier.methods.patches.segments import (
     ContactState,
     coefficient_tails,
     end_sums,
+    estimate_node_count,
     more_nodes,
 )
 from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
@@ -76,6 +78,8 @@ class Limits(NamedTuple):
     opening : least height of a new gap or contact; the residual would hide the singularities that determine its edges
     allowed : residual between the nodes
     rounding : of a residual
+    margin : error of the gap after certification (docs/patches.md, "The bound on the compliance"); minima below it
+        may be births
     """
 
     tolerance: float
@@ -84,6 +88,7 @@ class Limits(NamedTuple):
     opening: float
     allowed: float
     rounding: float
+    margin: float
 
 
 class Converged(NamedTuple):
@@ -118,28 +123,33 @@ def solve_in_stages(
     most `MAX_NODES` nodes.
     """
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
-    kind, series = problem.kind, problem.series
-    limits = _limits(problem, guess.segments.half_width, tolerance)
-    margin = (1 - kind.dual) * gap_uncertainty(limits.allowed + MAX_TENSION * _scale(problem), series.total_amplitude)
-    now, (_, steps, corrections, _) = make_guess(problem, guess.segments, tolerance), guess.route
+    kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
+    # The set of many segments is found at the loosest tolerance, which costs fewer steps of conjugate gradients.
+    is_large = estimate_node_count(guess.segments.extent, series, tolerance).sum() > MAX_DIRECT
+    first = max(tolerance, LARGEST_TOLERANCE) if is_large else tolerance
+    limits, now = _limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
     coarser: Converged | None = None  # before nodes were added
     while steps < MAX_STEPS:
         solved, step, more = _converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
         steps, state = steps + more, contact_state(problem, step)
-        # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is
-        # violated between segments. The margin is the error of the gap after certification (docs/patches.md, "The
-        # bound on the compliance"): minima below it are kept, since they may be births.
+        # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is violated
+        # between segments.
         negative = find_negative_intervals(state)
         wrong = _to_be_cut(state, negative, limits.opening)
-        added, remaining, minima = _corrections(problem, step, state, limits, wrong, margin)
+        added, remaining, minima = _corrections(problem, step, state, limits, wrong)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
             corrections, coarser = corrections + 1, None
-            now = rearrange(problem, step, state.segments, remaining, added, tolerance, count)
+            now = rearrange(problem, step, state.segments, remaining, added, limits.tolerance, count)
             other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
             if other.dual != state.dual:
                 route = guess.route._replace(steps=steps, corrections=corrections)
                 return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
+            continue
+        if limits.tolerance > tolerance:
+            limits = _limits(problem, state.segments.half_width, tolerance)
+            enough = estimate_node_count(state.segments.extent, series, tolerance)
+            now = next_guess(problem, step, tolerance, np.maximum(count, enough))
             continue
         residual, width = contact_residual(state, series)  # stage 3
         height = kind.height_of_residual(state.segments.half_width) * residual
@@ -150,7 +160,7 @@ def solve_in_stages(
             coarser, now = found, next_guess(problem, step, tolerance, more_nodes(count, short))
             continue
         best = coarser if coarser is not None and coarser.height < found.height else found
-        state = _certified(best, series, tolerance, accepted or tolerance, margin)  # stage 4
+        state = _certified(best, series, limits, accepted or tolerance)  # stage 4
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
     raise _no_set(problem.load)
 
@@ -207,7 +217,9 @@ def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Lim
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
     most = MAX_OVER_TARGET * target
-    return Limits(tolerance, target, target / MAX_OVER_TARGET, most, max(wanted, most), rounding)
+    allowed, has_gaps = max(wanted, most), 1 - problem.kind.dual
+    margin = has_gaps * gap_uncertainty(allowed + MAX_TENSION * _scale(problem), problem.series.total_amplitude)
+    return Limits(tolerance, target, target / MAX_OVER_TARGET, most, allowed, rounding, margin)
 
 
 def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
@@ -269,7 +281,6 @@ def _corrections(
     state: ContactState,
     limits: Limits,
     negative: Records,
-    margin: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], Records]:
     """Return segments to add, shape (added, 2), the ones that remain, and minima outside below a margin.
 
@@ -277,7 +288,7 @@ def _corrections(
     by its remaining pieces. Contacts on both sides of a thin gap are merged.
     """
     outside = problem.kind.limit_outside(problem.load, limits.target, MAX_TENSION)
-    missing, minima = find_missing(problem, step, outside, margin, limits.opening)
+    missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
     merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))
@@ -330,17 +341,15 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     )
 
 
-def _certified(
-    found: Converged, series: CosineSeries, tolerance: float, accepted: float, margin: float
-) -> ContactState:
+def _certified(found: Converged, series: CosineSeries, limits: Limits, accepted: float) -> ContactState:
     """Return the state with its resistance, its thin gaps and its certificate."""
     # The resistance is an energy, with the square of the reduction as relative error.
-    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(np.sqrt(EPS), tolerance))
+    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(np.sqrt(EPS), limits.tolerance))
     overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
     )
-    return certify(state, found.residual, found.width, overlaps, tensions, series, accepted, margin)
+    return certify(state, found.residual, found.width, overlaps, tensions, series, accepted, limits.margin)
 
 
 def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
