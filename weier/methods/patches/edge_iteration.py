@@ -54,19 +54,18 @@ class EdgeMoves(NamedTuple):
     """One step of Newton's method.
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    relative : larger move of the two edges over the smallest half-width of the contact and its gaps, shape
-        (contacts,)
+    relative : the largest move of an edge over the smallest half-width of its contact and the gaps beside this
     """
 
     outward: Sides
-    relative: Array
+    relative: float
 
 
 @kernel
 def edge_moves(
     first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
-) -> tuple[Sides, Flags, Array, Array]:
-    """Return the moves `outward`, which gaps close, the moves `relative`, and the heights of the singular parts.
+) -> tuple[Sides, Flags, float, Array]:
+    """Return the moves `outward`, which gaps close, the move `relative`, and the heights of the singular parts.
 
     The gap on the right of a contact closes if its squared width becomes negative. A singular part has the height 2
     pi r |psi|.
@@ -85,7 +84,7 @@ def edge_moves(
     """
     n = r.size
     psi, phi, slope, singular = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
-    outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), np.empty(n)
+    outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
     for j in range(n):
         for side in range(2):
             at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
@@ -117,7 +116,7 @@ def edge_moves(
             outward[k, 0] = -half * (widening + shift)
     for j in range(n):
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
-        relative[j] = max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest
+        relative = max(relative, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
     return outward, closed, relative, singular
 
 
@@ -257,14 +256,12 @@ def _changes_of_edges(
     b: Array,
     right_sign: float,
     k_0_of_curvature: float,
-) -> tuple[Array, Sides, Array, Flags, Flags, Array, bool]:
+) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
     vanishing, merging = _changes(first_node, gap, force, outward, closed)
-    settled = True
-    for j in range(r.size):
-        settled = settled and relative[j] < SETTLED_MOVE and not (vanishing[j] or merging[j])
+    settled = relative < SETTLED_MOVE and not (np.any(vanishing) or np.any(merging))
     return a, outward, relative, vanishing, merging, singular, settled
 
 
@@ -317,7 +314,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     force = transfer_forces(old, b, np.arange(gap.size), moved)
     narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
-    left = 2 * float(step.moves.relative.max()) ** 2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
+    left = 2 * step.moves.relative**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
     forces, moves = step.forces._replace(force=force), step.moves._replace(outward=left)
     return step._replace(punches=moved, forces=forces, b=b, a=regular_part(old.first_node, b), moves=moves)
 

@@ -210,7 +210,9 @@ def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, S
 
 def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Array, node_count: Indices) -> Segments:
     """Return segments, already sorted, with these numbers of nodes."""
-    return Segments(crest, origin, centre, half_width, np.append(0, np.cumsum(node_count)))
+    first_node = np.zeros(node_count.size + 1, np.int64)
+    np.cumsum(node_count, out=first_node[1:])
+    return Segments(crest, origin, centre, half_width, first_node)
 
 
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:

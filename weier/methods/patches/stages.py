@@ -124,8 +124,9 @@ def solve_in_stages(
     """
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
     kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
-    # The set of many segments is found at the loosest tolerance, which costs fewer steps of conjugate gradients.
-    is_large = estimate_node_count(guess.segments.extent, series, tolerance).sum() > MAX_DIRECT
+    # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
+    # conjugate gradients.
+    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT
     first = max(tolerance, LARGEST_TOLERANCE) if is_large else tolerance
     limits, now = _limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
     coarser: Converged | None = None  # before nodes were added
@@ -190,7 +191,7 @@ def _converge(
         counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
         if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
             return step, carried_along(step, limits.rounding), steps
-        last_move, now = float(step.moves.relative.max()), next_guess(problem, step, limits.tolerance, counts)
+        last_move, now = step.moves.relative, next_guess(problem, step, limits.tolerance, counts)
     raise _no_set(problem.load)
 
 
@@ -229,22 +230,23 @@ def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     decrease, or they are small. A contact whose force is below the target may take a large part of a load increment,
     and singularities may be rounding.
     """
-    has_moved, is_solved = last_move < np.inf, step.forces.residual < limits.target
-    is_settled = float(step.moves.relative.max()) > SETTLED_MOVE * last_move  # each the square of the last
-    conditions = float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits)
-    return has_moved and is_solved and sum(conditions) > 1
+    if last_move == np.inf or step.forces.residual >= limits.target:
+        return False
+    is_settled = step.moves.relative > SETTLED_MOVE * last_move  # each the square of the last
+    return sum((float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits))) > 1
 
 
 def _is_small(step: NewtonStep, limits: Limits) -> bool:
     """Return whether the moves of the next step, the squares of these, are below the target."""
-    return float(step.moves.relative.max()) ** 2 < TARGET * limits.tolerance
+    return step.moves.relative**2 < TARGET * limits.tolerance
 
 
 def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
-    move = float(step.moves.relative.max())
-    is_small = _is_small(step, limits) and move < SETTLED_MOVE * last_move
-    return step.settled and is_small and max(step.forces.residual, float(step.singular.max()) * move) < limits.target
+    move = step.moves.relative
+    if not (step.settled and _is_small(step, limits) and move < SETTLED_MOVE * last_move):
+        return False
+    return max(step.forces.residual, float(step.singular.max()) * move) < limits.target
 
 
 @kernel
