@@ -10,7 +10,9 @@ from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
 from weier.methods.patches.certificate import contact_residual
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
 from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
@@ -133,7 +135,7 @@ def test_a_minimum_is_found_from_probes_beyond_an_inflection(probe):
 
 
 @pytest.mark.parametrize("period", [1.0, 9.0])
-@pytest.mark.parametrize("distance", [0.012, 0.03, 0.1])
+@pytest.mark.parametrize("distance", [0.003, 0.006, 0.012, 0.03, 0.1])
 @pytest.mark.parametrize("at_right", [False, True])
 @pytest.mark.parametrize("is_gap", [False, True])
 def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, period):
@@ -147,7 +149,11 @@ def test_a_narrow_minimum_next_to_an_edge_is_found(is_gap, at_right, distance, p
         s = (crest[0] + period - half_width) - x if at_right else x - (crest[0] + half_width)
         return np.abs(s) ** (1.5 if is_gap else 0.5) * ((s / place - 1) ** 2 - 0.01)
 
-    found = inequalities._minima_between(segments, series, residual, is_gap, 0.0)
+    # Its edges have the strength of 0.99 s^power, the quotient there.
+    kind, coefficient = CONTACTS if is_gap else GAPS, np.zeros(12)
+    at_edge = 0.99 * (3 / (4 * np.pi) if is_gap else 1) / (kind.strength_factor * np.sqrt(2 / half_width))
+    coefficient[:2] = np.array([0.5, -0.25 if at_right else 0.25]) * at_edge
+    found = inequalities._minima_between(kind, segments, coefficient, True, series, residual, 0.0, 0.0)
     assert found.size == 1
     s = found["position"][0] - (crest[0] + half_width)
     s = 0.6 * period - s if at_right else s

@@ -30,8 +30,8 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import EPS, MAX_THINNESS
-from weier.methods.patches.segments import MINIMUM, ContactState, Segments
+from weier.methods.patches.kind import EPS, MAX_THINNESS, Kind
+from weier.methods.patches.segments import MINIMUM, ContactState, Segments, end_sums
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
 # probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
@@ -114,22 +114,34 @@ def _edge_factor(
 
 
 def _minima_between(
-    segments: Segments, series: CosineSeries, residual: Residual, is_gap: bool, limit: float
+    kind: Kind,
+    segments: Segments,
+    coefficient: Array,
+    is_regular: bool,
+    series: CosineSeries,
+    residual: Residual,
+    limit: float,
+    margin: float,
 ) -> Records:
-    """Return negative minima of a residual between segments: of a gap, or of a pressure.
+    """Return negative minima of a residual less a margin between segments: of a gap, or of a pressure.
 
     Near an edge, a gap is proportional to s^(3/2) and a pressure to s^(1/2), with the distance s from it. A negative
-    minimum there may be much narrower than the distance of probes, but the quotient by these powers is smooth.
-    Minima above the limit are excluded without refinement.
+    minimum there may be much narrower than the distance of probes, but the quotient by these powers is smooth. At the
+    edges it follows from their strength k_1, (4 pi/3) k_1 s^(3/2) or k_1 s^(1/2), if they are regular. Minima above
+    the limit are excluded without refinement.
     """
-    extent, period, power = segments.extent, series.period, 1.5 if is_gap else 0.5
+    extent, period, power = segments.extent, series.period, 0.5 if kind.dual else 1.5
 
     def edge_factor(x: Array, interval: Indices) -> Array:
         return _edge_factor(x, interval, *extent, period, power)
 
     x, interval = _probe_points(*extent, series.crest_position, period, float(series.wavenumber[-1]))
     factor = edge_factor(x, interval)
-    brackets = _brackets(x, interval, residual(x) / factor, limit / factor)
+    at_edge = kind.strength_factor * (1.0 if kind.dual else 4 * np.pi / 3) if is_regular else -np.inf
+    first = segments.first_node
+    brackets = _brackets(
+        x, interval, residual(x), factor, limit, margin, *extent, period, first, coefficient, at_edge, power
+    )
     return _negative_minima(brackets, residual, edge_factor)
 
 
@@ -222,7 +234,7 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
 
-    minima = _minima_between(state.segments, series, residual, not state.dual, 0.0)
+    minima = _minima_between(state.kind, state.segments, state.coefficient, True, series, residual, 0.0, margin)
     minima["value"] += margin
     return minima
 
@@ -245,23 +257,55 @@ def minima_of_gaps(state: ContactState) -> Records:
 
 
 @kernel
-def _brackets(x: Array, interval: Indices, value: Array, limit: Array) -> Brackets:
-    """Return the probes, ascending in each interval, next to which a minimum may lie below their limit.
+def _brackets(
+    x: Array,
+    interval: Indices,
+    value: Array,
+    factor: Array,
+    limit: float,
+    margin: float,
+    origin: Array,
+    centre: Array,
+    r: Array,
+    period: float,
+    first_node: Indices,
+    coefficient: Array,
+    at_edge: float,
+    power: float,
+) -> Brackets:
+    """Return the probes, ascending in each interval, next to which a minimum may lie below the limit.
 
-    Such a probe is not higher than its neighbours in the same interval. The vertex of the parabola through the three
-    lies within half the wider spacing, hence at most half the curvature times its square below the probe. A minimum
-    is excluded if it would stay above the limit at `MAX_FALL` times that depth.
+    Such a probe is not higher than its neighbours in the same interval, of which the edges are the outermost. The
+    vertex of the parabola through the three lies within half the wider spacing, hence at most half the curvature
+    times its square below the probe. A minimum is excluded if it would stay above the limit at `MAX_FALL` times that
+    depth.
+
+    value, factor : at the probes; the quotient is smooth
+    margin : what has been taken off the values
+    at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
     """
-    at, count = np.empty(x.size, np.int64), 0
-    for i in range(1, x.size - 1):
-        left, right = x[i] - x[i - 1], x[i + 1] - x[i]
-        before, after = value[i - 1] - value[i], value[i + 1] - value[i]
-        if before >= 0 and after >= 0 and before + after < np.inf and interval[i - 1] == interval[i + 1]:
+    length, ends = distances_between(origin, centre, r, period), end_sums(first_node, coefficient, 1)
+    at, low, high, count = np.empty(x.size, np.int64), np.empty(x.size), np.empty(x.size), 0
+    for i in range(x.size):
+        j, here, edges = interval[i], value[i] / factor[i], at_edge * length[interval[i]] ** power
+        start = origin[j] + (centre[j] + r[j])
+        if i > 0 and interval[i - 1] == j:
+            low[count], before = x[i - 1], value[i - 1] / factor[i - 1] - here
+        else:
+            low[count], before = start, edges * np.sqrt(2 / r[j]) * abs(ends[j, 1]) - margin / factor[i] - here
+        if i + 1 < x.size and interval[i + 1] == j:
+            high[count], after = x[i + 1], value[i + 1] / factor[i + 1] - here
+        else:
+            k = (j + 1) % r.size
+            high[count] = start + length[j]
+            after = edges * np.sqrt(2 / r[k]) * abs(ends[k, 0]) - margin / factor[i] - here
+        left, right = x[i] - low[count], high[count] - x[i]
+        if before >= 0 and after >= 0 and before + after < np.inf and left > 0 and right > 0:
             bend = 2 * (after / right + before / left) / (left + right)
-            if value[i] < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit[i]:
+            if here < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit / factor[i]:
                 at[count], count = i, count + 1
     at = at[:count]
-    return x[at - 1], x[at], x[at + 1], interval[at]
+    return low[:count], x[at], high[:count], interval[at]
 
 
 def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:
@@ -274,7 +318,8 @@ def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFa
     low, middle, high, interval = brackets
     if middle.size == 0:
         return np.empty(0, MINIMUM)
-    stencil, lowest = 0.5 * STENCIL_RATIO * (high - low), np.full((3, middle.size), np.inf)
+    within = np.minimum(high - middle, middle - low)
+    stencil, lowest = 0.5 * np.minimum(STENCIL_RATIO * (high - low), within), np.full((3, middle.size), np.inf)
     for refinement in range(1, REFINEMENTS + 1):
         if middle.size == 0:
             break
@@ -327,7 +372,9 @@ def find_missing(
         plane = (1 - kind.dual) * step.forces.plane
         return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
 
-    found = _minima_between(punches.segments, problem.series, residual, not kind.dual, tolerance + margin)
+    limit = tolerance + margin
+    is_regular = float(step.singular.max()) < opening
+    found = _minima_between(kind, punches.segments, step.a, is_regular, problem.series, residual, limit, margin)
     if found.size == 0:
         return np.empty((0, 2)), found
     found["value"] += margin
