@@ -319,8 +319,8 @@ def _differing(same: Members) -> list[str]:
 
 def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
     """Draw the stated errors of a method as a band; returns its legend entry, or None if the band is invisible."""
-    stated = curves.curve(curve.case, f"{quantity}_error", curve.method)
-    values = curves.curve(curve.case, quantity, curve.method)
+    case = curve.case
+    stated, values = (curves.curve(case, name, curve.method) for name in (f"{quantity}_error", quantity))
     if stated is None or values is None:
         return None
     width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
@@ -331,7 +331,7 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
     line = style.line(curve.method)
     low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
     look = STATED | {"color": line["color"], "label": f"error stated by {line['label']}"}
-    axes.fill_between(curve.case["mean_pressure"].values, low, values + width, **look)
+    axes.fill_between(case["mean_pressure"].values, low, values + width, **look)
     return Patch(**look)
 
 
