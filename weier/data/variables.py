@@ -31,7 +31,9 @@ COMPLIANCE_ERROR = (
     "By contact patches it is an a-posteriori bound by a theorem, with sampled residuals; by boundary elements a "
     "bound that is proved at first touch and was exceeded at no load that was tried."
 )
-RESISTANCE_ERROR = "By boundary elements it is a bound, from chords of the concave compliance within its own bound."
+RESISTANCE_ERROR = (
+    "By boundary elements it is a bound if that of the compliance is one, from chords of the concave curve."
+)
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Files of measurements of the methods, which have some of the variables.

@@ -130,14 +130,14 @@ def _minima_between(
     edges it follows from their strength k_1, (4 pi/3) k_1 s^(3/2) or k_1 s^(1/2), if they are regular. Minima above
     the limit are excluded without refinement.
     """
-    extent, period, power = segments.extent, series.period, 0.5 if kind.dual else 1.5
+    extent, period, power = segments.extent, series.period, kind.residual_power
 
     def edge_factor(x: Array, interval: Indices) -> Array:
         return _edge_factor(x, interval, *extent, period, power)
 
     x, interval = _probe_points(*extent, series.crest_position, period, float(series.wavenumber[-1]))
     factor = edge_factor(x, interval)
-    at_edge = kind.strength_factor * (1.0 if kind.dual else 4 * np.pi / 3) if is_regular else -np.inf
+    at_edge = kind.residual_strength if is_regular else -np.inf
     first = segments.first_node
     brackets = _brackets(
         x, interval, residual(x), factor, limit, margin, *extent, period, first, coefficient, at_edge, power

@@ -42,6 +42,8 @@ class Kind(NamedTuple):
     k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
         between two segments
     strength_factor : strength of the pressure at an edge over that of the density
+    residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
+        the density
     rounding_power : rounding changes b_n by n to half this power
     close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
     factor : of sums over all forces, from the period
@@ -77,6 +79,8 @@ class Kind(NamedTuple):
     right_sign: float
     k_0_of_curvature: float
     strength_factor: float
+    residual_power: float
+    residual_strength: float
     rounding_power: int
     close: Callable[[Array, Array, float, float], tuple[Array, float]]
     factor: Callable[[float], float]
