@@ -24,7 +24,7 @@ from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent
 # Pairs of FFTs of boundary elements, which are reproducible, and the least processor seconds of three curves by
-# contact patches; with few to very many contacts.
+# contact patches, which vary by a third on a loaded machine; with few to very many contacts.
 BEM = """
 from weier.methods import bem
 found = []
