@@ -196,10 +196,11 @@ def _fill_near_block(
     start, end = points_of_leaf(one, a)
     other_start, other_end = points_of_leaf(other, b)
     width = other_end - other_start
+    origins, offsets = other.origin[other_start:other_end], other.offset[other_start:other_end]
     for i in range(start, end):
-        origin, offset, row = one.origin[i], one.offset[i], (i - start) * width
-        for j in range(other_start, other_end):
-            block[row + j - other_start] = (origin - other.origin[j]) + (offset - other.offset[j])
+        origin, offset, row = one.origin[i], one.offset[i], block[(i - start) * width : (i - start + 1) * width]
+        for j in range(width):  # over whole arrays, so that the compiler vectorises
+            row[j] = (origin - origins[j]) + (offset - offsets[j])
     replace_by_influence(block[: (end - start) * width], period, dual)
     return start, end, other_start, other_end
 
