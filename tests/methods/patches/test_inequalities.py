@@ -12,10 +12,11 @@ from weier.methods.patches import inequalities
 from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
+from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
-from weier.methods.patches.segments import MINIMUM, ContactState, make_segments
+from weier.methods.patches.segments import MINIMUM, ContactState, end_sums, make_segments
 from weier.methods.patches.surface import make_series, nearest_crests
 
 
@@ -122,6 +123,19 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     np.testing.assert_allclose(below["value"], value[expected], atol=1e-7)
     curvature = (2 * np.pi / period) ** 2 * (wave - 2.7 * third)
     np.testing.assert_allclose(below["curvature"], curvature[expected], rtol=1e-3)
+
+
+@pytest.mark.parametrize("wave", WAVES)
+@pytest.mark.parametrize("dual", [False, True])
+def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual):
+    """At 1e-4 of the narrower width from the edge, up to terms of this order."""
+    state, series = wave.state(dual), wave.series(dual)
+    kind, segments = state.kind, state.segments
+    r, s = segments.half_width[0], 1e-4 * min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    value = complementary_residuals(state, series, *nearest_crests(series, segments.right + s))
+    phi = abs(end_sums(segments.first_node, state.coefficient, 1)[0, 1])
+    expected = kind.residual_strength * np.sqrt(2 / r) * phi * s**kind.residual_power
+    assert value[0] == pytest.approx(expected, rel=1e-3, abs=0)
 
 
 @pytest.mark.parametrize("probe", np.linspace(-2.3, 2.3, 12))
