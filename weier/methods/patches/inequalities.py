@@ -1,7 +1,7 @@
 """The inequalities of contact, no tension on contacts and no overlap outside them, and their violations.
 
-docs/patches.md derives the formulas: "Inequalities" for the search and the width of new segments, and "Edges" for the
-opening of a crack.
+docs/patches.md derives the formulas: "Inequalities" for the search and the width of new segments, and "Thin gaps" for
+the opening of a crack.
 
 The equations on the segments do not imply the inequalities, so that violations are searched:
 

@@ -208,13 +208,15 @@ def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE) if first > LEAST_TOLERANCE else first / TARGET
     for attempt, relative in enumerate((first, second), 1):
         try:
-            state, more = solve_in_stages(starts.surface, starts.guess(load), relative, max(first, relative))
+            guess = starts.guess(load)
+            guess = guess._replace(route=guess.route._replace(attempts=attempt))
+            state, more = solve_in_stages(starts.surface, guess, relative, max(first, relative))
         except ConvergenceError as error:
             failure = error
         else:
             steps += more
             if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
-                return state._replace(route=state.route._replace(attempts=attempt)), steps
+                return state, steps
             best = min(best, known)
     if best < np.inf:
         cause = " because of rounding" if second > first else ""

@@ -1,6 +1,6 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
-docs/patches.md, "The stages of a load", has the four stages and the reason of each limit; "Given edges", "Moves of
+docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of
 edges" and "Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual`
 stage 3 and `_certified` stage 4. Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of
 its gap.
