@@ -22,6 +22,7 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
     assert parse_yaml(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
 
 
+@pytest.mark.second_attempt
 def test_what_no_method_finds_raises():
     with pytest.raises(ValueError, match="bem: m = inf has no finest wave"):
         single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
