@@ -23,6 +23,11 @@ from weier.theory.halfplane import displacement_of_punch
 RULE = 1, 1.0, -1
 
 
+def own_kernel(sine: Array) -> Array:
+    """Return the kernel that a sum over all nodes contains, ln(2 sin theta)."""
+    return np.asarray(np.log(2 * sine))
+
+
 @kernel
 def contact_node(r: float, sine: float, period: float) -> tuple[float, float]:
     """Return the factor of a node in the self-influence, and its diagonal."""

@@ -20,6 +20,11 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals
 RULE = 2, -1.0, 1
 
 
+def own_kernel(sine: Array) -> Array:
+    """Return the kernel that a sum over all nodes contains, 1/(4 sin^2 theta)."""
+    return 0.25 / sine**2
+
+
 @kernel
 def gap_node(r: float, sine: float, period: float) -> tuple[float, float]:
     """Return the factor of a node in the self-influence, and its diagonal."""

@@ -118,7 +118,7 @@ def _own_table(K: int, dual: bool, inverse: bool) -> Array:
         X = _cosine_sums(N, -power) / N**2
     else:
         X, sine = -_cosine_sums(N, power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
-        X[1:] -= 0.25 / sine**2 if dual else np.log(2 * sine)
+        X[1:] -= gaps.own_kernel(sine) if dual else contacts.own_kernel(sine)
     return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
 
 
