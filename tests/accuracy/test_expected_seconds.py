@@ -62,5 +62,7 @@ def test_expected_seconds_stand_beside_those_measured(method, m):
     assert float(ratio) > 0
 
 
-def test_a_process_takes_longer_to_start_than_a_closed_form():
-    assert expected_seconds.seconds_of_start() > 10 * expected_seconds.seconds_of_case(20) > 0
+def test_a_process_and_a_closed_form_take_processor_time():
+    """The process is another one, whose time the caller does not spend."""
+    assert expected_seconds.seconds_of_start() > 0
+    assert expected_seconds.seconds_of_case(20) > 0

@@ -151,7 +151,7 @@ def test_a_quantity_of_another_unit_is_refused():
         interface().in_si([1.0])
 
 
-@pytest.mark.filterwarnings("ignore:(mu|rho)_")  # which no material has
+@pytest.mark.filterwarnings("ignore:(mu|rho)_")  # the doubts about values that no material has
 def test_scalars_of_numpy_neither_overflow_nor_round():
     """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
     byte, half = np.uint8, np.float16

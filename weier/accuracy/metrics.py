@@ -1,4 +1,4 @@
-"""Errors of curves: deviations and correct digits; in a tradeoff the largest errors and the Pareto front."""
+"""Errors of curves: deviations and correct digits, of numbers of terms, and the Pareto front of a tradeoff."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def cli() -> None:
 
     \b
     eval "$(_WEIER_COMPLETE=bash_source weier)"
-    """  # noqa: D301 - click wants the character
+    """  # noqa: D301 - click keeps the lines after the character \b
 
 
 for _command in (

@@ -20,8 +20,6 @@ from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, 
 from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, midpoints, solve_waves
 
 ROUNDING = 1e-13  # of the freshly applied operator, and at the lightest loads: the least residual of a wave
-
-
 # residual of a wave, relative to the compression at the edge of its contact, over the accuracy: residuals add up over
 # the scales. No setting of its own, since `accuracy` is one.
 RESIDUAL_FRACTION = 1e-5

@@ -1,9 +1,8 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
-docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of
-edges" and "Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual`
-stage 3 and `_certified` stage 4. Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of
-its gap.
+docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of edges" and
+"Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual` stage 3 and
+`_certified` stage 4. Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
 """
 
 from __future__ import annotations
@@ -125,8 +124,8 @@ def solve_in_stages(
     problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
     kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
     # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
-    # conjugate gradients.
-    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT
+    # conjugate gradients. A second attempt takes no part of the route of the first.
+    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
     first = max(tolerance, LARGEST_TOLERANCE) if is_large else tolerance
     limits, now = _limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
     coarser: Converged | None = None  # before nodes were added
