@@ -20,7 +20,8 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.pipeline.progress import LOG_SECONDS
-from weier.pipeline.workers import CurveTask, Outcome, solve_curves
+from weier.pipeline.task import CurveTask
+from weier.pipeline.workers import Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.surface.limits import resolvable

@@ -14,6 +14,7 @@ from weier.methods import bem, patches, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
 from weier.pipeline.fields import events, fields
+from weier.pipeline.task import CurveTask
 from weier.surface.profile import Profile
 
 # Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.
@@ -34,8 +35,7 @@ def compile_kernels(methods: Collection[str] = ()) -> None:
         for settings in OF_BEM if method is bem.METHOD else [{}]:
             for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
                 with suppress(NotApplicableError):
-                    method.check_applies(profile)
-                    method.solve(profile, loads, **settings)
+                    CurveTask(profile, method.name, settings, loads).solve()
     if not methods:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])

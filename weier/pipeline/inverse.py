@@ -26,6 +26,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.solver import MIN_LOAD
 from weier.methods.patches.start import TOLERANCE
 from weier.pipeline.solve import solve
+from weier.pipeline.task import CurveTask
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -192,11 +193,12 @@ class _Search:
             self.known[log_load] = Value(*(float(number[0]) for number in numbers))
         return self.known[log_load]
 
-    def _curve(self, load: float) -> patches.PatchCurve:
+    def _curve(self, load: float) -> Any:
         """Return the solution under one load, at the tightest tolerance that can be met."""
         while True:
+            curve = CurveTask(self.profile, patches.METHOD.name, {"tolerance": self.tolerance}, np.array([load]))
             try:
-                return patches.curve(self.profile, [load], self.tolerance)
+                return curve.solve()[0]
             except ConvergenceError:
                 self.tolerance *= LOOSER
                 if self.tolerance > MAX_TOLERANCE:

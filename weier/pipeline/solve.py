@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,11 @@ from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
-from weier.methods.method import Method
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
-from weier.pipeline.progress import clock, watching
+from weier.pipeline.progress import watching
+from weier.pipeline.task import CurveTask, distinct
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
-from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves, checked_surface
 from weier.units import PASCAL
 
@@ -137,39 +136,30 @@ def solve_under(
             warnings.warn(doubt, stacklevel=4)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = _list("method", method)
-    solvers = [find_method(name) for name in methods]
     if max_seconds is not None:
         max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
     checked = (
-        settings_by_method(methods, settings) if several else {methods[0]: checked_settings(solvers[0], settings)}
+        settings_by_method(methods, settings)
+        if several
+        else {methods[0]: checked_settings(find_method(methods[0]), settings)}
     )
-    pairs = [
-        (surface, own, solver)
+    curves = [
+        CurveTask(surface, name, checked.get(name, {}), own)
         for surface, own in zip(profiles, own_loads, strict=True)
-        for solver in solvers
-        if solver.takes(surface)
+        for name in methods
     ]
-    for surface, _, solver in pairs:  # before anything is announced or solved
-        solver.check(surface, **checked.get(solver.name, {}))
-    expected = sum(
-        solver.seconds(surface, own, **checked.get(solver.name, {})) for surface, own, solver in _distinct(pairs)
-    )
-    with watching(loads.size * len(pairs), expected / min(workers, max(len(pairs), 1)), max_seconds):
+    applying = [curve for curve in curves if find_method(curve.method).takes(curve.profile)]
+    for curve in applying:  # before anything is announced or solved
+        find_method(curve.method).check(curve.profile, **curve.settings)
+    expected = sum(curve.expected_seconds for curve in distinct(applying))
+    with watching(loads.size * len(applying), expected / min(workers, max(len(applying), 1)), max_seconds):
         if several:
             return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers)
-        curve = _solve_one(profiles[0], own_loads[0], solvers[0], checked[methods[0]], edges)
-    return curve if loads_of is None else curve.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
-
-
-def _distinct(pairs: Iterable[tuple[Waves, Array, Method]]) -> Iterator[tuple[Waves, Array, Method]]:
-    """Yield the curves that are solved: one of the series that differ in phases alone, if the method uses none."""
-    known = set[tuple[Any, ...]]()
-    for surface, loads, method in pairs:
-        series = method.name, *(getattr(surface, name, None) for name in PARAMETERS)
-        if method.uses_phases or series not in known:
-            known.add(series)
-            yield surface, loads, method
+        solved = _solve_one(curves[0], edges)
+    return (
+        solved if loads_of is None else solved.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
+    )
 
 
 def _list(name: str, given: Any) -> list[Any]:
@@ -179,14 +169,13 @@ def _list(name: str, given: Any) -> list[Any]:
     return listed
 
 
-def _solve_one(profile: Waves, loads: Array, method: Method, settings: Mapping[str, Any], edges: bool) -> xr.Dataset:
+def _solve_one(curve: CurveTask, edges: bool) -> xr.Dataset:
     """Return one curve with its labels and settings, over mean_pressure."""
-    method.check_applies(profile)
-    start = clock()
-    solution = method.solve(profile, loads, **settings)
+    solution, seconds = curve.solve()
     values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
-    labels = profile.labels | {"phases": profile.listed_phases, "solution_method": method.name}
-    return dataset.curve(loads, values | {"seconds": clock() - start}, labels, all_settings(method, settings))
+    labels = curve.profile.labels | {"phases": curve.profile.listed_phases, "solution_method": curve.method}
+    settings = all_settings(find_method(curve.method), curve.settings)
+    return dataset.curve(curve.loads, values | {"seconds": seconds}, labels, settings)
 
 
 def _solve_all(

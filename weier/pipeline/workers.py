@@ -6,23 +6,19 @@ receive tasks and return arrays instead.
 
 from __future__ import annotations
 
-import json
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import current_process, get_context, parent_process
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import Any
 
-from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.progress import reporting_to
-from weier.methods.registry import find_method
-from weier.pipeline.progress import Loads, Progress, clock
-from weier.surface.profile import PARAMETERS
-from weier.surface.waves import Waves
+from weier.pipeline.progress import Loads, Progress
+from weier.pipeline.task import CurveTask
 
 # The message where the pool of processes breaks.
 LOST = (
@@ -30,15 +26,6 @@ LOST = (
     '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
     "may have been short"
 )
-
-
-class CurveTask(NamedTuple):
-    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*."""
-
-    profile: Waves
-    method: str
-    settings: Mapping[str, Any]
-    loads: Array
 
 
 # The solution of a method and the seconds that it took, or the error.
@@ -53,30 +40,20 @@ class Solver:
 
     def __init__(self, loads: int, add: Callable[[int], object]) -> None:
         """For this number of loads a curve; `add` is called with the number of loads that are done."""
-        self.count, self.known = Loads(loads, add), dict[object, tuple[Any, float]]()
+        self.count, self.known = Loads(loads, add), dict[object, Outcome]()
 
     def __call__(self, curve: CurveTask) -> Outcome:
         """Return the solution of a curve, or the error."""
-        outcome: Outcome
+        outcome: Outcome | None = self.known.get(series := curve.series)
         try:
             with reporting_to(self.count):
-                outcome = self._solve(*curve)
+                outcome = outcome or curve.solve()
         except (NotApplicableError, ConvergenceError) as error:
             outcome = error.with_traceback(None)  # the traceback would keep the arrays of the solver
         self.count.end_curve()
+        if series is not None:
+            self.known[series] = outcome
         return outcome
-
-    def _solve(self, profile: Any, name: str, settings: Mapping[str, Any], loads: Array) -> tuple[Any, float]:
-        method = find_method(name)
-        method.check_applies(profile)
-        start = clock()
-        if method.uses_phases:
-            return method.solve(profile, loads, **settings), clock() - start
-        series = (getattr(profile, parameter) for parameter in PARAMETERS)
-        same = name, *series, json.dumps(settings, sort_keys=True), loads.tobytes()
-        if same not in self.known:
-            self.known[same] = method.solve(profile, loads, **settings), clock() - start
-        return self.known[same]
 
 
 def solve_curves(

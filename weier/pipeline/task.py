@@ -1,0 +1,50 @@
+"""A curve to solve, which all ways of solving go through: `weier.solve`, lists, batches and the search for a load."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+from weier.kernels.arrays import Array
+from weier.methods.registry import find_method
+from weier.pipeline.progress import clock
+from weier.surface.profile import PARAMETERS, Profile
+from weier.surface.waves import Waves
+
+
+class CurveTask(NamedTuple):
+    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*."""
+
+    profile: Waves
+    method: str
+    settings: Mapping[str, Any]
+    loads: Array
+
+    @property
+    def series(self) -> object:
+        """The key of a curve that depends on no phases and is solved once for an ensemble; None of others."""
+        if find_method(self.method).uses_phases or not isinstance(self.profile, Profile):
+            return None
+        parameters = (getattr(self.profile, name) for name in PARAMETERS)
+        return self.method, *parameters, json.dumps(self.settings, sort_keys=True), self.loads.tobytes()
+
+    @property
+    def expected_seconds(self) -> float:
+        """The expected seconds on one core."""
+        return find_method(self.method).seconds(self.profile, self.loads, **self.settings)
+
+    def solve(self) -> tuple[Any, float]:
+        """Return the solution and its seconds without compiling; raises what the method raises."""
+        method = find_method(self.method)
+        method.check_applies(self.profile)
+        start = clock()
+        return method.solve(self.profile, self.loads, **self.settings), clock() - start
+
+
+def distinct(curves: Iterable[CurveTask]) -> list[CurveTask]:
+    """Return the curves that are solved: of those that differ in unused phases alone, the first."""
+    found: dict[object, CurveTask] = {}
+    for number, curve in enumerate(curves):
+        found.setdefault(curve.series or number, curve)
+    return list(found.values())
