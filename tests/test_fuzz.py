@@ -168,12 +168,13 @@ LAUGHS = "a: &a [x]\n" + "".join(
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (LAUGHS, "at most 1000000 values"),
-        ("&a [*a]", "contain themselves"),
+        (f"{LAUGHS}loads: *i", "loads.0: this must be a number or a range, got"),
+        ("&a [*a]", "this must be a mapping"),
+        ("studies: &a {one: *a}", "studies.one.one: there is no such key"),
+        ("1: 2", "there is no such key"),
         ("[" * 5000, "nested too deep"),
         ("a: " + "1" * 5000, "cannot be read"),
-        ("title: a\ntitle: b", "the key 'title' occurs twice"),
-        ("#" * 1_000_001, "at most 1000000 characters"),
+        ("title: a\ntitle: b", 'found duplicate key "title"'),
         ("!!python/object/apply:os.system ['touch stray']", "could not determine a constructor"),
     ],
 )

@@ -3,17 +3,14 @@
 import csv
 import re
 import shlex
-from io import StringIO
 
 import netCDF4
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
 import weier
 from tests.cli.test_cli import described, examples
-from weier.cli import table
 from weier.scene.yaml import write_yaml
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
@@ -230,17 +227,3 @@ def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):
     assert float(second["resistance_numerical_error (ohm m^2)"]) > 0
     assert float(second["mean_pressure (Pa)"]) > 1e6
     assert run("table", "many.nc", "--study", "none")[0] == 1
-
-
-def test_a_spreadsheet_needs_a_package_of_its_own(run, folder, monkeypatch):
-    monkeypatch.setattr(table, "find_spec", lambda name: None)
-    code, _, err = run("table", "curve.nc", "curve.xlsx")
-    assert (code, err) == (1, "weier: curve.xlsx needs openpyxl: pip install openpyxl, or write curve.csv\n")
-    assert not (folder / "curve.xlsx").exists()
-
-
-def test_a_spreadsheet_has_the_table(run, folder):
-    pytest.importorskip("openpyxl", reason="it is installed by those who want spreadsheets")
-    assert run("table", "curve.nc", "curve.xlsx") == (0, "", "")
-    found, expected = pd.read_excel(folder / "curve.xlsx"), pd.read_csv(StringIO(run("table", "curve.nc")[1]))
-    pd.testing.assert_frame_equal(found, expected, check_dtype=False)  # 5 and 5.0 are the same there

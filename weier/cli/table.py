@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import click
 
 from weier.cli.options import FILE, SI, STDOUT, output
-from weier.data.files import replacing, write_text
+from weier.data.files import write_text
 
-MAX_ROWS = 2**20 - 1  # of a sheet, below the heading
 SELF = Path("-")  # stands for the data file itself
 
 
 @click.command()
 @click.argument("contact", type=FILE)
-@output("path", ".csv", ".xlsx", ".nc", default=STDOUT)
+@output("path", ".csv", ".nc", default=STDOUT)
 @click.option(
     "--si",
     "bodies",
@@ -42,7 +38,6 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
     \b
     weier table results/paper/contact.nc curves.csv
     weier table results/paper/contact.nc rough.csv --study rough
-    weier table results/paper/contact.nc rough.xlsx --study rough
     weier table curve.nc --si bodies.yaml
     weier table results/paper/contact.nc --ensemble --si bodies.yaml
     weier table results/paper/contact.nc ohms.csv --si bodies.yaml
@@ -61,25 +56,8 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
             return dataset.write(
                 curves, path, data.attrs.get("title", contact.stem), "converted", data.attrs.get("scene", "")
             )
-        frame = table_of(curves, ensemble)
-    if path.suffix == ".xlsx":
-        return _write_spreadsheet(frame, path)
-    text = str(frame.to_csv(index=False))
+        text = str(table_of(curves, ensemble).to_csv(index=False))
     if str(path) == STDOUT:
         click.echo(text, nl=False)
     else:
         write_text(path, text)
-
-
-def _write_spreadsheet(frame: Any, path: Path) -> None:
-    """Write a table as a spreadsheet, by a package that is installed for it alone."""
-    if not find_spec("openpyxl"):
-        raise ValueError(f"{path} needs openpyxl: pip install openpyxl, or write {path.with_suffix('.csv')}")
-    if len(frame) > MAX_ROWS:
-        raise ValueError(
-            f"a spreadsheet must have at most {MAX_ROWS} rows, got {len(frame)}: write a .csv, or a --study"
-        )
-    whole = BytesIO()
-    frame.to_excel(whole, index=False, engine="openpyxl")
-    with replacing(path) as beside:
-        beside.write_bytes(whole.getvalue())

@@ -82,7 +82,7 @@ class Part(BaseModel):
             return handler(values)
         spelling = cls._spelling(values)
         known = {key: values[spelt] for key, spelt in spelling.items()}
-        mistakes = [Mistake((key,), cls._unknown(key)) for key in values if key not in spelling]
+        mistakes = [Mistake((str(key),), cls._unknown(str(key))) for key in values if key not in spelling]
         try:
             made = handler(known)
         except ValidationError as error:
@@ -203,6 +203,9 @@ def words(error: ErrorDetails) -> str:
         return f"this must have at least {least} {'entry' if least == 1 else 'entries'}"
     if kind == "too_long":
         return f"this must have at most {details['max_length']} entries, got {details['actual_length']}"
+    if kind == "union_tag_invalid":
+        wanted = " or ".join(f"a {name}" for name in re.findall(r"\w+", details["expected_tags"]))
+        return f"this must be {wanted}, got a {details['tag'].strip('[]')}"
     return f"this must be {KINDS[kind]}, got {shown(value)}" if kind in KINDS else error["msg"]
 
 

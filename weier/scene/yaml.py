@@ -1,4 +1,4 @@
-"""YAML 1.2 as plain values: no objects, no aliases that grow without bound, no duplicate keys."""
+"""YAML 1.2 as plain values: no objects, no duplicate keys."""
 
 from __future__ import annotations
 
@@ -9,15 +9,11 @@ from typing import Any, NamedTuple
 from ruamel.yaml import YAML
 from ruamel.yaml.composer import MaxDepthExceededError
 from ruamel.yaml.error import MarkedYAMLError, StringMark, YAMLError
-from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from weier.checks import checked_number, shown
 
-MAX_CHARACTERS = 10**6  # Longer files are refused, which bounds time and memory.
-MAX_VALUES = 10**6  # Files with more values after aliases are expanded are refused, for the same reason.
-MAX_DEPTH = 50  # Deeper nesting is refused, for the same reason.
-# The only kinds of keys are texts and the merge key "<<".
-KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
+MAX_DEPTH = 50  # Deeper nesting is refused: a scene has ten levels, and Python's recursion has a limit.
 
 
 class Document(NamedTuple):
@@ -38,24 +34,19 @@ class Document(NamedTuple):
 
 
 def parse_yaml(text: str) -> Any:
-    """Return a YAML text as plain values; objects, duplicate keys and aliases without bound are refused."""
+    """Return a YAML text as plain values; objects and duplicate keys are refused."""
     return read_yaml(text).values
 
 
 def read_yaml(text: str) -> Document:
     """Return the values of a YAML text as `parse_yaml` does, with their lines."""
-    if len(text) > MAX_CHARACTERS:
-        raise ValueError(f"a YAML text must have at most {MAX_CHARACTERS} characters, got {len(text)}")
     yaml = YAML(typ="safe", pure=True)
     yaml.max_depth = MAX_DEPTH
     try:
         root = yaml.compose(text)
-        _size(root, {})
         return Document(yaml.constructor.construct_document(root) if root else None, root)
     except MaxDepthExceededError:
         raise ValueError(f"the values are nested too deep, in more than {MAX_DEPTH} levels") from None
-    except RecursionError:
-        raise ValueError("the values contain themselves") from None
     except MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise ValueError(f"{line}{error.problem or error}") from None
@@ -79,31 +70,6 @@ def number(name: str, value: Any) -> float:
         return float(value)
     except ValueError:
         raise ValueError(f"{name} must be a number, got {shown(value)}") from None
-
-
-def _size(node: Node | None, known: dict[int, int]) -> int:
-    """Count the values of a node with aliases expanded; a node that contains itself raises RecursionError."""
-    if id(node) not in known:
-        children = _checked_children(node)
-        known[id(node)] = 1 + sum(_size(child, known) for child in children)
-    if known[id(node)] > MAX_VALUES:
-        raise ValueError(f"a YAML text must have at most {MAX_VALUES} values, each alias written out: got more")
-    return known[id(node)]
-
-
-def _checked_children(node: Node | None) -> list[Node]:
-    """Return the child nodes of a node; ValueError if a key is not a text, or is duplicate."""
-    if not isinstance(node, MappingNode):
-        return node.value if isinstance(node, SequenceNode) else []
-    seen = set[str]()
-    for key, _ in node.value:
-        line = key.start_mark.line + 1
-        if key.tag not in KEY_TAGS or not isinstance(key, ScalarNode):
-            raise ValueError(f"a key must be a word, got another kind of value in line {line}")
-        if key.value in seen:  # ruamel.yaml finds it, too, and prints both values, however long they are
-            raise ValueError(f"line {line}: the key {key.value!r} occurs twice")
-        seen.add(key.value)
-    return [child for pair in node.value for child in pair]
 
 
 def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:

@@ -177,12 +177,12 @@ def test_text_is_read_by_one_reader(tmp_path, more):
     assert_same(Trace.read(path, columns=7, length=4e-4, height_unit="um"), MAP[:, 7].round(4), 4e-4)
 
 
-def test_a_file_that_the_package_cannot_read_either_is_named_by_its_bytes(surface_topography, tmp_path):
-    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\nrough")
-    with pytest.raises(ValueError, match=r"is an HDF5 or netCDF file, .*; SurfaceTopography cannot read it either"):
+def test_a_file_that_the_package_cannot_read_either_is_refused(surface_topography, tmp_path):
+    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\n\0rough")
+    with pytest.raises(ValueError, match=r"is no text: .*; SurfaceTopography cannot read it either"):
         Trace.read(tmp_path / "a.h5")
-    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\n")  # eight bytes: as a terrain model, 2 by 2 heights
-    with pytest.raises(ValueError, match=r"is an HDF5 .*; SurfaceTopography does not know its format either"):
+    (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\0\n")  # eight bytes: as a terrain model, 2 by 2 heights
+    with pytest.raises(ValueError, match=r"is no text: .*; SurfaceTopography does not know its format either"):
         Trace.read(tmp_path / "a.h5", line=0)
 
 

@@ -1,7 +1,6 @@
 """Files of text: each dialect gives the reference line, or a refusal with its line and the argument for it."""
 
 import re
-import zipfile
 
 import numpy as np
 import pytest
@@ -558,7 +557,7 @@ def test_other_encodings_need_their_names(file, name):
         ),
         encoding=name,
     )
-    with pytest.raises(ValueError, match=r"say encoding='utf-16-..'|must have a unit|encoding="):
+    with pytest.raises(ValueError, match=r"must have a unit|encoding="):
         Trace.read(path)
     assert_right(Trace.read(path, encoding=name))
 
@@ -566,36 +565,17 @@ def test_other_encodings_need_their_names(file, name):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), r"old Office \(.xls\), .*: save the heights as text"),
-        (b"\x1f\x8b\x08\x00", "is compressed by gzip, .*: unpack it"),
-        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text, .*: save the heights as text"),
-        (b"\x89HDF\r\n\x1a\n", "is an HDF5 or netCDF file"),
-        (b"\x93NUMPY\x01\x00", "is an array of NumPy, .*: take weier.Trace of what numpy.load returns"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600), "is no text: save the heights as text"),
+        (b"\x1f\x8b\x08\x00", "is no text: .* unpack"),
+        (b"PK\x03\x04", "is no text: .* workbook as CSV"),
         (b"1.0\n\x00\x01\x02", "is no text"),
         (TEXT.encode() + b"\x00\x00\n", r"line 202, must be text, got the control character b'\\x00': .* encoding="),
         (b"\x01\x00\x02\x00" * 100, "is no text"),
     ],
 )
-def test_what_is_no_text_is_named_by_its_first_bytes(file, content, says):
-    with pytest.raises(ValueError, match=says) as refused:
-        Trace.read(file(content))
-    assert "point" not in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("member", "says"),
-    [
-        ("xl/workbook.xml", r"is a workbook \(.xlsx\), .*: save its sheet as text"),
-        ("content.xml", r"is a workbook or document of OpenDocument \(.ods\)"),
-        ("main.xml", "is an X3P file of ISO 25178-72"),
-        ("other", "is a zip archive"),
-    ],
-)
-def test_archives_are_named_by_what_they_hold(tmp_path, member, says):
-    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
-        archive.writestr(member, "")
+def test_what_is_no_text_is_refused(file, content, says):
     with pytest.raises(ValueError, match=says):
-        Trace.read(tmp_path / "a.zip")
+        Trace.read(file(content))
 
 
 def test_a_missing_file_is_said_to_be_missing(tmp_path):
