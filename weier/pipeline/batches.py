@@ -19,7 +19,7 @@ from weier.methods.registry import find_method, methods_run_by
 from weier.pipeline.curves import CASE_SECONDS, Batch, Kind, Store, cut, kind_of
 from weier.scene.case import Case
 from weier.scene.cases import Scene
-from weier.scene.identity import Keys, digest_of_keys, distinct, key_of, ordered
+from weier.scene.identity import Keys, digest_of_keys, distinct, key_of
 from weier.scene.study import CaseProduct
 
 SEEDS = ("phases", "seed")  # a curve's time hardly depends on these
@@ -165,7 +165,7 @@ class Solutions:
             for part in self.parts:
                 if len(surfaces := part.surfaces[wanted[part.cases]]):
                     own.setdefault(json.dumps(part.kind._asdict(), sort_keys=True), []).append(surfaces)
-            every = [[kind, digest_of_keys(ordered(np.concatenate(own[kind])))] for kind in sorted(own)]
+            every = [[kind, digest_of_keys(np.sort(np.concatenate(own[kind])))] for kind in sorted(own)]
             self._digests[names] = digest(every)
         return self._digests[names]
 

@@ -90,7 +90,7 @@ class Kind(NamedTuple):
     @property
     def name(self) -> str:
         """The beginning of the names of its batches."""
-        return f"{self.method}-{digest(self._asdict())[:8]}"
+        return f"{self.method}-{digest(list(self))[:8]}"
 
 
 def kind_of(case: Case, method: str, scene: Scene) -> Kind:
@@ -109,7 +109,7 @@ def kind_of(case: Case, method: str, scene: Scene) -> Kind:
 class Batch(NamedTuple):
     """A batch: cases, each with the method of its kind alone.
 
-    surfaces : the keys of their surfaces, shape (cases, 2)
+    surfaces : the keys of their surfaces
     studies : the studies that contain them, for messages
     seconds : expected on one core
     job : names of the batches that one job solves, in their order; the last one stands for all
@@ -291,7 +291,7 @@ class Store:
         if kind not in self._lookups:
             known = self._batches_of(kind)
             sizes = [len(keys) for _, keys in known]
-            every = np.concatenate([np.empty((0, 2), np.uint64), *(keys for _, keys in known)])
+            every = np.concatenate([np.empty(0, np.uint64), *(keys for _, keys in known)])
             batch = np.repeat([number for number, _ in known], sizes).astype(int)
             row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)]).astype(int)
             self._lookups[kind] = Lookup(every), batch, row

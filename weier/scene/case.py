@@ -18,7 +18,7 @@ import numpy as np
 from weier.checks import checked_file, readable
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.scene.identity import Keys, as_text, key_of, keys_of
+from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
 from weier.surface.measured.trace import Trace
@@ -56,14 +56,14 @@ class Case:
         return cls(surface.parameters, methods, settings, surface)
 
     @cached_property
-    def surface_key(self) -> Keys:
+    def surface_key(self) -> np.uint64:
         """The key of the surface: where the file of a trace is does not change it."""
-        return keys_of([name, identity(name, value)] for name, value in self.parameters.items()).sum(axis=0)
+        return keys_of([name, identity(name, value)] for name, value in self.parameters.items()).sum()
 
     @cached_property
     def key(self) -> str:
         """A digest of all dependencies of the numbers except the loads: a case has the same key in every file."""
-        return short_keys(self.surface_key + key_of([self.methods, self.settings]))[0]
+        return short_keys(keys_of([[self.methods, self.settings]]) + self.surface_key)[0]
 
     @cached_property
     def profile(self) -> Any:
@@ -115,9 +115,9 @@ class Case:
 
 
 def short_keys(keys: Keys) -> list[str]:
-    """Return the keys of cases as files have them: the first 12 of 32 digits."""
+    """Return the keys of cases as files have them: the first 12 of 16 digits."""
     text = as_text(keys)
-    return [text[start : start + 12] for start in range(0, len(text), 32)]
+    return [text[start : start + 12] for start in range(0, len(text), 16)]
 
 
 def identity(name: str, value: Any) -> Any:

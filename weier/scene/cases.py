@@ -96,8 +96,8 @@ class Scene:
 
     @cached_property
     def _keys(self) -> Keys:
-        """The keys of the cases of all studies in turn, shape (cases, 2)."""
-        return np.concatenate([np.empty((0, 2), np.uint64), *(product.case_keys for product in self.products)])
+        """The keys of the cases of all studies in turn."""
+        return np.concatenate([np.empty(0, np.uint64), *(product.case_keys for product in self.products)])
 
     @cached_property
     def _distinct(self) -> tuple[Indices, Indices]:
@@ -111,7 +111,7 @@ class Scene:
 
     @property
     def keys_of_cases(self) -> Keys:
-        """The key of each case, in order of appearance, shape (cases, 2)."""
+        """The key of each case, in order of appearance."""
         return self._keys[self._distinct[0]]
 
     @property

@@ -57,16 +57,16 @@ class CaseProduct:
 
     @cached_property
     def surface_keys(self) -> Keys:
-        """The key of the surface of each case, shape (count, 2)."""
-        total = np.zeros((1, 2), np.uint64)
+        """The key of the surface of each case."""
+        total = np.zeros(1, np.uint64)
         for name, values in self.axes.items():
             own = keys_of([name, identity(name, value)] for value in values)
-            total = (total[:, None] + own).reshape(-1, 2)
+            total = (total[:, None] + own).ravel()
         return total
 
     @property
     def case_keys(self) -> Keys:
-        """The key of each case, with its methods and settings, shape (count, 2)."""
+        """The key of each case, with its methods and settings."""
         return self.surface_keys + key_of([self.methods, self.settings])
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:
