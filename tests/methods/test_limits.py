@@ -32,7 +32,7 @@ for module, limits in names.items():
         setattr(changed, name, max(1, round(number * factor)) if isinstance(number, int) else number * factor)
 loads, few = [1e-4, 0.03, 0.5, 2.0, 30.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0))
 found = {
-    "layer": [layer.curve(loads, *series)[:2] for series in [(1.25, 5, 3), (1.25, 5, inf), (1.8, 2, inf)]],
+    "layer": [layer.curve(Profile(*series), loads)[:2] for series in [(1.25, 5, 3), (1.25, 5, inf), (1.8, 2, inf)]],
     "hybrid": [hybrid.curve(Profile(1.25, 5, inf), loads, 2)[:2]],
     "bem": [bem.curve(few, loads[1:4], 256)[:2]],
 }

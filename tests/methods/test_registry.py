@@ -1,5 +1,7 @@
 """What the program derives from the methods that are listed."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from weier.cli import options
 from weier.figures import style
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
-from weier.methods.settings import check_names, defaults
+from weier.methods.settings import check_names, checked_settings, defaults
 from weier.surface.profile import random_phases
 
 INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
@@ -44,6 +46,35 @@ def test_a_method_says_whether_phases_change_its_curve(method):
                 np.testing.assert_array_equal(one, other)
             elif m > 1:
                 assert np.abs(one - other).max() > 1e-6
+
+
+RANGE = re.compile(r"(?:from |in \[)([\d.e-]+)(?: to |, )([\d.e-]+)")
+STATED = {
+    (method.name, setting): found.groups()
+    for method in registry.METHODS
+    for setting, text in method.settings.items()
+    if (found := RANGE.search(text))
+}
+
+
+@pytest.mark.parametrize(("name", "setting"), STATED)
+def test_settings_are_taken_in_the_range_that_their_texts_state_and_refused_beyond_it(name, setting):
+    """Before anything is solved. A range of numbers that are no counts may be open at its end."""
+    method, (least, most) = registry.find_method(name), map(float, STATED[name, setting])
+    step = 1 if isinstance(defaults(method)[setting], int) else 1e-3 * least
+
+    def check(value):
+        method.check(Profile(1.5, 2, 2), **checked_settings(method, {setting: type(step)(value)}))
+
+    check(least)
+    check(most - step)
+    for value in (least - step, most + step):
+        with pytest.raises(ValueError, match=f"^{setting}.* must .*{least:g}"):
+            check(value)
+
+
+def test_ranges_are_stated_by_the_methods_that_have_them():
+    assert [*STATED] == [("layer", "points"), ("layer", "accuracy"), ("patches", "tolerance")]
 
 
 def test_no_two_methods_look_alike():

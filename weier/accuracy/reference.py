@@ -56,8 +56,7 @@ def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
     """Return the layer on twice the points, with a quarter of the error; None if that takes minutes."""
     if 10 < profile.m < math.inf:  # more scales take minutes at this accuracy
         return None
-    series = profile.D, float(profile.gamma), profile.m
-    finer = layer.curve(loads, *series, points=2 * layer.POINTS, accuracy=1e-6)
+    finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 

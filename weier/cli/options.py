@@ -11,6 +11,7 @@ import click
 from weier import units
 from weier.checks import checked_numbers, checked_workers, nearest
 from weier.data.files import check_target
+from weier.methods.patches import TOLERANCE_RANGE
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import all_names, defaults, described, methods_with
 from weier.scene.yaml import parse_yaml
@@ -134,7 +135,8 @@ OF_SOLUTION = (
     click.Option(
         ["--tolerance"],
         type=float,
-        help="Accepted error of the compliance, in g_0, in [1e-13, 1), for all methods that take one, or for auto.",
+        help=f"Accepted error of the compliance, in g_0, in {TOLERANCE_RANGE}, for all methods that take one, or for "
+        "auto.",
     ),
     click.Option(
         ["--set", "settings"],

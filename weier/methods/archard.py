@@ -15,7 +15,7 @@ from weier.kernels.arrays import Array
 from weier.methods.flattened import Remaining, remaining
 from weier.methods.method import Estimate, Method, Style
 from weier.surface.profile import Profile
-from weier.surface.series import full_contact_pressure
+from weier.surface.series import MAX_EXPONENT, full_contact_pressure
 
 LN2 = np.log(2)
 NEGLIGIBLE = 1e-20  # keeps differences positive; below their rounding
@@ -67,7 +67,7 @@ def _sums(waves: Remaining, log_ratio: Array, constant: float) -> Array:
     shrink = 2 * full_contact_pressure(-1, waves.D, waves.gamma)
     log_shrink, ratio = LN2 - (waves.D - 1) * np.log(waves.gamma), np.exp(log_ratio)
     # terms until all waves are flat again, if the fixed point of ln xi is above 0
-    rising = np.ceil(np.log2(750 / np.maximum(log_shrink, NEGLIGIBLE)))  # -ln of any double is below 750
+    rising = np.ceil(np.log2(MAX_EXPONENT / np.maximum(log_shrink, NEGLIGIBLE)))
     direct = np.minimum(np.where(log_shrink > 0, rising, TERMS), waves.waves)
     xi, log_xi = np.minimum(waves.load, 1.0), np.minimum(np.log(waves.load), 0.0)
     total, weight = np.zeros(direct.shape), np.ones(direct.shape)
@@ -96,16 +96,17 @@ def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array
     return total
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Estimate:
+    """Return both curves of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(loads, *series), resistance(loads, *series))
+    return Estimate(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
 
 
 METHOD = Method(
     name="archard",
     label="Archard",
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
-    solve=_solve,
+    solve=curve,
     uses_phases=False,
     style=Style("#D55E00", (5, 1.5), "v"),
 )

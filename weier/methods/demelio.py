@@ -50,16 +50,17 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-def _solve(profile: Profile, loads: Array) -> Estimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Estimate:
+    """Return both curves of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(loads, *series), resistance(loads, *series))
+    return Estimate(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
 
 
 METHOD = Method(
     name="demelio",
     label="Demelio",
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
-    solve=_solve,
+    solve=curve,
     uses_phases=False,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
 )

@@ -22,9 +22,8 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import AreaEstimate, Method, Style
 from weier.surface.profile import Profile
-from weier.surface.series import MAX_TERMS, leading_amplitude
+from weier.surface.series import MAX_EXPONENT, MAX_TERMS, leading_amplitude
 
-MAX_EXPONENT = 750.0  # exp(-750) underflows
 NEGLIGIBLE = 40.0  # exp(-40) is below rounding.
 SMALL = -NEGLIGIBLE  # ln x below which E_1(x) = -ln x - 0.577... to rounding.
 MAX_VALUES = 2**20  # loads times terms in one array: 8 MB
@@ -137,9 +136,10 @@ def _geometric_sums(p: Array, n: Array, m: float, rates: Rates) -> tuple[Array, 
     return weight * ((-log_x - np.euler_gamma) * zeroth + rates.growth * first), weight * zeroth
 
 
-def _solve(profile: Profile, loads: Array) -> AreaEstimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> AreaEstimate:
+    """Return both curves and the contact fraction of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return AreaEstimate(*_solve_series(loads, *series), contact_fraction(loads, *series))
+    return AreaEstimate(*_solve_series(mean_pressure, *series), contact_fraction(mean_pressure, *series))
 
 
 def _applies(profile: Profile) -> None:
@@ -155,7 +155,7 @@ METHOD = Method(
     name="persson",
     label="Persson",
     summary="the pressure diffuses as finer waves are added; any m, also inf, not for light loads",
-    solve=_solve,
+    solve=curve,
     applies=_applies,
     uses_phases=False,
     style=Style("#E69F00", (8, 1.5, 1, 1.5), "p"),

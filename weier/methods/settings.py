@@ -14,7 +14,6 @@ from weier.methods.registry import METHODS, find_method
 from weier.surface.waves import MAX_POINTS
 
 TOLERANCE = "tolerance"  # has the same meaning in all methods
-MIN_FRACTION = patches.MIN_TOLERANCE  # least tolerance or fraction, the rounding level
 
 
 Check = Callable[[str, Any], Any]
@@ -26,7 +25,8 @@ def _count(name: str, value: Any) -> int:
 
 def _fraction(name: str, value: Any) -> float:
     """Check a numerical setting that is no count: a tolerance or a fraction."""
-    return checked_number(name, value, f"lie in [{MIN_FRACTION:g}, 1)", lambda number: MIN_FRACTION <= number < 1)
+    least, most = patches.MIN_TOLERANCE, patches.MAX_TOLERANCE
+    return checked_number(name, value, f"lie in {patches.TOLERANCE_RANGE}", lambda number: least <= number < most)
 
 
 def _word(name: str, value: Any) -> str:

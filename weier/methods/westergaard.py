@@ -68,8 +68,9 @@ def _wave(x: ArrayLike) -> tuple[Array, Array]:
     return np.sin(angle), np.cos(angle)
 
 
-def _solve(profile: Profile, loads: Array) -> AreaEstimate:
-    return AreaEstimate(compliance(loads), resistance(loads), 2 * contact_half_width(loads))
+def curve(profile: Profile, xi: ArrayLike) -> AreaEstimate:
+    """Return both curves and the contact fraction of the only wave of a series, over loads in p*."""
+    return AreaEstimate(compliance(xi), resistance(xi), 2 * contact_half_width(xi))
 
 
 def _applies(profile: Profile) -> None:
@@ -81,7 +82,7 @@ METHOD = Method(
     name="westergaard",
     label="Westergaard",
     summary="the closed form for one wave (6)-(14); m = 1",
-    solve=_solve,
+    solve=curve,
     applies=_applies,
     uses_phases=False,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),

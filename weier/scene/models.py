@@ -30,7 +30,7 @@ from weier.data.bodies import Bodies
 from weier.methods import auto
 from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
-from weier.scene.cases import NAME
+from weier.scene.cases import MAX_BATCH_CASES, NAME
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes
 from weier.scene.part import LIST, NUMBER, RANGE, OneOf, OneOrMore, Part, Pattern, all_of, as_list, check_once
@@ -539,7 +539,7 @@ class SceneKeys(Part):
 
     model_config = ConfigDict(title="a scene")
     title: Annotated[Line, Field(min_length=1)] = Field(description="Subject of the scene, one line.")
-    max_cases: Count = Field(MAX_CASES, description="Largest number of cases of the scene; 10000 by default.")
+    max_cases: Count = Field(MAX_CASES, description=f"Largest number of cases of the scene; {MAX_CASES} by default.")
     loads: LoadList = Field(
         description="Positive mean pressures in p_0*, in any order: a number, a range, or a list of these. With the "
         "key interface also in Pa, as {unit: MPa, from: 1, to: 100, count: 20} or [1 MPa, 10 MPa]: all cases then "
@@ -566,7 +566,8 @@ class SceneKeys(Part):
         "figures in SI units. Values may have units, as in 210 GPa.",
     )
     batch: Count = Field(
-        ABSENT, description="Largest number of cases per job; by default 10000, or fewer if memory is short."
+        ABSENT,
+        description=f"Largest number of cases per job; by default {MAX_BATCH_CASES}, or fewer if memory is short.",
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
         description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, or a "

@@ -16,6 +16,7 @@ from weier.kernels.arrays import Array
 
 INFINITE = ("inf", ".inf", "infinity")  # spellings of Python and YAML
 MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
+MAX_EXPONENT = 750.0  # above -ln of any double, so that exp(-750) underflows
 
 
 def amplitude(n: ArrayLike, D: ArrayLike, gamma: ArrayLike) -> Array:

@@ -20,7 +20,7 @@ PROFILE = Profile(1.25, 2, math.inf, random_phases(2))
 
 def test_one_resolved_term_is_the_layer_model_and_converges_to_it():
     """The mesh's own error is of second order: four times less at each halving, and 0.9 g_0/N^2 at most."""
-    exact = layer.curve(LOADS, 1.5, 5, math.inf)
+    exact = layer.curve(Profile(1.5, 5, math.inf), LOADS)
     errors = []
     for points in (32, 64, 128):
         found = hybrid.curve(Profile(1.5, 5, math.inf), LOADS, 1, points)
@@ -64,7 +64,7 @@ def test_the_heaviest_load_is_full_contact_and_the_lightest_close_to_first():
     """Within the error of the mesh, 9e-4 of a wave, twice as much where a node is all of the contact."""
     profile = Profile(1.25, 5, math.inf)
     loads = [MIN_LOAD, MAX_LOAD]
-    found, exact = hybrid.curve(profile, loads, 1), layer.curve(loads, 1.25, 5, math.inf)
+    found, exact = hybrid.curve(profile, loads, 1), layer.curve(Profile(1.25, 5, math.inf), loads)
     assert found.compliance == pytest.approx(exact.compliance, abs=2e-3)
     assert found.compliance[1] == pytest.approx(profile.total_amplitude, abs=1e-5)
     assert np.all(found.resistance >= 0)
@@ -79,7 +79,7 @@ def test_the_mesh_resolves_what_the_layer_adds_where_the_ratio_is_large(D, gamma
     """The layer has a thousandth of the height of the first wave, and a mesh of 32 points as large an error."""
     profile = Profile(D, gamma, math.inf, random_phases(seed))
     kept, loads = profile.truncated(1), load * np.array([0.5, 1.0, 2.0])
-    found, exact = hybrid.curve(profile, loads, 1), layer.curve(loads, D, gamma, math.inf)
+    found, exact = hybrid.curve(profile, loads, 1), layer.curve(Profile(D, gamma, math.inf), loads)
     error = np.abs(found.compliance - exact.compliance)
     assert np.all(error < MESH_FRACTION * kept.tail_amplitude + ACCURACY * exact.compliance)
     assert np.all(found.compliance > found.compliance_lower)  # inside, not cut off at the bounds
@@ -106,7 +106,10 @@ SMALL_RATIOS = [(1.7747, 1.01), (1.37, 1.0106), (1.98, 1.27), (1.04, 1.03)]
 @pytest.mark.parametrize(("D", "gamma"), SMALL_RATIOS)
 def test_ratios_close_to_1_put_hundreds_of_waves_into_the_layer(D, gamma, loads):
     """The layer is far softer than the first wave, which is pressed flat on it at once."""
-    found, exact = hybrid.curve(Profile(D, gamma, math.inf), loads, 1), layer.curve(loads, D, gamma, math.inf)
+    found, exact = (
+        hybrid.curve(Profile(D, gamma, math.inf), loads, 1),
+        layer.curve(Profile(D, gamma, math.inf), loads),
+    )
     assert found.compliance == pytest.approx(exact.compliance, rel=1e-5, abs=2e-3)
     assert np.all(found.residual <= newton.TOLERANCE)
 

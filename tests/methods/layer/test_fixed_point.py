@@ -10,7 +10,7 @@ from scipy.fft import dct, idct
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
-from weier import ConvergenceError
+from weier import ConvergenceError, Profile
 from weier.methods import demelio, layer, westergaard
 from weier.methods.layer import fixed_point, solver
 from weier.methods.layer.scales import Model, finer_waves, scale_on
@@ -27,12 +27,14 @@ HARD = [(1.99, 17), (1.999, 5.38), (1.25, 1.01), (1.01, 1.01)]
 @pytest.mark.parametrize(("D", "gamma"), [(1.5, 2), (1.25, 5), (1 + 1e-9, 5)])
 def test_heavy_loads_press_the_infinite_series_flat_and_leave_light_ones_as_they_are(D, gamma):
     loads = np.array([1e-3, 1.0, 1e3, 1e300])
-    together = layer.curve(loads, D, gamma, math.inf)
+    together = layer.curve(Profile(D, gamma, math.inf), loads)
     assert together.compliance[-1] == pytest.approx(tail_amplitude(0, D, gamma), rel=1e-14)
     # Finite series of nearly that amplitude, and the infinite one without the heavy loads.
-    np.testing.assert_allclose(together.compliance, layer.curve(loads, D, gamma, 200).compliance, rtol=ACCURACY)
     np.testing.assert_allclose(
-        together.compliance[:2], layer.curve(loads[:2], D, gamma, math.inf).compliance, rtol=ACCURACY
+        together.compliance, layer.curve(Profile(D, gamma, 200), loads).compliance, rtol=ACCURACY
+    )
+    np.testing.assert_allclose(
+        together.compliance[:2], layer.curve(Profile(D, gamma, math.inf), loads[:2]).compliance, rtol=ACCURACY
     )
 
 
@@ -42,7 +44,7 @@ def test_damped_steps_find_the_curve_that_wave_by_wave_sums_approach():
     model = Model(D, gamma, m, midpoints(POINTS), 1e-2, 1e-8)
     finer = finer_waves(model, BOTTOM_POSITIONS[0], position_of(solver._top(model)))
     finite, _, _ = scale_on(finer, model).solve(np.log(loads))
-    added = layer.curve(loads, D, gamma, math.inf).compliance - finite
+    added = layer.curve(Profile(D, gamma, math.inf), loads).compliance - finite
     assert np.all(added > 0)
     assert np.all(added < tail_amplitude(m, D, gamma) + ACCURACY * finite)
 
@@ -83,7 +85,7 @@ def closure(curve, D, gamma):
 def test_two_waves_are_one_on_a_layer_of_westergaards(D, gamma, h):
     # With 400 steps the load at h = 0.05, D = 1.25 is off by 1.0e-5 of itself, with 800 by 2e-6.
     load = mean_pressure_at(h, closure(westergaard.compliance, D, gamma), n=800)
-    assert layer.curve(load, D, gamma, 2).compliance == pytest.approx(h, rel=ACCURACY)
+    assert layer.curve(Profile(D, gamma, 2), load).compliance == pytest.approx(h, rel=ACCURACY)
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.1, 5), (1.25, 5), (1.5, 2), (1.75, 2), (1.9, 3), (1.98, 4), *HARD])
@@ -92,11 +94,11 @@ def test_the_infinite_series_is_a_fixed_point(D, gamma):
 
     A deviation of one scale adds up to 1/(1 - gamma^(D-2)) times as much over all of them.
     """
-    log_pressure = closure(lambda xi: layer.curve(xi, D, gamma, math.inf).compliance, D, gamma)
+    log_pressure = closure(lambda xi: layer.curve(Profile(D, gamma, math.inf), xi).compliance, D, gamma)
     loads = np.geomspace(1e-5, 3, 7)
-    h = layer.curve(loads, D, gamma, math.inf).compliance
+    h = layer.curve(Profile(D, gamma, math.inf), loads).compliance
     found = np.array([mean_pressure_at(one, log_pressure) for one in h])
-    slope = layer.curve(loads, D, gamma, math.inf).resistance * loads / h
+    slope = layer.curve(Profile(D, gamma, math.inf), loads).resistance * loads / h
     error = np.abs(np.log(found / loads)) * slope / (1 - gamma ** (D - 2))
     print(f"D = {D}, gamma = {gamma}: off by {error.max():.1e} of itself at most")
     assert error.max() < ACCURACY
@@ -117,14 +119,14 @@ ITERATED = [
 
 @pytest.mark.parametrize(("D", "gamma", "load", "h"), ITERATED)
 def test_the_infinite_series_is_where_iterating_one_scale_leads(D, gamma, load, h):
-    assert layer.curve([load], D, gamma, math.inf).compliance == pytest.approx(h, rel=ACCURACY)
+    assert layer.curve(Profile(D, gamma, math.inf), [load]).compliance == pytest.approx(h, rel=ACCURACY)
 
 
 @pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.75, 2)])
 def test_light_loads_of_the_infinite_series_satisfy_an_integral_equation(D, gamma):
     """Where the half-plane yields nothing, P(h) = gamma^(D-1) int P(gamma^(2-D) (h - 2 pi^2 x^2)) dx."""
     xi = np.geomspace(1e-200, 1e-9, 2000)
-    log_h = np.log(layer.curve(xi, D, gamma, math.inf).compliance)
+    log_h = np.log(layer.curve(Profile(D, gamma, math.inf), xi).compliance)
     log_load = CubicSpline(log_h, np.log(xi))
     h = np.exp(log_h[700])
     assert h < 1e-3 or D > 1.5
@@ -145,7 +147,7 @@ def test_the_closure_of_a_tail_is_its_curve():
     loads = np.geomspace(1e-15, 1e5, 300)
     for D, gamma in ((1.02, 2), (1.5, 5), (1.98, 4)):
         log_h, power = layer.tail_closure(np.log(loads), D, gamma)
-        found = layer.curve(loads, D, gamma, math.inf)
+        found = layer.curve(Profile(D, gamma, math.inf), loads)
         np.testing.assert_allclose(np.exp(log_h), found.compliance, rtol=ACCURACY)
         np.testing.assert_allclose(power, found.resistance * loads / found.compliance, rtol=1e-3, atol=1e-4)
 
@@ -153,15 +155,15 @@ def test_the_closure_of_a_tail_is_its_curve():
 def test_a_fixed_point_that_is_not_reached_is_refused(monkeypatch):
     monkeypatch.setattr(fixed_point, "MAX_STEPS", 3)
     with pytest.raises(ConvergenceError, match=r"D = 1.25 and gamma = 5 still changes by .*: choose") as refused:
-        layer.curve([0.1], 1.25, 5, math.inf)
+        layer.curve(Profile(1.25, 5, math.inf), [0.1])
     assert refused.value.residual > ACCURACY
 
 
 def test_so_many_scales_that_residuals_of_waves_add_up_have_smaller_ones():
     """60 000 of them. Tables of another accuracy agree, and the curve lies between Demelio's and the total height."""
     D, gamma, loads = 1.9985, 1.0108, [1e-3, 1.0, 1e3, 1e300]
-    h = layer.curve(loads, D, gamma, math.inf).compliance
-    coarse = layer.curve(loads, D, gamma, math.inf, accuracy=1e-3).compliance
+    h = layer.curve(Profile(D, gamma, math.inf), loads).compliance
+    coarse = layer.curve(Profile(D, gamma, math.inf), loads, accuracy=1e-3).compliance
     np.testing.assert_allclose(coarse, h, rtol=1e-3)
     assert np.all(np.diff(h) > 0)
     assert np.all(h > demelio.compliance(loads, D, gamma, math.inf))

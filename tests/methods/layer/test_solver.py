@@ -25,7 +25,7 @@ def full_contact(D, gamma, m):
 
 def test_one_wave_is_westergaard():
     xi = np.geomspace(1e-30, 1e3, 67)
-    answer = layer.curve(xi, 1.3, 4, 1)
+    answer = layer.curve(Profile(1.3, 4, 1), xi)
     np.testing.assert_array_equal(answer.compliance, westergaard.compliance(xi))
     np.testing.assert_array_equal(answer.resistance, westergaard.resistance(xi))
 
@@ -39,7 +39,7 @@ def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
     # Differences cost step^2 and 1e-10/step.
     xi, step = np.array([1e-20, 1e-6, 1e-2, 0.3, 2.0]), 1e-4
     loads = np.stack([xi * (1 - step), xi, xi * (1 + step)], axis=1)
-    answer = layer.curve(loads.ravel(), D, gamma, m)
+    answer = layer.curve(Profile(D, gamma, m), loads.ravel())
     below, _, above = answer.compliance.reshape(-1, 3).T
     np.testing.assert_allclose(answer.resistance[1::3], (above - below) / (2 * step * xi), rtol=1e-4)
 
@@ -48,7 +48,7 @@ def test_resistance_is_the_slope_of_the_compliance(D, gamma, m):
 def test_lightest_loads_follow_one_power_of_the_load(D, gamma, m):
     # ln h bends only through the logarithm in Westergaard's h: less and less over equal factors of the load.
     xi = np.geomspace(1e-305, 1e-155, 16)
-    answer = layer.curve(xi, D, gamma, m)
+    answer = layer.curve(Profile(D, gamma, m), xi)
     slope = np.diff(np.log(answer.compliance)) / np.log(1e10)
     power = answer.resistance * xi / answer.compliance
     assert np.all((slope > power[1:]) & (slope < power[:-1]))
@@ -59,15 +59,15 @@ def test_lightest_loads_follow_one_power_of_the_load(D, gamma, m):
 @pytest.mark.parametrize("m", [3, math.inf])
 def test_a_load_far_above_those_of_the_finer_waves_is_solved_alone_as_among_others(load, m):
     # gamma = 1e6: all that the finer waves carry lies far below the load.
-    alone = layer.curve([load], 1.5, 1e6, m).compliance
-    assert alone == pytest.approx(layer.curve([1e-9, load], 1.5, 1e6, m).compliance[1:], rel=ACCURACY)
+    alone = layer.curve(Profile(1.5, 1e6, m), [load]).compliance
+    assert alone == pytest.approx(layer.curve(Profile(1.5, 1e6, m), [1e-9, load]).compliance[1:], rel=ACCURACY)
     assert alone <= archard.compliance(load, 1.5, 1e6, m) * (1 + 1e-5)
 
 
 @pytest.mark.parametrize(("D", "gamma", "m"), CASES)
 def test_full_contact_is_exact(D, gamma, m):
     full = full_contact(D, gamma, m)
-    answer = layer.curve(full * np.array([0.8, 1 - 1e-9, 1 + 1e-9, 1e6]), D, gamma, m)
+    answer = layer.curve(Profile(D, gamma, m), full * np.array([0.8, 1 - 1e-9, 1 + 1e-9, 1e6]))
     total = leading_amplitude(m, D, gamma)
     assert answer.compliance[0] < total
     assert answer.resistance[0] > 0
@@ -83,9 +83,9 @@ SERIES = [(D, gamma, m) for D in (1.02, 1.5, 1.98) for gamma, m in ((2, 2), (2, 
 def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
     heaviest = min(1e3, 0.99 * full_contact(D, gamma, m)) if math.isfinite(m) else 1e3
     loads = np.geomspace(1e-12, heaviest, 25)
-    best = layer.curve(loads, D, gamma, m, accuracy=ACCURACY / 100, points=40).compliance
+    best = layer.curve(Profile(D, gamma, m), loads, accuracy=ACCURACY / 100, points=40).compliance
     for accuracy in (1e-3, ACCURACY):
-        found = layer.curve(loads, D, gamma, m, accuracy=accuracy).compliance
+        found = layer.curve(Profile(D, gamma, m), loads, accuracy=accuracy).compliance
         error = np.abs(found / best - 1).max()
         print(f"D = {D}, gamma = {gamma}, m = {m}: accuracy {accuracy:.0e}, error {error:.1e}")
         assert error <= accuracy  # and that of the mesh, 5e-6 at most
@@ -93,26 +93,23 @@ def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
 
 def test_a_load_does_not_depend_on_the_others():
     loads = np.array([1e-4, 0.2, 3.0])
-    together = layer.curve(loads, 1.25, 5, 3)
-    alone = [layer.curve([load], 1.25, 5, 3) for load in loads]
+    together = layer.curve(Profile(1.25, 5, 3), loads)
+    alone = [layer.curve(Profile(1.25, 5, 3), [load]) for load in loads]
     np.testing.assert_array_equal(together.compliance, [found.compliance[0] for found in alone])
     np.testing.assert_array_equal(together.resistance, [found.resistance[0] for found in alone])
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("loads", "message"),
     [
-        (([0.1], 2.0, 5, 3), "D must lie"),
-        (([0.1], 1.5, 1, 3), "gamma must be"),
-        (([0.1], 1.5, 5, 2.5), "m must be"),
-        (([0.1, 0.0], 1.5, 5, 3), "mean_pressure must be"),
-        (([], 1.5, 5, 3), "mean_pressure must be"),
-        (([1e-306], 1.5, 5, 3), "mean_pressure must be at least 1e-305 p_0"),
+        ([0.1, 0.0], "mean_pressure must be"),
+        ([], "mean_pressure must be"),
+        ([1e-306], "mean_pressure must be at least 1e-305 p_0"),
     ],
 )
-def test_bad_input_is_refused(arguments, message):
+def test_bad_loads_are_refused(loads, message):
     with pytest.raises(ValueError, match=message):
-        layer.curve(*arguments)
+        layer.curve(Profile(1.5, 5, 3), loads)
 
 
 @pytest.mark.parametrize("m", [1, 3])
@@ -126,7 +123,7 @@ def test_bad_input_is_refused(arguments, message):
 def test_settings_out_of_range_are_refused_at_once(setting, values, m):
     for value in values:
         with pytest.raises(ValueError, match=f"{setting} must .*, got (the text ')?{value}"):
-            layer.curve([0.1], 1.5, 5, m, **{setting: value})
+            layer.curve(Profile(1.5, 5, m), [0.1], **{setting: value})
 
 
 @pytest.mark.parametrize(
@@ -136,12 +133,12 @@ def test_settings_out_of_range_are_refused_at_once(setting, values, m):
 def test_settings_at_the_ends_of_their_ranges_hold(m, least, most):
     """The infinite series at 1e-9, or on 200 points, takes tens of seconds."""
     loads = np.array([1e-305, 1e-3, 0.3, 2.0, 1e6])
-    finest = layer.curve(loads, 1.5, 5, m, accuracy=least)
+    finest = layer.curve(Profile(1.5, 5, m), loads, accuracy=least)
     for accuracy in {10 * least, 1e-5, 1e-2}:
-        coarser = layer.curve(loads, 1.5, 5, m, accuracy=accuracy)
+        coarser = layer.curve(Profile(1.5, 5, m), loads, accuracy=accuracy)
         np.testing.assert_allclose(coarser.compliance, finest.compliance, rtol=accuracy)
     for points in (4, most):
-        other = layer.curve(loads[1:], 1.5, 5, m, points=points).compliance
+        other = layer.curve(Profile(1.5, 5, m), loads[1:], points=points).compliance
         np.testing.assert_allclose(other, finest.compliance[1:], rtol=1e-3)
 
 

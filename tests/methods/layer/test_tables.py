@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from weier import ConvergenceError
+from weier import ConvergenceError, Profile
 from weier.methods import layer
 from weier.methods.layer import fixed_point, solver, tables
 from weier.methods.layer.scales import model_of
@@ -31,7 +31,7 @@ def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, limit, least, 
     for module in (tables, fixed_point):
         monkeypatch.setattr(module, limit, least)
     with pytest.raises(ConvergenceError, match=r"still off by .* rows, above .*, its part of the accuracy"):
-        layer.curve([0.1, 0.2], 1.25, 5, m)
+        layer.curve(Profile(1.25, 5, m), [0.1, 0.2])
 
 
 def test_scales_one_by_one_reach_the_infinite_series():
@@ -41,14 +41,14 @@ def test_scales_one_by_one_reach_the_infinite_series():
     assert not _may_be_infinite(BOTTOM_POSITIONS[0], model)
     loads = np.array([1e-12, 1e-6, 1e-3, 0.1, 1.0, 3.6])
     tail = tail_amplitude(m, D, gamma)
-    finite, infinite = (layer.curve(loads, D, gamma, terms).compliance for terms in (m, math.inf))
+    finite, infinite = (layer.curve(Profile(D, gamma, terms), loads).compliance for terms in (m, math.inf))
     print(f"D = {D}, gamma = {gamma}: {np.abs(finite / infinite - 1).max():.1e} apart, the tail is {tail:.1e} g_0")
     assert np.all(np.abs(infinite - finite) <= tail + ACCURACY * infinite)
 
 
 def test_too_many_scales_are_refused():
     with pytest.raises(ConvergenceError, match=r"errors of the layer model add up over .* scales") as refused:
-        layer.curve([0.1], 1.9999999, 1.01, math.inf)
+        layer.curve(Profile(1.9999999, 1.01, math.inf), [0.1])
     assert refused.value.residual > ACCURACY
     with pytest.raises(ConvergenceError, match="a series of 5000 terms still differs from the infinite one"):
-        layer.curve([0.1], 1.999, 2, 5000)
+        layer.curve(Profile(1.999, 2, 5000), [0.1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from weier import ConvergenceError
+from weier import ConvergenceError, Profile
 from weier.methods import layer, westergaard
 from weier.methods.layer.closure import closure_of
 from weier.methods.layer.conditions import violations
@@ -30,7 +30,7 @@ def test_a_stiff_layer_leaves_westergaard(xi):
 def test_a_wave_that_misses_the_tolerance_is_refused():
     # Waves 1e300 times as fine: their layer is far too thin for numbers.
     with pytest.raises(ConvergenceError, match="has no solution under the mean pressure") as refused:
-        layer.curve([1e-4, 0.2, 3.0], 1.5, 1e300, 3)
+        layer.curve(Profile(1.5, 1e300, 3), [1e-4, 0.2, 3.0])
     assert refused.value.residual > RESIDUAL_FRACTION * ACCURACY
 
 

@@ -73,7 +73,7 @@ def curve(
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
     points : int, optional
-        Nodes in one period; 64 for each of the finest waves by default.
+        Nodes in one period; by default `POINTS_PER_WAVE` for each of the finest waves.
     max_residual : float
         Largest residual that is accepted, in g_0.
     with_resistance : bool

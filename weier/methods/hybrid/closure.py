@@ -10,10 +10,11 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 from weier.methods import layer
+from weier.methods.layer.tables import MIN_LOADS
 from weier.surface.profile import Profile
 
 ROWS = 400  # of ln p over ln Y: as accurate as the table of the layer
-MIN_LOAD, MAX_LOAD = 1e-18, 1e3  # range of the rows, in p_0*
+MIN_LOAD, MAX_LOAD = MIN_LOADS[0], 1e3  # range of the rows, in p_0*
 
 
 class NodalClosure(NamedTuple):

@@ -10,6 +10,7 @@ from weier.methods.hybrid.solver import (
     POINTS_PER_WAVE,
     HybridCurve,
     check_infinite,
+    checked_points,
     curve,
     default_points,
 )
@@ -27,6 +28,12 @@ def _solve(profile: Profile, loads: Array, terms: int | None = None) -> HybridCu
 
 def _default_terms(profile: Profile) -> int:
     return terms_within(profile, DEFAULT_POINTS / POINTS_PER_WAVE)
+
+
+def _check(profile: Profile, terms: int | None = None) -> None:
+    """Refuse more terms than the grid resolves."""
+    if terms is not None:
+        checked_points(profile.truncated(terms))
 
 
 def _seconds(
@@ -50,5 +57,6 @@ METHOD = Method(
     settings={"terms": "number of terms to resolve; by default the largest that fits on the default grid"},
     applies=check_infinite,
     seconds=_seconds,
+    check=_check,
     style=Style("#8C510A", (4, 1, 1, 1), "D"),
 )

@@ -65,12 +65,12 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     profile : Profile
         With m = inf.
     mean_pressure : array_like, shape (loads,)
-        Increasing mean pressures in [1e-6, 1e3], in p_0*.
+        Increasing mean pressures, in p_0*.
     terms : int
         Number of terms to resolve, at least 1.
     points : int, optional
-        Nodes per period; by default 32 for each of the finest resolved waves, more if the error of the mesh would
-        exceed a tenth of the tail, up to 2^14.
+        Nodes per period; by default `POINTS_PER_WAVE` for each of the finest resolved waves, more if the error of the
+        mesh would exceed a tenth of the tail.
 
     Returns
     -------
@@ -80,16 +80,13 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     Raises
     ------
     ValueError
-        If the series is finite, or takes more than 2^14 points; NotApplicableError if a load lies outside
-        [1e-6, 1e3].
+        If the series is finite, or takes too many points; NotApplicableError if a load is too light or too heavy.
     ConvergenceError
-        If Newton's method stops short of 1e-9 g_0.
+        If Newton's method stops short of its tolerance.
     """
     check_infinite(profile)
     kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
-    points = bem.checked_points(kept, points or default_points(kept))
-    if points > MAX_POINTS:
-        raise ValueError(f"terms must be fewer, got {terms}, which take {points} points, more than {MAX_POINTS}")
+    points = checked_points(kept, points)
     outside = (loads < MIN_LOAD) | (loads > MAX_LOAD)
     if outside.any():
         raise NotApplicableError(
@@ -100,6 +97,14 @@ def curve(profile: Profile, mean_pressure: ArrayLike, terms: int, points: int | 
     h, R, residual = solve_loads(kept, loads, points, closure)
     lower, upper = bounds(profile, loads, terms)
     return HybridCurve(np.clip(h, lower, upper), R, lower, upper, residual)
+
+
+def checked_points(kept: Profile, points: int | None = None) -> int:
+    """Return the number of nodes for these terms, given or by default; ValueError if it is too large."""
+    points = bem.checked_points(kept, points or default_points(kept))
+    if points > MAX_POINTS:
+        raise ValueError(f"terms must be fewer, got {kept.m}, which take {points} points, more than {MAX_POINTS}")
+    return points
 
 
 def default_points(kept: Profile) -> int:

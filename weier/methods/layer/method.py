@@ -6,22 +6,13 @@ import math
 from typing import Any
 
 from weier.kernels.arrays import Array
-from weier.methods.layer.solver import ACCURACY, POINTS, LayerCurve, curve
+from weier.methods.layer.solver import MAX_ACCURACY, MAX_POINTS, MIN_ACCURACY, MIN_POINTS, POINTS, check, curve
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 # of a table of a finite series and of the infinite one, nodes that double them, and seconds of a load:
 # `python -m weier.accuracy.expected_seconds`
 SECONDS = 0.008, 0.1, 42.0, 1e-4
-
-
-def _solve(
-    profile: Profile,
-    loads: Array,
-    points: int = POINTS,
-    accuracy: float = ACCURACY,
-) -> LayerCurve:
-    return curve(loads, profile.D, float(profile.gamma), profile.m, points, accuracy)
 
 
 def _seconds(
@@ -41,12 +32,14 @@ METHOD = Method(
     name="layer",
     label="non-linear layer",
     summary="each wave bears on a non-linear layer of all finer ones (4.3); any m, also inf",
-    solve=_solve,
+    solve=curve,
     settings={
-        "points": "nodes per half wave, from 4 to 500",
-        "accuracy": "relative error of the compliance by the tables of finer waves, from 1e-9 to 0.01",
+        "points": f"nodes per half wave, from {MIN_POINTS} to {MAX_POINTS}",
+        "accuracy": "relative error of the compliance by the tables of finer waves, "
+        f"from {MIN_ACCURACY:g} to {MAX_ACCURACY:g}",
     },
     uses_phases=False,
     style=Style("#009E73", (1.2, 1.2), "s"),
     seconds=_seconds,
+    check=check,
 )

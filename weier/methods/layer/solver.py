@@ -22,7 +22,8 @@ from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, model_of, scale_on
 from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.surface.loads import checked_loads
-from weier.surface.series import checked_dimension, checked_terms, tail_amplitude
+from weier.surface.profile import Profile
+from weier.surface.series import tail_amplitude
 
 POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
 ACCURACY = 1e-5
@@ -46,31 +47,20 @@ class LayerCurve(NamedTuple):
     residual: Array
 
 
-def curve(
-    mean_pressure: ArrayLike,
-    D: float,
-    gamma: float,
-    m: float,
-    points: int = POINTS,
-    accuracy: float = ACCURACY,
-) -> LayerCurve:
+def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accuracy: float = ACCURACY) -> LayerCurve:
     """Return compliance and resistance of the non-linear layer model (4.3).
 
     Parameters
     ----------
+    profile : Profile
+        A series of any number of terms, also inf; its phases do not matter.
     mean_pressure : array_like, shape (loads,)
-        Increasing mean pressures, at least 1e-305, in p_0*.
-    D : float
-        Fractal dimension, 1 < D < 2.
-    gamma : float
-        Ratio of successive wavelengths, > 1; any real number will do.
-    m : int or inf
-        Number of terms.
+        Increasing mean pressures, in p_0*.
     points : int
-        Nodes on half a wave, 4 to 500.
+        Nodes on half a wave.
     accuracy : float
-        Largest relative error of the compliance due to the tables of all scales, at any load; 1e-9 to 0.01. The error
-        of the mesh is additional: see the notes.
+        Largest relative error of the compliance due to the tables of all scales, at any load. The error of the mesh
+        is additional: see the notes.
 
     Returns
     -------
@@ -80,11 +70,11 @@ def curve(
     Raises
     ------
     ValueError
-        If a parameter lies outside its range.
+        If a load or a setting lies outside its range.
     ConvergenceError
         If a wave does not converge, or a table misses the accuracy: errors add up over about 1/(1 - gamma^(D-2))
-        scales at heavy loads, and over more at light ones. Or if a series has more than 1000 terms and still differs
-        from the infinite one.
+        scales at heavy loads, and over more at light ones. Or if a series of too many terms still differs from the
+        infinite one.
 
     Notes
     -----
@@ -98,15 +88,12 @@ def curve(
     per cent.
 
     """
-    ratio = checked_number("gamma", gamma, "be finite and exceed 1", lambda ratio: 1 < ratio < math.inf)
-    nodes = checked_count("points", points, MIN_POINTS, MAX_POINTS)
-    within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
-    held = checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
-    model = model_of(checked_dimension(D), ratio, checked_terms(m), nodes, held)
+    check(profile, points, accuracy)
+    model = model_of(profile.D, float(profile.gamma), profile.m, int(points), float(accuracy))
     loads = checked_loads(mean_pressure)
     if loads[0] < MIN_LOADS[1]:
         raise ValueError(f"mean_pressure must be at least {MIN_LOADS[1]:g} p_0*, got {loads[0]:g}")
-    if m == 1:
+    if profile.m == 1:
         return LayerCurve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
     # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
     top = _top(model)
@@ -120,8 +107,15 @@ def curve(
     return LayerCurve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
 
 
+def check(profile: Profile, points: int = POINTS, accuracy: float = ACCURACY) -> None:
+    """Refuse settings out of range, for any series."""
+    checked_count("points", points, MIN_POINTS, MAX_POINTS)
+    within = f"lie in [{MIN_ACCURACY:g}, {MAX_ACCURACY:g}]"
+    checked_number("accuracy", accuracy, within, lambda value: MIN_ACCURACY <= value <= MAX_ACCURACY)
+
+
 def tail_closure(log_load: Array, D: float, gamma: float) -> tuple[Array, Array]:
-    """Return the closure of a layer for an infinite series: ln W and d ln W/d ln xi, from loads of 1e-18 on."""
+    """Return the closure of a layer for an infinite series: ln W and d ln W/d ln xi, from `MIN_LOADS[0]` on."""
     model = model_of(D, gamma, math.inf, POINTS, ACCURACY)
     waves = _finer_waves(BOTTOM_POSITIONS[0], MAX_POSITION, model)
     carried, height, scale = _flat_waves(log_load, waves, model)

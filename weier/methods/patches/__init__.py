@@ -10,7 +10,7 @@ holds contacts or gaps with their nodes and densities. A load starts from `start
 from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.method import METHOD, SECONDS, run_kernels
 from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE
+from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE, TOLERANCE_RANGE
 
 __all__ = [
     "MAX_TOLERANCE",
@@ -18,6 +18,7 @@ __all__ = [
     "MIN_TOLERANCE",
     "SECONDS",
     "TOLERANCE",
+    "TOLERANCE_RANGE",
     "Events",
     "PatchCurve",
     "Solution",

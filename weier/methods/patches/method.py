@@ -18,7 +18,7 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.solver import curve
-from weier.methods.patches.start import TOLERANCE, isolated_contacts, isolated_gaps
+from weier.methods.patches.start import TOLERANCE, TOLERANCE_RANGE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
@@ -69,7 +69,7 @@ METHOD = Method(
     summary="contact edges as unknowns, ten digits; finite m",
     solve=curve,
     settings={
-        "tolerance": "accepted error of the compliance, in g_0, in [1e-13, 1); the stated bound is within it",
+        "tolerance": f"accepted error of the compliance, in g_0, in {TOLERANCE_RANGE}; the stated bound is within it",
     },
     applies=applies_to_resolvable,
     numerical=True,

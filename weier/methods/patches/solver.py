@@ -129,9 +129,9 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     mean_pressure : array_like, shape (loads,)
         Increasing, positive, in p_0*.
     tolerance : float
-        Accepted error of the compliance, in g_0, from 1e-13 to 1. It is applied relative to the indentation, and
-        limited to 1e-4 of it, so that the compliance is usually far more accurate than required and the resistance is
-        accurate at light loads.
+        Accepted error of the compliance, in g_0. It is applied relative to the indentation, and limited to
+        `LARGEST_TOLERANCE` of it, so that the compliance is usually far more accurate than required and the
+        resistance is accurate at light loads.
 
     Returns
     -------
@@ -141,8 +141,8 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     Raises
     ------
     ValueError
-        If the loads are not increasing from 1e-300 or above, the tolerance is not in [1e-13, 1), or the waves are
-        too many.
+        If the loads are not increasing from `MIN_LOAD` or above, the tolerance is not in `TOLERANCE_RANGE`, or the
+        waves are too many.
     ConvergenceError
         If a load cannot be solved, its solution fails a check, or the bound on its error exceeds the tolerance.
 

@@ -30,6 +30,7 @@ from weier.theory.halfplane import displacement_at_distance, displacement_of_pun
 
 # limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
 MIN_TOLERANCE, MAX_TOLERANCE = FIELD_ROUNDING, 1.0
+TOLERANCE_RANGE = f"[{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g})"
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
@@ -55,9 +56,7 @@ class Starts:
     def __init__(self, profile: Waves, tolerance: float) -> None:
         """Prepare starts for a tolerance of the compliance, in g_0; ValueError if it is out of range."""
         if not MIN_TOLERANCE <= tolerance < MAX_TOLERANCE:
-            raise ValueError(
-                f"tolerance must lie in [{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g}) for contact patches, got {tolerance}"
-            )
+            raise ValueError(f"tolerance must lie in {TOLERANCE_RANGE} for contact patches, got {tolerance}")
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)
 
