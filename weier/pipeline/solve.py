@@ -135,7 +135,7 @@ def solve_under(
         if doubt := unit_doubt(surface, own):
             warnings.warn(doubt, stacklevel=4)  # at the call of `solve`, which `hinting` hands on
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
-    methods = _list("method", method)
+    methods = [find_method(name).name for name in _list("method", method)]
     if max_seconds is not None:
         max_seconds = checked_number("max_seconds", max_seconds, "be positive", lambda seconds: seconds > 0, "s")
     several = isinstance(profile, list | tuple) or isinstance(method, list | tuple)
