@@ -132,12 +132,6 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
 
 
-def test_an_unknown_figure_is_refused(scene_file):
-    done = weier("figures", scene_file, ".", ".", "two")
-    assert done.returncode == 1
-    assert "has no figure 'two'" in done.stderr
-
-
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [

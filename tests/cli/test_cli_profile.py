@@ -177,20 +177,6 @@ def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
         assert "trace = shaft.csv" in str(data.case.values[0])
 
 
-def test_a_file_that_names_its_units_needs_no_others(run, shaft):
-    code, out, errors = run("solve", "--trace", shaft, *UNITS[4:6], "--shortest", "1e-4", "--loads", "0.1")
-    assert code == 0, errors
-    with_units, out = out, run("solve", "--trace", shaft, *UNITS, "--loads", "0.1")[1]
-    assert (
-        pytest.approx(json.loads(with_units)["methods"]["patches"]["compliance"], rel=1e-12)
-        == json.loads(out)["methods"]["patches"]["compliance"]
-    )
-    code, smaller, _ = run("solve", "--trace", shaft, *UNITS[:3], "nm", *UNITS[4:], "--loads", "0.1")
-    assert code == 0
-    heights = [json.loads(text)["trace_height"] for text in (smaller, out)]
-    assert heights[0] == pytest.approx(1e-3 * heights[1])
-
-
 @pytest.fixture
 def column(tmp_path):
     """Heights in um, in one column, of which two are missing."""
@@ -230,14 +216,6 @@ def test_a_form_is_reported_in_one_line(run, tmp_path):
     assert line.startswith("weier: the form of the trace, a parabola or tilt of")
 
 
-def test_a_file_of_an_instrument_says_what_to_install(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    (tmp_path / "map.x3p").write_bytes(b"PK\x03\x04")
-    code, _, errors = run("solve", "--trace", tmp_path / "map.x3p", "--line", "120", "--loads", "0.1")
-    assert code == 1
-    assert errors.strip().endswith("to read the formats of instruments, pip install 'weier[instruments]'")
-
-
 def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypatch):
     """A method that does not apply is named, with the reason."""
     monkeypatch.chdir(tmp_path)
@@ -246,22 +224,6 @@ def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypa
     assert "the figure is in compliance.png" in err
     assert (tmp_path / "compliance.png").stat().st_size > 10_000
     assert "patches is left out: m = inf has no finest wave to resolve" in err
-
-
-def test_one_load_is_no_curve(run, tmp_path):
-    code, _, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "3", "--loads", "0.1", str(tmp_path / "one.png"))
-    assert code == 2
-    assert "a curve takes at least 2 loads, got 1: give a range" in err
-    assert not (tmp_path / "one.png").exists()
-
-
-def test_a_tolerance_is_of_all_methods_that_take_one(run):
-    methods = [part for name in ("bem", "patches", "demelio") for part in ("--method", name)]
-    code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", *methods, "--tolerance", "1e-4")
-    assert code == 0
-    found = json.loads(out)["methods"]
-    assert [found[name]["settings"].get("tolerance") for name in found] == [1e-4, 1e-4, None]
-    assert max(found["bem"]["compliance_error"] + found["patches"]["compliance_error"]) <= 1e-4
 
 
 BODIES = "E_1: 210 GPa\nE_2: 210e9\nnu_1: 0.3\nnu_2: 0.3\nrho_1: 14 uohm cm\nrho_2: 1.4e-7\n"
@@ -340,13 +302,6 @@ def test_pressures_that_are_wrong_are_refused(run, options, code, why):
     found = run("solve", *SERIES, *options)
     assert (found[0], found[1]) == (code, "")
     assert why in found[2]
-
-
-def test_a_series_in_si_units_needs_its_scale(run, tmp_path):
-    (tmp_path / "bare.yaml").write_text(BODIES)
-    code, _, err = run("solve", *SERIES, "--si", str(tmp_path / "bare.yaml"))
-    assert code == 1
-    assert "lambda_0 and g_0 must be given for a series" in err
 
 
 def test_a_file_that_exists_is_only_overwritten_by_force(run, tmp_path):

@@ -89,29 +89,10 @@ def test_a_trace_in_si_units_has_its_own_scale(run, folder):
     assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
 
 
-def test_a_table_in_si_units_is_not_converted_again(run, folder):
-    weier.Interface(**BODIES).in_si(weier.solve(PROFILE, [0.1, 1.0], "demelio")).to_netcdf(folder / "si.nc")
-    code, out, _ = run("table", "si.nc")
-    assert code == 0
-    assert float(rows(out)[0]["mean_pressure (Pa)"]) > 1e6
-    code, out, err = run("table", "si.nc", "--si", "bodies.yaml")
-    assert (code, out) == (1, "")
-    assert "data must be normalised" in err
-
-
 def bodies(**changes):
     """The file of bodies with other values; None takes one away."""
     values = {name: value for name, value in (BODIES | changes).items() if value is not None}
     return "".join(f"{name}: {value}\n" for name, value in values.items())
-
-
-def test_young_s_modulus_may_stand_in_place_of_the_shear_modulus(run, folder):
-    by_shear_modulus = run("table", "curve.nc", "--si", "bodies.yaml")[1]
-    (folder / "young.yaml").write_text(bodies(mu_1=None, E_1=2 * 79e9 * 1.3))
-    code, out, _ = run("table", "curve.nc", "--si", "young.yaml")
-    assert code == 0
-    for one, other in zip(rows(out), rows(by_shear_modulus), strict=True):
-        assert float(one["resistance (ohm m^2)"]) == pytest.approx(float(other["resistance (ohm m^2)"]), rel=1e-15)
 
 
 def test_bodies_may_stand_in_the_data_file_in_a_scene_and_with_units(run, folder):

@@ -256,11 +256,6 @@ def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
     np.testing.assert_array_equal(bodies.in_si(own).ratio.values, kept[0].values)
 
 
-def test_ratios_and_counts_say_that_they_have_no_unit():
-    units = {name: CURVE[name].attrs["units"] for name in ("contact_fraction", "patch_count", "D", "gamma", "m")}
-    assert set(units.values()) == {"1"}
-
-
 def test_two_bodies_alone_have_no_scale():
     bodies = interface(lambda_0=None, g_0=None)
     assert bodies.composite_modulus == interface().composite_modulus

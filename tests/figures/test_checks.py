@@ -104,16 +104,6 @@ def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1
         assert checks.load_scene(path).figures["f"].interface == Bodies(**bodies)
 
 
-def test_a_body_may_have_young_s_modulus_in_place_of_its_shear_modulus(tmp_path):
-    path = write(tmp_path, draw="compliance", units="si")
-    others = {name: value for name, value in CONDUCTORS.items() if name != "mu_1"}
-    young = others | {"E_1": "2.1e11", "rho_1": 0.0, "rho_2": 0.0}
-    path.write_text(path.read_text() + yaml.safe_dump({"interface": young}))
-    interface = checks.load_scene(path).figures["f"].interface
-    assert interface == Bodies(**young | {"E_1": 2.1e11})
-    assert interface.mu_1 == 2.1e11 / (2 * (1 + CONDUCTORS["nu_1"]))
-
-
 def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):
     path = write(tmp_path, {"D": 2.5}, draw="complience", title=r"$\gama$")
     path.write_text(path.read_text() + "claims: {archard_abov: [one]}\n")

@@ -153,15 +153,3 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
     assert ensemble["trace_fit_D_mean"] == pytest.approx(D.mean())
     assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(g_0.std(ddof=1))
     assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))
-
-
-def test_the_bodies_of_a_scene_may_have_units(solved):
-    """As in a file of bodies."""
-    both = {"E_1": "210 GPa", "E_2": "2.1e11", "nu_1": 0.3, "nu_2": "0.3", "rho_1": "14 uohm cm", "rho_2": 1.4e-7}
-    found = scene_in(solved[0], SCENE | {"interface": both | {"lambda_0": "1 mm", "g_0": "1 um"}}).interface
-    plain = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.4e-7, "rho_2": 1.4e-7}
-    expected = vars(weier.Interface(**plain, lambda_0=1e-3, g_0=1e-6))
-    assert vars(found) == pytest.approx(expected, rel=1e-14)
-    for wrong, why in (("210 GPx", "E_1 must be in Pa, got values in GPx"), ("stiff", "E_1 must be a number, got")):
-        with pytest.raises(SceneError, match=f"interface: {why}"):
-            scene_in(solved[0], SCENE | {"interface": both | {"E_1": wrong, "lambda_0": 1e-3, "g_0": 1e-6}})

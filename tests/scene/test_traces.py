@@ -11,7 +11,7 @@ from tests.scenes import scene_in, solve_scene
 from weier import Interface, Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.figures import checks, comparison, page, traces
+from weier.figures import checks, comparison, traces
 from weier.figures.page import explorer
 from weier.pipeline.gather import gather, read_study
 from weier.scene import BY_DEFAULT, Case
@@ -167,14 +167,6 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     with open_dataset(folder / "contact.nc") as data:
         assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
         assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
-
-
-def test_one_column_has_its_length_in_the_unit_that_is_given(folder):
-    np.savetxt(folder / "one.csv", 1e6 * HEIGHTS)
-    one = {"file": "one.csv", "length": "6.4e-2", "x_unit": "mm", "height_unit": "um"}
-    (case,) = load(folder, studies={"one": {"trace": one, "methods": ["bem"]}}, figures={}).studies["one"]
-    assert case.profile.lambda_0 == pytest.approx(64e-6)
-    assert case.profile.g_0 == pytest.approx(Trace(HEIGHTS, 64e-6, unit="m").g_0, rel=1e-6)
 
 
 def test_results_report_missing_heights_and_a_form(folder):
@@ -358,19 +350,3 @@ def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_ow
     ends = [Interface(**BODIES).at(trace).pressure([0.1, 1.0]) for trace in traces]
     drawn = axes.get_lines()[0].get_xdata()
     assert drawn[[0, -1]] == pytest.approx([max(own[0] for own in ends), min(own[1] for own in ends)])
-
-
-def test_a_page_lists_the_traces(folder):
-    solutions = solve_scene(load(folder), folder / "batches")
-    gather(solutions, folder / "contact.nc")
-    loaded = load(folder, figures={})
-    page.write(loaded, folder / "contact.nc", folder / "page.html")
-    with dataset.reading(folder / "contact.nc") as data:
-        labels = {name: explorer._labels(data, name) for name in explorer.LABELS}
-    assert {name: sorted(texts) for name, texts in labels.items() if name != "case"} == {
-        "trace": ["-", "shaft.csv"],
-        "D": ["-", "1.5"],
-        "gamma": ["-", "2"],
-        "m": ["2", "2"],
-        "phase": ["-", "0"],
-    }
