@@ -26,7 +26,11 @@ from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
-NAME = r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}"
+MAX_NAME = 64
+NAME, NAME_IN_WORDS = (
+    rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}",
+    f"letters, digits, _ and -, at most {MAX_NAME}",
+)
 MAX_BATCH_CASES = 10_000  # a process that solves and writes them takes 0.5 GB
 
 

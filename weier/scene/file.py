@@ -17,7 +17,7 @@ from weier.methods import auto
 from weier.methods.registry import METHODS, find_method
 from weier.methods.settings import checked_settings, with_tolerance
 from weier.scene.case import trace_files, trace_parameters
-from weier.scene.cases import MAX_BATCH_CASES, NAME, Scene
+from weier.scene.cases import MAX_BATCH_CASES, NAME, NAME_IN_WORDS, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import read_yaml
@@ -76,7 +76,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
     """Return the scene of this name in a folder of scenes; a SceneError if there is none."""
     if not re.fullmatch(NAME, name):
-        raise SceneError(f"a scene's name must be letters, digits, _ and -, at most 64, got {name!r:.80}")
+        raise SceneError(f"a scene's name must be {NAME_IN_WORDS}, got {name!r:.80}")
     known = sorted(path.stem for path in Path(folder).glob("*.yaml"))
     if known and name not in known:
         raise SceneError(

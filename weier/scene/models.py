@@ -30,24 +30,25 @@ from weier.data.bodies import Bodies
 from weier.methods import auto
 from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
-from weier.scene.cases import MAX_BATCH_CASES, NAME
+from weier.scene.cases import MAX_BATCH_CASES, NAME, NAME_IN_WORDS
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes
 from weier.scene.part import LIST, NUMBER, RANGE, OneOf, OneOrMore, Part, Pattern, all_of, as_list, check_once
 from weier.scene.study import MAX_CASES, check_number, check_value
 from weier.scene.yaml import number
 from weier.surface.loads import check_pascal, check_range, listed_loads
-from weier.surface.measured.artefacts import DETREND, MISSING
+from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
 from weier.surface.measured.instruments import AXES
 from weier.surface.measured.layout import SEPARATORS
-from weier.surface.measured.trace import ENDS
+from weier.surface.measured.trace import ENDS, MIRRORED
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
 from weier.theory.conduction import RANGES
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, parsed
 from weier.units import NUMBER as QUANTITY
 
-LINE = r"[^\x00-\x1f\x7f\ud800-\udfff]{0,200}"
+MAX_LINE = 200  # characters of a title
+LINE = rf"[^\x00-\x1f\x7f\ud800-\udfff]{{0,{MAX_LINE}}}"
 MAX_RANGE_VALUES = 10**6  # The values of a range are a list in memory.
 # Settings that are words are checked on this profile, since they are valid for all profiles or for none.
 ONE_WAVE = Profile(1.5, 2, 1)
@@ -133,8 +134,8 @@ Several = Annotated[int, Field(ge=2), BeforeValidator(_as_whole)]
 Number = Annotated[
     float | str, PlainValidator(_check_number, json_schema_input_type=float | str), Field(title="a number")
 ]
-Line = Annotated[str, Pattern(LINE, "one line of at most 200 characters"), Field(title="a text")]
-Name = Annotated[str, Pattern(NAME, "letters, digits, _ and -, at most 64"), Field(title="a name")]
+Line = Annotated[str, Pattern(LINE, f"one line of at most {MAX_LINE} characters"), Field(title="a text")]
+Name = Annotated[str, Pattern(NAME, NAME_IN_WORDS), Field(title="a name")]
 Names = Annotated[list[Name], Field(min_length=1, title="a list of names")]
 MethodName = Annotated[str, OneOf(of=names)]
 Methods = Annotated[list[MethodName], Field(min_length=1), AfterValidator(check_once)]
@@ -258,7 +259,7 @@ class TraceKeys(Part):
         ABSENT, description="Length of the trace if the file does not give it, in m or in x_unit or unit."
     )
     ends: Annotated[str, OneOf(*ENDS)] = Field(
-        ABSENT, description="Extension of the trace beyond its ends; mirrored by default."
+        ABSENT, description=f"Extension of the trace beyond its ends; {MIRRORED} by default."
     )
     unit: Unit = Field(ABSENT, description="Unit of positions, length, shortest and heights, overriding the file.")
     x_unit: Unit = Field(ABSENT, description="Unit of positions, length and shortest.")
@@ -278,9 +279,11 @@ class TraceKeys(Part):
         "parabola).",
     )
     missing: Annotated[str, OneOf(*MISSING)] = Field(
-        ABSENT, description="Treatment of missing heights; refuse by default."
+        ABSENT, description=f"Treatment of missing heights; {REFUSE} by default."
     )
-    max_gap: Count = Field(ABSENT, description="Longest run of missing heights that is interpolated; 5 by default.")
+    max_gap: Count = Field(
+        ABSENT, description=f"Longest run of missing heights that is interpolated; {MAX_GAP} by default."
+    )
     missing_value: MissingValues = Field(
         ABSENT,
         description="Numbers, in the unit of the heights, and words for missing heights.",
