@@ -94,11 +94,11 @@ CONDUCTORS |= {"rho_1": 1e-7, "lambda_0": 1e-3, "g_0": 1e-6}
     ],
 )
 def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1, said, tmp_path):
-    path = write(tmp_path, draw=draw, units="si")
+    path = write(tmp_path, draw=draw)
     bodies = CONDUCTORS | {"rho_1": rho_1, "rho_2": 0.0}
-    path.write_text(path.read_text() + yaml.safe_dump({"interface": bodies}))
+    path.write_text(path.read_text().replace("- 0.1", "- 0.1 MPa") + yaml.safe_dump({"interface": bodies}))
     if said:
-        with pytest.raises(SceneError, match=f"figures.f.units: {said}"):
+        with pytest.raises(SceneError, match=f"figures.f.draw: {said}"):
             checks.load_scene(path)
     else:
         assert checks.load_scene(path).figures["f"].interface == Bodies(**bodies)

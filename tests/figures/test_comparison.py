@@ -161,8 +161,9 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     monkeypatch.setattr(figures, "save", lambda figure, *_: kept.append(figure))
     bodies = Bodies(mu_1=45e9, mu_2=75e9, nu_1=0.34, nu_2=0.3, rho_1=2e-8, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
     grouping = Grouping("gamma", ("method",), ("seed",))
-    for interface in (None, bodies):
-        figures.draw(Wanted(kind, grouping=grouping, interface=interface), [sweep], tmp_path / "f.png")
+    in_pascal = sweep.assign_coords(mean_pressure=("mean_pressure", bodies.pressure(LOADS), {"units": "Pa"}))
+    for interface, data in ((None, sweep), (bodies, in_pascal)):
+        figures.draw(Wanted(kind, grouping=grouping, interface=interface), [data], tmp_path / "f.png")
     normalised, converted = kept
     of_value = {"compliance": bodies.compliance, "resistance": bodies.resistance}[kind]
     for before, after in zip(normalised.axes, converted.axes, strict=True):
@@ -178,7 +179,7 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
     assert converted.axes[0].get_ylabel().endswith(unit)
     assert [axes.get_xlabel()[-4:] for axes in converted.axes] == ["(Pa)", "(Pa)"]
     wanted = Wanted(kind, grouping=grouping, x=Axis("log", 1e6, 1e8), interface=bodies)
-    figures.draw(wanted, [sweep], tmp_path / "f.png")
+    figures.draw(wanted, [in_pascal], tmp_path / "f.png")
     assert kept[-1].axes[0].get_xlim() == pytest.approx((1e6, 1e8))
 
 

@@ -132,7 +132,7 @@ def test_a_compliance_has_its_slope_between_the_loads(solved):
     alone = weier.solve([trace], own.normalised_pressure(loaded.loads), ["patches"])
     loads, values = lines.line(alone.isel(case=0), "compliance", "patches")
     (table,) = tables.tables_of([read_study(solutions, "lines")], "compliance", loaded.interface)
-    found_loads, found = table.line(1, "patches", "compliance")
+    found_loads, found = table.line(1, "patches")
     assert found_loads == pytest.approx(own.pressure(loads), rel=1e-12)
     assert found == pytest.approx(own.compliance(values), rel=1e-12)
 

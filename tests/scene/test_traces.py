@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
-from weier import Interface, Trace, open_dataset, scene
+from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, traces
@@ -325,28 +325,3 @@ def test_a_tolerance_is_for_all_methods_that_take_one(folder):
     loaded = load(folder, tolerance=1e-2)
     assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio")]
     assert [case.settings for case in loaded.distinct] == 2 * [{"bem": {"tolerance": 1e-2}}]
-
-
-def test_figures_show_several_traces_by_colour_or_by_their_median_each_in_its_own_units(folder):
-    """In SI units, a trace has its own length and height, and the loads of a median are those of all."""
-    write_heights(folder / "other.csv", 3 * np.roll(HEIGHTS, 7) + 2e-7 * np.cos(2 * np.pi * X / 32e-6))
-    both = {"trace": OPTIONS | {"file": ["shaft.csv", "other.csv"]}}
-    figure = {"draw": "resistance", "studies": ["both"], "units": "si"}
-    figures = {"colour": figure | {"colour": "trace"}, "median": figure | {"median over": "trace"}}
-    loaded = load(folder, methods=["bem"], studies={"both": both}, figures=figures, interface=BODIES)
-    study = read_study(solve_scene(loaded, folder / "batches"), "both")
-    one = loaded.figures["colour"]
-    _, (axes,), _ = comparison.compare([study], "", "resistance", one.grouping, one.interface)
-    assert "Pa" in axes.get_xlabel()
-    traces = [case.profile for case in loaded.studies["both"]]
-    for number, (line, trace) in enumerate(zip(axes.get_lines(), traces, strict=True)):
-        own = Interface(**BODIES, lambda_0=trace.lambda_0, g_0=trace.g_0)
-        np.testing.assert_allclose(line.get_xdata()[[0, -1]], own.pressure([0.1, 1.0]), rtol=1e-12)
-        expected = own.resistance(study["resistance"].values[number, 0, [0, -1]])
-        np.testing.assert_allclose(line.get_ydata()[[0, -1]], expected, rtol=1e-12)
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["shaft.csv", "other.csv"]
-    two = loaded.figures["median"]
-    _, (axes,), _ = comparison.compare([study], "", "resistance", two.grouping, two.interface)
-    ends = [Interface(**BODIES).at(trace).pressure([0.1, 1.0]) for trace in traces]
-    drawn = axes.get_lines()[0].get_xdata()
-    assert drawn[[0, -1]] == pytest.approx([max(own[0] for own in ends), min(own[1] for own in ends)])

@@ -207,6 +207,8 @@ def plot(
             param_hint="--loads",
         )
     data = _solve(PLOTTED, request, methods, tolerance, settings, workers)
+    if request.bodies:
+        data = data.assign_coords(mean_pressure=request.with_units(data)["mean_pressure"])
     figure = Figure(quantity, interface=request.bodies)
     path = path or Path(f"{quantity}.png")
     draw(figure, [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))

@@ -189,6 +189,10 @@ class Bodies:
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
         return converted(data, self._scales(*scale)).assign_attrs(own)
 
+    def scales_of(self, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
+        """Return the value of each normalised unit in SI units, one or one per case, and their names."""
+        return self._scales(*self._scale_of(data))
+
     def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
         own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]

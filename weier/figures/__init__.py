@@ -48,8 +48,7 @@ class FigureKind(NamedTuple):
     command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
-    grouped : whether a scene may choose its parameters
-    units : whether it can be drawn in SI units
+    grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
     needs_studies : whether it shows studies
     """
 
@@ -58,7 +57,6 @@ class FigureKind(NamedTuple):
     variable: str = ""
     needs: str = ""
     grouped: bool = False
-    units: bool = False
     needs_studies: bool = True
 
 
@@ -79,7 +77,7 @@ def _kind(module: str) -> FigureKind:
     }
     constants: list[Any] = [ast.literal_eval(assigned[name]) if name in assigned else "" for name in names]
     drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return FigureKind(*constants, *(name in drawn for name in ("grouping", "interface", "studies")))
+    return FigureKind(*constants, *(name in drawn for name in ("grouping", "studies")))
 
 
 def undrawn(kind: str) -> tuple[str, ...]:
@@ -102,7 +100,8 @@ def draw(
         Description of the figure, one of `kinds()`. In SI units, curves of a trace have the scale of the trace in
         place of lambda_0 and g_0 of the interface.
     studies : sequence of Dataset
-        Data over case, solution_method, mean_pressure and term, in the order of `wanted.all_studies`.
+        Data over case, solution_method, mean_pressure and term, in the order of `wanted.all_studies`: normalised, but
+        for the loads, which are in Pa if the figure has an interface.
     path : path
         Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str

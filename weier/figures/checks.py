@@ -87,23 +87,16 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     ]
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
-
-    def those(ability: str) -> str:
-        return " or ".join(name for name, kind in known.items() if getattr(kind, ability))
-
+    others = " or ".join(name for name, kind in known.items() if kind.grouped)
     if not kind.grouped and any("trace" in product.axes for product in products):
-        yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {those('grouped')}"
-    if figure.interface and not kind.units:
-        key, what = ("draw", "give loads in p_0*") if loaded.in_si else ("units", "leave them out")
-        yield key, f"{figure.draw} has no SI units: {what}, or draw {those('units')}"
+        yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
+    if figure.interface and not kind.grouped:
+        yield "draw", f"{figure.draw} has no SI units: give loads in p_0*, or draw {others}"
     if (bodies := figure.interface) and figure.draw == "resistance" and not bodies.rho_1 + bodies.rho_2:
-        yield (
-            "draw" if loaded.in_si else "units",
-            "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value",
-        )
+        yield "draw", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
     if not kind.grouped and (figure.grouping != BY_DEFAULT or figure.behind):
         keys = "colour, facet, median over, band or behind"
-        yield "", f"{figure.draw} takes no {keys}: leave them out, or draw {those('grouped')}"
+        yield "", f"{figure.draw} takes no {keys}: leave them out, or draw {others}"
 
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:

@@ -24,7 +24,6 @@ from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.tables import Extent, Table, codes, extent, tables_of
 from weier.kernels.arrays import Array, Indices
-from weier.methods.method import QUANTITIES
 from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
@@ -159,7 +158,7 @@ def compare(
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + 0.2 * len(above))  # inches for each line
     style.set_title(figure, "\n".join(above))
-    return figure, panels, extent(tables, quantity)
+    return figure, panels, extent(tables)
 
 
 def _curves(tables: Sequence[Table], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
@@ -202,7 +201,7 @@ def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
     points = bool(table.beside[row, column]) and "method" not in grouping.facet
     parameters = table.parameters(row) | {"method": same.method}
     if same.size == 1:
-        loads, values = table.line(row, same.method, quantity, points)
+        loads, values = table.line(row, same.method, points)
         return PlottedCurve(table, row, same.method, loads, values, None, 1, points, parameters, ())
     loads, reduced = _reduce(same, quantity, grouping)
     band = reduced[1:]
@@ -211,25 +210,19 @@ def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
 
 def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
-    units = [same.column(name) for name in ("pressure_unit", "unit")]
-    first = same.rows[0][0].loads
-    if np.ptp(units, axis=1).any() or any(
-        table.in_pascal or not np.array_equal(table.loads, first) for table, _, _ in same.rows
-    ):
-        each = [table.line(int(row), same.method, quantity) for table, rows, _ in same.rows for row in rows]
+    loads = same.rows[0][0].loads
+    if not all(np.array_equal(table.loads, loads) for table, _, _ in same.rows):
+        each = [table.line(int(row), same.method) for table, rows, _ in same.rows for row in rows]
         loads, values = lines.on_common_loads(each)
         return loads, grouping.reduce(values)
-    h, slope = (
-        np.concatenate([table.values[name][rows, column] for table, rows, column in same.rows]) for name in QUANTITIES
-    )
-    pressure, unit = (values[0] for values in units)
-    if quantity == "resistance" or first.size < 2 or not np.isfinite(slope).all():
-        given = h if quantity == "compliance" else slope
-        return first * pressure, grouping.reduce(given) * unit
-    fine = lines.between(first)
+    values = np.concatenate([table.values[rows, column] for table, rows, column in same.rows])
+    slope = np.concatenate([table.slope[rows, column] for table, rows, column in same.rows])
+    if quantity == "resistance" or loads.size < 2 or not np.isfinite(slope).all():
+        return loads, grouping.reduce(values)
+    fine = lines.between(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * same.size / MAX_VALUES))
-    reduced = [grouping.reduce(lines.compliance_at(piece, first, h, slope)) for piece in pieces]
-    return fine * pressure, np.concatenate(reduced, axis=1) * unit
+    reduced = [grouping.reduce(lines.compliance_at(piece, loads, values, slope)) for piece in pieces]
+    return fine, np.concatenate(reduced, axis=1)
 
 
 def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:

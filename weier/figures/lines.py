@@ -13,6 +13,7 @@ import xarray as xr
 
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
+from weier.methods.method import QUANTITIES
 
 PIECES = 8  # segments between two loads that look smooth in print
 DECADES = 4  # over which a resistance that falls to 0 is drawn, more than an axis shows
@@ -20,18 +21,17 @@ DECADES = 4  # over which a resistance that falls to 0 is drawn, more than an ax
 
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
     """Return loads and values of a curve, at the loads of the case and between them; None without a curve."""
-    found = points(case, quantity, method)
-    h, slope = (curves.curve(case, name, method) for name in ("compliance", "resistance"))
-    if found is None or h is None or slope is None or h.size < 2:
-        return found
-    loads, _ = found
+    if curves.curve(case, quantity, method) is None:
+        return None
+    column = case["solution_method"].values.tolist().index(method)
+    return between_loads(quantity, case["mean_pressure"].values, *(case[name].values[column] for name in QUANTITIES))
+
+
+def between_loads(quantity: str, loads: Array, h: Array, slope: Array) -> tuple[Array, Array]:
+    """Return loads and values of a curve, at its loads and, if both quantities are known, between them."""
+    if loads.size < 2 or not (np.isfinite(h).any() and np.isfinite(slope).any()):
+        return loads, h if quantity == "compliance" else slope
     return compliance_line(loads, h, slope) if quantity == "compliance" else resistance_line(loads, h, slope)
-
-
-def points(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
-    """Return the loads and values of a curve as they are; None if there is no curve."""
-    values = curves.curve(case, quantity, method)
-    return None if values is None else (case["mean_pressure"].values, values)
 
 
 def on_common_loads(drawn: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:

@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from weier.data import curves
 from weier.data.bodies import Bodies
-from weier.data.variables import attributes
 from weier.figures import lines
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.methods.method import QUANTITIES
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
-from weier.units import PASCAL, unit_of
 
 MISSING = 1e300  # In place of NaN, which numpy does not compare with itself.
+UNITS = "p_0*", "g_0", "g_0/p_0*"  # of loads, compliance and resistance
 
 
 class Extent(NamedTuple):
@@ -43,18 +41,26 @@ class Table:
     known : whether there is a curve, shape (cases, methods)
     best : the column of the most accurate numerical method of each case, or -1
     beside : whether a curve is by another numerical method than that, shape (cases, methods)
-    columns : arrays over the cases: codes of parameters, equal for equal values, and units of loads and values
-    loads : in p_0*, or in Pa with `in_pascal`, where the values are normalised nevertheless
+    columns : arrays over the cases: codes of parameters, equal for equal values
+    loads, h, slope : in p_0*, g_0 and g_0/p_0*; with an interface in Pa, m and m/Pa
+    factor : resistance over slope; M (rho_1 + rho_2) with an interface
+    values : compliances or resistances, shape (cases, methods, loads)
     """
 
     def __init__(self, study: xr.Dataset, quantity: str, names: Sequence[str], interface: Bodies | None) -> None:
-        self.study, self._interface = study, interface
+        self.study, self._quantity, self._interface = study, quantity, interface
         self.size = study.sizes["case"]
         self.methods: list[str] = study["solution_method"].values.tolist()
         self.loads: Array = study["mean_pressure"].values
-        self.in_pascal = unit_of(study["mean_pressure"]) == PASCAL
-        self.values = {name: study[name].values for name in QUANTITIES}
-        self.known: Flags = np.isfinite(self.values[quantity]).any(axis=-1)
+        self.h, self.slope, self.factor = study["compliance"].values, study["resistance"].values, 1.0
+        if interface:
+            scales = [np.broadcast_to(interface.scales_of(study)[unit][0], self.size) for unit in UNITS]
+            pressure, height, resistance = (scale[:, None, None] for scale in scales)
+            self.h, self.slope = self.h * height, self.slope * (height / pressure)
+            self.factor = float((resistance * pressure / height).flat[0])
+        resistance = self.slope * self.factor if interface else self.slope
+        self.values: Array = self.h if quantity == "compliance" else resistance
+        self.known: Flags = np.asarray(np.isfinite(self.values).any(axis=-1))
         solved, best = curves.most_accurate(study)
         self.best: Indices = np.where(solved, best, -1)
         numerical = np.array([method in numerical_names() for method in self.methods], bool)
@@ -67,33 +73,13 @@ class Table:
         case = self.study.isel(case=row)
         return self._interface.at(case).in_si(case) if self._interface else case
 
-    def line(self, row: int, method: str, quantity: str, points: bool = False) -> tuple[Array, Array]:
-        """Return one curve, in the units of the figure: at its loads and between them, or as points."""
-        # The line between the loads uses both quantities before their conversion to SI units.
-        case, pressure, unit = (
-            self.study.isel(case=row),
-            *(self.columns[name][row] for name in ("pressure_unit", "unit")),
-        )
-        if self.in_pascal:  # The resistance must be the slope of the compliance.
-            case = case.assign(resistance=case["resistance"] / pressure)
-            pressure, unit = 1.0, unit * pressure if quantity == "resistance" else unit
-        found = (lines.points if points else lines.line)(case, quantity, method)
-        assert found is not None  # `known` has said so
-        loads, values = found
-        return loads * pressure, values * unit
-
-    def normalise_loads(self) -> None:
-        """Take loads in p_0* where those in Pa are the same for all cases, so that arrays of curves are reduced."""
-        units = self.columns["pressure_unit"]
-        if self.in_pascal and np.ptp(units) == 0:
-            self.loads, self.in_pascal = self.loads / units[0], False
-            self.study = self.study.assign_coords(
-                mean_pressure=("mean_pressure", self.loads, attributes("mean_pressure"))
-            )
-
-    def shown_loads(self, rows: Any) -> Array:
-        """Return the loads of some cases in the unit of the figure, shape (cases, loads), or (1, loads) if common."""
-        return self.loads[None] if self.in_pascal else self.loads * self.columns["pressure_unit"][rows, None]
+    def line(self, row: int, method: str, points: bool = False) -> tuple[Array, Array]:
+        """Return one curve, at its loads and between them, or as points."""
+        column = self.methods.index(method)
+        if points:
+            return self.loads, self.values[row, column]
+        loads, values = lines.between_loads(self._quantity, self.loads, self.h[row, column], self.slope[row, column])
+        return loads, values if self._quantity == "compliance" else values * self.factor
 
     def parameters(self, row: int) -> dict[str, Hashable]:
         """Return the values of a case for grouping: equal phases as one number, a seed instead of its phases."""
@@ -144,12 +130,9 @@ def tables_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
         values = np.concatenate([np.asarray(table.study[name].values, float) for table in tables])
         values[names != ""] = MISSING  # the name of a trace says all
         columns[name] = codes(np.where(np.isnan(values), MISSING, values))
-    units = [_units(table.study, quantity, interface) for table in tables]
-    columns |= {name: np.concatenate([own[name] for own in units]) for name in units[0]}
     ends = np.cumsum([table.size for table in tables])
     for table, end in zip(tables, ends, strict=True):
         table.columns = {name: values[end - table.size : end] for name, values in columns.items()}
-        table.normalise_loads()
     return tables
 
 
@@ -168,42 +151,24 @@ def codes(*columns: NDArray[Any]) -> Indices:
     return code[np.cumsum(new) - 1]
 
 
-def extent(tables: Sequence[Table], quantity: str) -> Extent:
-    """Return the loads and values of all cases that have a curve, in the units of the figure."""
+def extent(tables: Sequence[Table]) -> Extent:
+    """Return the loads and values of all cases that have a curve."""
     first, full = np.inf, -np.inf
-    drawn = [(table, table.known.any(axis=1)) for table in tables]
+    drawn = [(table, rows) for table in tables if (rows := table.known.any(axis=1)).any()]
     for table, rows in drawn:
-        if rows.any():
-            first = min(first, float(table.shown_loads(rows)[:, 0].min()))
-            loads = curves.full_contact_loads(table.study)[rows]
-            full = max(
-                full, float((loads if table.in_pascal else loads * table.columns["pressure_unit"][rows]).max())
-            )
+        first = min(first, float(table.loads[0]))
+        full = max(full, float(curves.full_contact_loads(table.study)[rows].max()))
     least, largest, numerical = np.inf, 0.0, np.inf
     for table, rows in drawn:
-        values = table.values[quantity][rows] * table.columns["unit"][rows, None, None]
-        loads = table.shown_loads(rows)
-        shown = (loads >= first) & (loads <= full)
-        positive = shown[:, None] & (values > 0)
+        values = table.values[rows]
+        shown = (table.loads >= first) & (table.loads <= full)
+        positive = shown & (values > 0)
         least = min(least, values.min(initial=np.inf, where=positive))
         largest = max(largest, values.max(initial=0.0, where=positive))
         best = table.best[rows]
         own, there = values[np.arange(best.size), best], (best >= 0)[:, None]
         numerical = min(numerical, own.min(initial=np.inf, where=there & shown & (own > 0)))
     return Extent(first, full, float(numerical if np.isfinite(numerical) else least), float(largest))
-
-
-def _units(study: xr.Dataset, quantity: str, interface: Bodies | None) -> dict[str, Array]:
-    """Return the units of the loads and values of each case, in SI units, or 1 without an interface."""
-    if interface is None:
-        return dict.fromkeys(("pressure_unit", "unit"), np.ones(study.sizes["case"]))
-    digests = _digests(study)
-    known = {}
-    for digest, row in zip(*np.unique(digests, return_index=True), strict=True):
-        of = interface.at(study.isel(case=int(row)))
-        known[str(digest)] = float(of.pressure(1.0)), float(getattr(of, quantity)(1.0))
-    pressures, units = np.transpose([known[str(digest)] for digest in digests])
-    return {"pressure_unit": pressures, "unit": units}
 
 
 def _names_of_traces(studies: Sequence[xr.Dataset]) -> list[list[str]]:

@@ -22,6 +22,6 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
         longest = tables_of([curves.as_study(cases[-1])], "resistance")
-        style.set_logarithmic_axes(axes, *extent(longest, "resistance"))
+        style.set_logarithmic_axes(axes, *extent(longest))
         axes.legend(loc="lower left")
     return figure

@@ -96,7 +96,7 @@ class Figure(NamedTuple):
     behind : studies whose curves are a band behind the others
     x, y : its axes
     size : width and height in inches; None for the default of the figure
-    interface : the bodies that convert its axes into SI units; None for normalised axes
+    interface : the bodies that convert values under loads in Pa into SI units; None for normalised axes
     """
 
     draw: str

@@ -143,7 +143,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
         loads=np.array(loads.values if loads else [], float),
         in_si=in_si,
         studies={name: study for name, study in read.items() if study is not None},
-        figures={name: figure.figure(bodies, in_si) for name, figure in keys.figures.items()},
+        figures={name: figure.figure(bodies if in_si else None) for name, figure in keys.figures.items()},
         interface=bodies,
         claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
         max_seconds=keys.max_seconds,

@@ -463,11 +463,6 @@ class FigureKeys(Part):
     title: Line = Field("", description="Title of the figure, one line.")
     x: Scale = Field(ABSENT, description="Axis of loads: scale and ends.")
     y: Scale = Field(ABSENT, description="Other axis: scale and ends.")
-    units: Annotated[str, OneOf("si")] = Field(
-        "",
-        description="si: axes of compliance or resistance, and their ends, in Pa, m and ohm m^2; requires the "
-        "scene's interface.",
-    )
     size: Annotated[list[Inches], Field(min_length=2, max_length=2)] = Field(
         ABSENT, description="Width and height in inches; a journal column is 3.5 wide."
     )
@@ -510,8 +505,8 @@ class FigureKeys(Part):
             return ALL if self.band == "all" else MEAN
         return self.band[0], self.band[1]
 
-    def figure(self, interface: Bodies | None, in_si: bool) -> Figure:
-        """Return the figure, in SI units of the bodies if it has these units, or the data of the scene have."""
+    def figure(self, interface: Bodies | None) -> Figure:
+        """Return the figure, in SI units with an interface."""
         return Figure(
             draw=self.draw,
             studies=tuple(self.studies),
@@ -521,7 +516,7 @@ class FigureKeys(Part):
             x=self.x.axis if self.x else FREE,
             y=self.y.axis if self.y else FREE,
             size=(self.size[0], self.size[1]) if self.size else None,
-            interface=interface if self.units or in_si else None,
+            interface=interface,
         )
 
 
@@ -603,9 +598,6 @@ class SceneKeys(Part):
         for name, figure in figures.items():
             if isinstance(figure, dict):
                 lists += [(("figures", name, key), figure.get(key)) for key in ("studies", "behind")]
-                if "units" in figure and "interface" not in values:
-                    what = "SI units need the key interface of the scene, with the two bodies and their roughness"
-                    yield Mistake(("figures", name, "units"), what)
         for place, listed in lists:
             for position, study in enumerate(listed if isinstance(listed, list) else ()):
                 if isinstance(study, str) and study not in studies:
