@@ -112,26 +112,6 @@ OWN = {
 WANTED = {"find_load": {"resistance": 1.0}, "Interface.find_pressure": {"resistance": 1e-10}}
 
 
-MISNAMED = [
-    (lambda: weier.solve(PROFILE, loads=[0.1]), r"solve\(\) missing .*: did you mean 'mean_pressure' by 'loads'\?"),
-    (lambda: weier.solve(PROFILE, mean_presure=0.1), "did you mean 'mean_pressure' by 'mean_presure'"),
-    (lambda: weier.solve(profil=PROFILE, mean_pressure=0.1), "did you mean 'profile' by 'profil'"),
-    (lambda: weier.choose(PROFILE, tolerence=1e-3), "did you mean 'tolerance' by 'tolerence'"),
-    (lambda: weier.choose(PROFILE, spam=1e-3), r"choose\(\) got an unexpected keyword argument 'spam'$"),
-    (
-        lambda: weier.fields(PROFILE, pressure=0.1),
-        r"fields\(\) missing .*: did you mean 'mean_pressure' by 'pressure'",
-    ),
-    (lambda: weier.fields(PROFILE), r"fields\(\) missing a required argument: 'mean_pressure'$"),
-]
-
-
-@pytest.mark.parametrize(("call", "message"), MISNAMED)
-def test_the_right_name_is_suggested_for_a_wrong_argument_name(call, message):
-    with pytest.raises(TypeError, match=message):
-        call()
-
-
 def functions():
     """Every public function and method: those of `weier.__all__`, and what the theory of conduction has beside."""
     found = {name: getattr(weier, name) for name in weier.__all__ if callable(getattr(weier, name))}

@@ -7,17 +7,15 @@ although NumPy converts some of them.
 
 from __future__ import annotations
 
-import inspect
 import math
 import os
 from collections.abc import Callable, Collection, Iterable
 from decimal import Decimal
 from difflib import get_close_matches
-from functools import wraps
 from numbers import Real
 from os import PathLike
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -28,30 +26,7 @@ MAX_SHOWN = 60  # characters of a value in a message
 MAX_DIGITS = 40  # digits of an integer in a message
 ALL_CORES = -1  # value of `workers` for all cores, as in SciPy
 
-# frequent wrong names of arguments, and the right ones
-MEANT = dict.fromkeys(("loads", "load", "pressures", "pressure", "p"), "mean_pressure") | {"scene": "subject"}
-
 Condition = Callable[[Any], Any]
-Parameters = ParamSpec("Parameters")
-Result = TypeVar("Result")
-
-
-def hinting(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """Wrap a function so that its TypeError for an unknown argument name suggests the right name."""
-    signature = inspect.signature(function)
-
-    @wraps(function)
-    def called(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
-        try:
-            signature.bind(*args, **kwargs)
-        except TypeError as error:
-            own = signature.parameters
-            meant = {name: MEANT.get(name, nearest(name, own)) for name in kwargs if name not in own}
-            hints = [f": did you mean {right!r} by {name!r}?" for name, right in meant.items() if right in own]
-            raise TypeError(f"{function.__name__}() {error}{''.join(hints[:1])}") from None
-        return function(*args, **kwargs)
-
-    return called
 
 
 def checked_number(

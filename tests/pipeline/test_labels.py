@@ -59,19 +59,6 @@ def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
         assert data.weier.cases(**labels).study.values.tolist() == study
 
 
-@pytest.mark.parametrize(
-    ("labels", "message"),
-    [
-        ({"bem_points_per_wave": 50}, "no case has bem_points_per_wave = 50: choose from 40, 80"),
-        ({"bem_nodes": 50}, "there is no label 'bem_nodes' of cases: select by .*bem_points_per_wave"),
-        ({"method": "bem"}, "there is no label 'method' of cases: select by .*D, .*phases"),
-    ],
-)
-def test_a_label_that_no_case_has_is_refused_with_the_choice(path, labels, message):
-    with weier.open_dataset(path) as data, pytest.raises(ValueError, match=message):
-        data.weier.cases(**labels)
-
-
 def test_each_case_has_a_name_that_tells_it_from_the_others(path):
     with weier.open_dataset(path) as data:
         names = [

@@ -99,15 +99,3 @@ def test_what_cannot_be_solved_is_named_and_the_others_are_there():
     assert found.status.values.tolist() == [[0, 0], [0, 2]]
     assert np.isfinite(found.compliance.values[found.status.values == 0]).all()
     assert np.isnan(found.compliance.values[1, 1]).all()
-
-
-def test_a_table_has_one_row_for_each_case_method_and_load():
-    with pytest.warns(UserWarning, match="westergaard"):
-        found = weier.solve([SMOOTH, weier.Profile(1.5, 3, 1)], LOADS, ["westergaard", "patches"])
-    table = found.weier.table()
-    assert len(table) == 9  # Westergaard's is of the second profile alone
-    row = table[(table["D"] == 1.25) & (table["mean_pressure"] == 0.1)]
-    exact = weier.solve(SMOOTH, [0.1], "patches")
-    assert row["compliance"].tolist() == pytest.approx(exact.compliance.values)
-    assert row["phases"].tolist() == ["[0.0, 1.0]"]
-    assert set(exact.weier.table()["solution_method"]) == {"patches"}

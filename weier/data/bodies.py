@@ -189,10 +189,6 @@ class Bodies:
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
         return converted(data, self._scales(*scale)).assign_attrs(own)
 
-    def scales_of(self, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
-        """Return the value of each normalised unit in SI units, one or one per case, and their names."""
-        return self._scales(*self._scale_of(data))
-
     def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
         own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
@@ -230,6 +226,11 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
         return scaled(numbers, self.scales[unit][0])
+
+
+def scales_of(bodies: Bodies, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
+    """Return the value of each normalised unit of curves in SI units, one or one per case, and their names."""
+    return bodies._scales(*bodies._scale_of(data))
 
 
 def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Array:

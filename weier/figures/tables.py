@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from weier.data import curves
-from weier.data.bodies import Bodies
+from weier.data.bodies import Bodies, scales_of
 from weier.figures import lines
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
@@ -54,7 +54,7 @@ class Table:
         self.loads: Array = study["mean_pressure"].values
         self.h, self.slope, self.factor = study["compliance"].values, study["resistance"].values, 1.0
         if interface:
-            scales = [np.broadcast_to(interface.scales_of(study)[unit][0], self.size) for unit in UNITS]
+            scales = [np.broadcast_to(scales_of(interface, study)[unit][0], self.size) for unit in UNITS]
             pressure, height, resistance = (scale[:, None, None] for scale in scales)
             self.h, self.slope = self.h * height, self.slope * (height / pressure)
             self.factor = float((resistance * pressure / height).flat[0])

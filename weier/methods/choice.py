@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from weier.checks import checked_number, checked_word, hinting
+from weier.checks import checked_number, checked_word
 from weier.methods import bem, patches
 from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method
@@ -50,7 +50,6 @@ class Choice:
         return f'{terms} by method "{self.method.name}", tolerance {self.settings["tolerance"]:.2g}{others}'
 
 
-@hinting
 def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Choice:
     """Choose the terms and the method for a curve within a tolerance, without solving it.
 

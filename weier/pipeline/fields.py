@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from weier import units
-from weier.checks import hinting
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
 from weier.surface.limits import check_resolvable
@@ -32,7 +31,6 @@ ATTRIBUTES = {
 }
 
 
-@hinting
 def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> xr.Dataset:
     """Solve for pressure, gap and displacement along one period at one load, by contact patches.
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_numbers, hinting, shown
+from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
@@ -59,7 +59,6 @@ class Interface(Bodies):
 
     """
 
-    @hinting
     def solve(
         self,
         surface: Waves | Sequence[Waves],
@@ -118,7 +117,6 @@ class Interface(Bodies):
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""
         return lambda surface: self.at(surface).normalised_pressure(pressures)
 
-    @hinting
     def find_pressure(self, surface: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
         """Return mean pressure in Pa at which one quantity has a given value.
 

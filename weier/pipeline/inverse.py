@@ -17,7 +17,7 @@ import scipy  # Its submodules are loaded on first use.
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_numbers, checked_word, hinting
+from weier.checks import checked_numbers, checked_word
 from weier.data import variables
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
@@ -72,7 +72,6 @@ class Value(NamedTuple):
     resistance: float
 
 
-@hinting
 def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
     """Find the mean pressure at which a quantity has a given value.
 
@@ -132,7 +131,7 @@ def loads_for(
         which = "the wanted value" if targets.size == 1 else f"{dropped.size} of {targets.size} wanted values"
         warnings.warn(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
-            stacklevel=4,  # at the call of `find_load`, which `hinting` hands on
+            stacklevel=3,  # at the call of `find_load`
         )
     return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
 

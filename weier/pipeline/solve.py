@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_flag, checked_number, checked_workers, hinting, shown
+from weier.checks import checked_flag, checked_number, checked_workers, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
@@ -24,7 +24,6 @@ from weier.surface.waves import Waves, checked_surface
 from weier.units import PASCAL
 
 
-@hinting
 def solve(
     profile: Waves | Sequence[Waves],
     mean_pressure: ArrayLike,
@@ -133,7 +132,7 @@ def solve_under(
     own_loads = [loads if loads_of is None else loads_of(surface) for surface in map(checked_surface, profiles)]
     for surface, own in zip(profiles, own_loads, strict=True):
         if doubt := unit_doubt(surface, own):
-            warnings.warn(doubt, stacklevel=4)  # at the call of `solve`, which `hinting` hands on
+            warnings.warn(doubt, stacklevel=3)  # at the call of `solve`
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = [find_method(name).name for name in _list("method", method)]
     if max_seconds is not None:
@@ -195,7 +194,7 @@ def _solve_all(
     failures: list[str] = []
     data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of)
     for failure in failures:
-        warnings.warn(failure, stacklevel=5)  # at the call of `solve`
+        warnings.warn(failure, stacklevel=4)  # at the call of `solve`
     return name_cases(data.assign_attrs(provenance.of_results(title)))
 
 
