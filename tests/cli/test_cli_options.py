@@ -77,14 +77,6 @@ def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     assert message in last
 
 
-def test_a_setting_given_as_an_option_is_reported_with_its_method(run):
-    for option in ("--quantity", "--quantitiy"):
-        code, _, err = run("solve", "-D", "1.25", "--gamma", "5", "-m", "3", option, "1e-4")
-        assert code == 2
-        assert f"there is no option {option}; quantity is a setting of a method: --method auto" in err
-    assert "'--method'" in run("solve", "--metod", "bem")[2]
-
-
 def test_a_word_says_that_there_is_no_last_wave():
     assert Profile(1.25, 5, "inf") == Profile(1.25, 5, math.inf)
     with pytest.raises(ValueError, match="or inf, got the text 'many'"):

@@ -9,11 +9,11 @@ from typing import Any
 import click
 
 from weier import units
-from weier.checks import checked_numbers, checked_workers, nearest
+from weier.checks import checked_numbers, checked_workers
 from weier.data.files import check_target
 from weier.methods.patches import TOLERANCE_RANGE
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
-from weier.methods.settings import all_names, defaults, described, methods_with
+from weier.methods.settings import defaults, described
 from weier.scene.yaml import parse_yaml
 from weier.surface.loads import positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
@@ -159,21 +159,6 @@ OF_SOLUTION = (
 
 class SolvingCommand(click.Command):
     """A command with settings of methods, which its help lists below the options."""
-
-    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
-        """Parse the arguments; the error for a setting given as an option names its method."""
-        try:
-            return super().parse_args(context, args)
-        except click.NoSuchOption as error:
-            options = [option.lstrip("-") for parameter in self.params for option in parameter.opts]
-            setting = nearest(error.option_name.lstrip("-").replace("-", "_"), [*options, *all_names()])
-            found = [] if setting in options else [name.strip('"') for name in methods_with(setting)]
-            if not found:
-                raise
-            ways = " or ".join(f"--method {name} --set {name}.{setting}=VALUE" for name in found)
-            raise click.UsageError(
-                f"there is no option {error.option_name}; {setting} is a setting of a method: {ways}", context
-            ) from None
 
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Write each setting with its default and meaning."""
