@@ -154,6 +154,7 @@ def folder(tmp_path, monkeypatch):
     return place
 
 
+@pytest.mark.filterwarnings("ignore:all (phases|loads)")  # doubts about their unit
 @examples(FEW, MANY)
 @pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
 def test_whatever_is_given_is_taken_or_refused_in_a_sentence(strategy, check, folder, how_many):
@@ -171,7 +172,9 @@ LAUGHS = "a: &a [x]\n" + "".join(
         (f"{LAUGHS}loads: *i", "loads.0: this must be a number or a range, got"),
         ("&a [*a]", "this must be a mapping"),
         ("studies: &a {one: *a}", "studies.one.one: there is no such key"),
-        ("1: 2", "there is no such key"),
+        ("a: b\n1: 2", "line 2: a key must be a word"),
+        ("figures: {true: null}", "a key must be a word"),
+        ("? [a]\n: 2", "a key must be a word"),
         ("[" * 5000, "nested too deep"),
         ("a: " + "1" * 5000, "cannot be read"),
         ("title: a\ntitle: b", 'found duplicate key "title"'),

@@ -108,7 +108,7 @@ def _without_mistakes(values: Mapping[str, Any], keys: Keys, mistakes: Mistakes)
     """Return the parts of a file at these keys that have no mistake."""
     kept = {}
     for key, value in values.items():
-        place = (*keys, str(key))
+        place = (*keys, key)
         if not mistakes.within(*place):
             kept[key] = value
         elif place not in mistakes and len(place) <= DEPTHS.get(str(place[0]), 0):

@@ -82,7 +82,7 @@ class Part(BaseModel):
             return handler(values)
         spelling = cls._spelling(values)
         known = {key: values[spelt] for key, spelt in spelling.items()}
-        mistakes = [Mistake((str(key),), cls._unknown(str(key))) for key in values if key not in spelling]
+        mistakes = [Mistake((key,), cls._unknown(key)) for key in values if key not in spelling]
         try:
             made = handler(known)
         except ValidationError as error:

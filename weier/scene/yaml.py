@@ -8,12 +8,26 @@ from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
 from ruamel.yaml.composer import MaxDepthExceededError
+from ruamel.yaml.constructor import ConstructorError, SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, StringMark, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from weier.checks import checked_number, shown
 
 MAX_DEPTH = 50  # Deeper nesting is refused: a scene has ten levels, and Python's recursion has a limit.
+# The only kinds of keys are texts and the merge key "<<".
+KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
+
+
+class WordsAsKeys(SafeConstructor):
+    """Makes plain values of mappings whose keys are texts."""
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+        """Return the plain values of a mapping; ConstructorError if a key is another kind of value."""
+        for key, _ in node.value:
+            if str(key.tag) not in KEY_TAGS:
+                raise ConstructorError(None, None, "a key must be a word", key.start_mark)
+        return super().construct_mapping(node, deep)
 
 
 class Document(NamedTuple):
@@ -34,14 +48,14 @@ class Document(NamedTuple):
 
 
 def parse_yaml(text: str) -> Any:
-    """Return a YAML text as plain values; objects and duplicate keys are refused."""
+    """Return a YAML text as plain values; objects, duplicate keys and keys that are no texts are refused."""
     return read_yaml(text).values
 
 
 def read_yaml(text: str) -> Document:
     """Return the values of a YAML text as `parse_yaml` does, with their lines."""
     yaml = YAML(typ="safe", pure=True)
-    yaml.max_depth = MAX_DEPTH
+    yaml.Constructor, yaml.max_depth = WordsAsKeys, MAX_DEPTH
     try:
         root = yaml.compose(text)
         return Document(yaml.constructor.construct_document(root) if root else None, root)
