@@ -241,8 +241,8 @@ def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None
     """The lines of all cases, one by one, and their percentiles at common loads."""
     (axes,) = sketch(sweep.isel(solution_method=[1]), colour="gamma", median_over=("seed",)).axes
     drawn = [lines.line(sweep.isel(case=row), "compliance", "bem") for row in range(SEEDS)]
-    loads, values = lines.on_common_loads(drawn)
-    np.testing.assert_allclose(axes.get_lines()[0].get_xydata(), np.transpose([loads, np.median(values, axis=0)]))
+    middle = np.median([values for _, values in drawn], axis=0)
+    np.testing.assert_allclose(axes.get_lines()[0].get_xydata(), np.transpose([drawn[0][0], middle]))
 
 
 def test_many_cases_take_a_time_that_is_linear_in_them() -> None:

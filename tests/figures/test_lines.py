@@ -37,10 +37,3 @@ def test_demelio_leaves_where_its_last_wave_is_flat():
     h, slope = demelio.compliance(loads, 1.25, 5, 2), demelio.resistance(loads, 1.25, 5, 2)
     last = int(np.flatnonzero(slope > 0)[-1])
     assert lines.zero_load(loads, h, slope, last) == pytest.approx(5**0.25, rel=0.01)  # p_1* (16)
-
-
-def test_lines_of_different_loads_have_a_common_axis():
-    few, more = np.array([1.0, 3.0]), np.array([1.0, 2.0, 3.0])
-    loads, rows = lines.on_common_loads([(few, np.array([0.0, 2.0])), (more, np.zeros(3))])
-    assert loads.tolist() == [1, 2, 3]
-    assert rows.tolist() == [[0, 1, 2], [0, 0, 0]]

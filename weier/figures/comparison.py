@@ -99,6 +99,7 @@ def compare(
     Parameters
     ----------
     studies : sequence of Dataset
+        Of one scene, which has one list of loads.
     title, quantity : str
     grouping : Grouping
     interface : Bodies, optional
@@ -211,10 +212,6 @@ def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
 def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
     loads = same.rows[0][0].loads
-    if not all(np.array_equal(table.loads, loads) for table, _, _ in same.rows):
-        each = [table.line(int(row), same.method) for table, rows, _ in same.rows for row in rows]
-        loads, values = lines.on_common_loads(each)
-        return loads, grouping.reduce(values)
     values = np.concatenate([table.values[rows, column] for table, rows, column in same.rows])
     slope = np.concatenate([table.slope[rows, column] for table, rows, column in same.rows])
     if quantity == "resistance" or loads.size < 2 or not np.isfinite(slope).all():

@@ -6,8 +6,6 @@ not as a polygon. Where a resistance falls to 0 between two loads, the rise of t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
@@ -32,13 +30,6 @@ def between_loads(quantity: str, loads: Array, h: Array, slope: Array) -> tuple[
     if loads.size < 2 or not (np.isfinite(h).any() and np.isfinite(slope).any()):
         return loads, h if quantity == "compliance" else slope
     return compliance_line(loads, h, slope) if quantity == "compliance" else resistance_line(loads, h, slope)
-
-
-def on_common_loads(drawn: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return the loads of all lines, where each of them has values, and these values, shape (lines, loads)."""
-    loads = np.unique(np.concatenate([loads for loads, _ in drawn]))
-    loads = loads[(loads >= max(own[0] for own, _ in drawn)) & (loads <= min(own[-1] for own, _ in drawn))]
-    return loads, np.array([np.interp(loads, own, values) for own, values in drawn])
 
 
 def between(loads: Array) -> Array:

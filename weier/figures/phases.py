@@ -34,7 +34,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 
 def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     drawn = [curve for case in cases if (curve := lines.line(case, "compliance", curves.numerical_method(case)))]
-    fine, h = lines.on_common_loads(drawn)
+    fine, h = drawn[0][0], np.array([values for _, values in drawn])
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
     for row, color in zip(h, colors, strict=True):
