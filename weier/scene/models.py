@@ -44,7 +44,7 @@ from weier.surface.measured.trace import ENDS, MIRRORED
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
 from weier.theory.conduction import RANGES
-from weier.units import NORMALISED_PRESSURE, PASCAL, factor, parsed
+from weier.units import NORMALISED_PRESSURE, PASCAL, factor
 from weier.units import NUMBER as QUANTITY
 
 MAX_LINE = 200  # characters of a title
@@ -408,7 +408,7 @@ class InterfaceKeys(Part):
     @property
     def values(self) -> dict[str, float]:
         """The numbers in SI units, by the names of the keys."""
-        return {name: number(name, parsed(name, value, RANGES[name][2])) for name, value in self.given.items()}
+        return {name: number(name, value, RANGES[name][2]) for name, value in self.given.items()}
 
 
 class AxisKeys(Part):

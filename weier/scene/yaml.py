@@ -12,7 +12,8 @@ from ruamel.yaml.constructor import ConstructorError, SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, StringMark, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
-from weier.checks import checked_number, shown
+from weier.checks import checked_number
+from weier.units import NONE, parsed
 
 MAX_DEPTH = 50  # Deeper nesting is refused: a scene has ten levels, and Python's recursion has a limit.
 # The only kinds of keys are texts and the merge key "<<".
@@ -76,14 +77,9 @@ def write_yaml(values: Any) -> str:
     return text.getvalue()
 
 
-def number(name: str, value: Any) -> float:
-    """Return a number, which may be given as text; ValueError if it is none, or too large for a float."""
-    if not isinstance(value, str):
-        return checked_number(name, value)
-    try:
-        return float(value)
-    except ValueError:
-        raise ValueError(f"{name} must be a number, got {shown(value)}") from None
+def number(name: str, value: Any, unit: str = NONE) -> float:
+    """Return a number in `unit`, which may be given as text, with a unit of its own; ValueError if it is none."""
+    return checked_number(name, parsed(name, value, unit))
 
 
 def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:
