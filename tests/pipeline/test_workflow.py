@@ -278,13 +278,16 @@ def test_unused_batches_are_removed_when_asked(folder, capsys):
     assert sorted(used.parent.iterdir()) == [used.with_suffix(".json"), used]
 
 
-def test_batches_are_kept_while_one_of_their_job_is_used(folder):
-    change(folder, "[demelio, bem]", "[archard, demelio]")
+def test_the_last_batch_of_a_job_is_kept_while_another_one_is_used(folder):
+    change(folder, "[demelio, bem]", "[archard, demelio, persson]")
     solve_scene(scenes().scene("test"), folder / "results/curves")
-    made = sorted((folder / "results/curves").iterdir())
-    change(folder, "[archard, demelio]", "[archard]")
+    (last,) = scenes().batches(of())
+    used = [path for path in sorted((folder / "results/curves").iterdir()) if not path.name.startswith("demelio")]
+    assert Path(last).name.startswith("persson")
+    change(folder, "[archard, demelio, persson]", "[archard]")
     scenes(prune=True).begin()
-    assert sorted((folder / "results/curves").iterdir()) == made
+    assert sorted((folder / "results/curves").iterdir()) == used
+    assert scenes().batches(of()) == [last]
     change(folder, "[archard]", "[bem]")
     scenes(prune=True).begin()
     assert not list((folder / "results/curves").iterdir())

@@ -215,6 +215,9 @@ class CasesOfParts(Sequence[Case]):
 
 
 def unused(store: Store, scenes: Collection[Solutions]) -> Mapping[str, int]:
-    """Return the solved batches of jobs that none of these scenes uses, with their sizes in bytes."""
-    used = {name for own in scenes for batch in own.batches() for name in own.store.batch(batch).job}
+    """Return the solved batches that none of these scenes uses, with their sizes in bytes.
+
+    The last batch of a job is the file by which Snakemake knows the others, and is kept with them.
+    """
+    used = {name for own in scenes for batch in own.batches() for name in (batch, own.store.batch(batch).job[-1])}
     return {name: size for name, size in store.solved.items() if name not in used}
