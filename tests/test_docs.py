@@ -268,7 +268,7 @@ def test_all_that_is_public_is_described(site):
     public |= {
         "weier.accuracy.convergence.measure_convergence",
         "weier.methods.method.Method",
-        "weier.methods.choice.Choice",
+        "weier.methods.auto.Choice",
         "weier.scene.Scene",
     }
     modules = {f"weier.methods.{name}" for name in registry.names()}

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from weier.data.dataset import open_dataset as open_dataset
     from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
-    from weier.methods.choice import choose as choose
+    from weier.methods.auto import choose as choose
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
     from weier.methods.errors import OutOfReachError as OutOfReachError
@@ -36,7 +36,7 @@ _MODULES = {
     "OutOfReachError": "methods.errors",
     "Profile": "surface.profile",
     "Trace": "surface.measured.trace",
-    "choose": "methods.choice",
+    "choose": "methods.auto",
     "events": "pipeline.fields",
     "fields": "pipeline.fields",
     "find_load": "pipeline.inverse",

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 import weier
-from weier.methods import bem, choice, patches, registry
+from tests.scenes import scene_in
+from weier.methods import auto, bem, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
+from weier.pipeline.task import CurveTask
 from weier.surface.profile import Profile, random_phases
 
 LOADS = np.array([1e-3, 0.03, 0.3, 1.0])
 INFINITE = Profile(1.25, 5, math.inf, random_phases(3))
 THREE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
+STEEL = weier.Interface(E_1=2e11, E_2=2e11, nu_1=0.3, nu_2=0.3, rho_1=1e-7, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6)
 
 
 def test_a_thousandth_of_the_infinite_series_takes_six_or_seven_terms():
@@ -45,6 +48,7 @@ def test_the_compliance_of_more_terms_is_within_the_tolerance(profile, tolerance
     assert np.all(found.compliance - found.compliance_error <= exact + 2 * rest + 1e-9)
     assert np.all(exact - 1e-9 <= found.compliance + found.compliance_error)
     assert np.isnan(found.contact_fraction).all()
+    assert found.chosen_method == "patches"  # whose bound is a theorem
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9, 1e-13])
@@ -87,6 +91,33 @@ def test_a_refusal_names_the_least_tolerance_within_reach(profile):
     assert weier.choose(profile, least).left_out <= least / 2
     with pytest.raises(OutOfReachError):
         weier.choose(profile, 0.9 * least)
+
+
+@pytest.mark.parametrize("call", [weier.solve, STEEL.solve])
+@pytest.mark.parametrize("profile", [INFINITE, [THREE, INFINITE]], ids=["one", "list"])
+def test_a_tolerance_out_of_reach_is_refused_before_anything_is_solved(call, profile, monkeypatch, capsys):
+    monkeypatch.setattr(CurveTask, "solve", None)
+    with pytest.raises(OutOfReachError, match="tolerance must be at least"):
+        call(profile, LOADS, tolerance=1e-9)
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("method", "gamma", "m", "reached", "beyond", "refusal"),
+    [
+        ("auto", [4, 3], "inf", 0.21, 0.17, "tolerance must be at least 2.0e-01"),
+        ("bem", [3, 4], 6, 1e-6, 1.5e-8, "points for a tolerance"),
+    ],
+)
+def test_a_scene_with_a_tolerance_out_of_reach_is_refused_as_it_is_read(
+    method, gamma, m, reached, beyond, refusal, tmp_path
+):
+    """Also if it can be reached for the first D, and for the first gamma."""
+    scene = {"title": "out of reach", "loads": [0.1], "methods": [method]}
+    scene["studies"] = {"one": {"product": {"D": [1.3, 1.7], "gamma": gamma, "m": m}}}
+    scene_in(tmp_path, scene | {"tolerance": reached})
+    with pytest.raises(ValueError, match=refusal):
+        scene_in(tmp_path, scene | {"tolerance": beyond})
 
 
 def test_the_rest_of_a_tolerance_is_never_below_that_of_patches():
@@ -145,7 +176,7 @@ def test_no_method_means_auto_once_there_is_a_tolerance():
 
 def test_the_choice_is_a_sentence():
     text = repr(weier.choose(INFINITE, 1e-2))
-    assert text.startswith('the first 5 terms by method "bem", tolerance 0.0066; the others change h by')
+    assert text.startswith('the first 5 terms by method "patches", tolerance 0.0066; the others change h by')
     assert repr(weier.choose(THREE, 1e-2)).startswith("all terms by method")
 
 
@@ -153,4 +184,4 @@ def test_expected_seconds_are_those_of_the_method_that_is_chosen():
     found = weier.choose(INFINITE, 1e-2)
     expected = found.method.seconds(found.kept, LOADS, **found.settings)
     assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=1e-2) == expected > 0
-    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=choice.TOLERANCE) > expected
+    assert registry.find_method("auto").seconds(INFINITE, LOADS, tolerance=auto.TOLERANCE) > expected

@@ -74,7 +74,7 @@ def test_settings_are_taken_in_the_range_that_their_texts_state_and_refused_beyo
 
 
 def test_ranges_are_stated_by_the_methods_that_have_them():
-    assert [*STATED] == [("layer", "points"), ("layer", "accuracy"), ("patches", "tolerance")]
+    assert [*STATED] == [("layer", "points"), ("layer", "accuracy"), ("patches", "tolerance"), ("auto", "tolerance")]
 
 
 def test_no_two_methods_look_alike():

@@ -1,20 +1,149 @@
-"""The method "auto": curves within a tolerance, by the terms and the method of `weier.choose`."""
+"""The method "auto": curves within a tolerance, by the fewest terms, and the choice of these.
+
+If terms of total amplitude G are left out, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the terms
+left out"). Half of the tolerance is for these terms, the rest for the solution of the others.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from weier.checks import checked_word
+from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array
-from weier.methods.choice import TOLERANCE, choose
+from weier.methods import bem, patches
 from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Style
-from weier.surface.waves import Waves
+from weier.surface.limits import MAX_WAVES
+from weier.surface.profile import Profile, terms_within
+from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
+TOLERANCE = 1e-3
 MAX_LISTED = 5  # loads in a message
+
+
+@dataclass(frozen=True, repr=False)
+class Choice:
+    """The terms and method for a curve within a tolerance; displayed as a sentence.
+
+    Attributes
+    ----------
+    kept : Profile or Trace
+        The surface solved: the first terms of a series, or all of it.
+    left_out : float
+        Sum of the amplitudes of the other terms, in g_0.
+    method : Method
+        The method that solves it.
+    settings : dict
+        Its settings.
+    """
+
+    kept: Waves
+    left_out: float
+    method: Method
+    settings: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        """Return the choice in a sentence."""
+        terms = f"the first {self.kept.m:g} terms" if self.left_out else "all terms"
+        others = f"; the others change h by {self.left_out:.2g} g_0 at most" if self.left_out else ""
+        return f'{terms} by method "{self.method.name}", tolerance {self.settings["tolerance"]:.2g}{others}'
+
+
+def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Choice:
+    """Choose the terms and the method for a curve within a tolerance, without solving it.
+
+    Parameters
+    ----------
+    profile : Profile or Trace
+        A surface with any number of terms, also inf.
+    tolerance : float
+        Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*.
+    quantity : "compliance" or "resistance"
+        The quantity of the tolerance.
+
+    Returns
+    -------
+    Choice
+        With the attributes `kept`, `left_out`, `method` and `settings`.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance or the quantity is out of range; OutOfReachError, with the smallest tolerance within reach,
+        if the terms needed cannot be resolved.
+
+    Notes
+    -----
+    The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
+    middle is returned, with the error G. The kept terms are solved by contact patches, whose bound is a theorem with
+    sampled residuals, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
+    solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
+    other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
+    terms are kept.
+
+    Examples
+    --------
+    >>> import weier
+    >>> weier.choose(weier.Profile(D=1.25, gamma=5, m=float("inf")), tolerance=1e-2)
+    the first 5 terms by method "patches", tolerance 0.0066; the others change h by 0.0034 g_0 at most
+
+    """
+    surface, (least, most) = checked_surface(profile), (patches.MIN_TOLERANCE, patches.MAX_TOLERANCE)
+    checked_word("quantity", quantity, QUANTITIES)
+    wanted = checked_number(
+        "tolerance", tolerance, f"lie in {patches.TOLERANCE_RANGE}", lambda number: least <= number < most
+    )
+    if quantity == RESISTANCE:
+        return _for_resistance(surface, wanted)
+    most_omitted = min(wanted / 2, wanted - least)
+    kept, left_out = _fewest_terms(surface, most_omitted)
+    if left_out > most_omitted:
+        raise OutOfReachError(_out_of_reach(surface, kept, left_out, wanted))
+    method = bem.METHOD if not left_out and bem.within_few_points(kept, wanted) else patches.METHOD
+    return Choice(kept, left_out, method, {"tolerance": wanted - left_out})
+
+
+def _for_resistance(surface: Waves, tolerance: float) -> Choice:
+    if math.isinf(surface.m):
+        raise OutOfReachError(
+            "the resistance of an infinite series has bounds only: ask for its compliance, whose curve has them as "
+            f"resistance_error, or take a finite m; got {surface.describe()}"
+        )
+    patches.METHOD.check_applies(surface)
+    # A hundredth is arbitrary: the stated error of R is checked after the solution.
+    h_tolerance = min(max(1e-2 * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
+    return Choice(surface, 0.0, patches.METHOD, {"tolerance": h_tolerance})
+
+
+def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
+    """Return the first terms of a surface whose tail is at most `most_omitted`, and that tail, in g_0.
+
+    If more are needed than can be resolved, return the largest number of terms that can.
+    """
+    if not isinstance(surface, Profile):
+        patches.METHOD.check_applies(surface)
+        return surface, 0.0
+    most = terms_within(surface, MAX_WAVES)
+    kept = next((k for k in range(1, most) if surface.amplitude_beyond(k) <= most_omitted), most)
+    return surface.truncated(kept), surface.amplitude_beyond(kept)
+
+
+def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float) -> str:
+    least = MARGIN * max(2 * left_out, left_out + patches.MIN_TOLERANCE)
+    which = f"for the compliance of {surface.describe()}"
+    why = f"{kept.m:g} terms are the most that can be resolved, and the others sum to {left_out:.1e} g_0"
+    others = "a shorter series, or an estimate such as the layer, which states no error"
+    if least >= patches.MAX_TOLERANCE:
+        return f"no tolerance is within reach {which}: {why}; take {others}"
+    return (
+        f"tolerance must be at least {least:.1e} g_0 {which}, got {tolerance:g}: {why}; take a larger one, {others}"
+    )
 
 
 class AutoCurve(NamedTuple):
@@ -22,7 +151,8 @@ class AutoCurve(NamedTuple):
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*, of the terms solved
-    compliance_error : a bound, in g_0, if that of the method is one
+    compliance_error : in g_0; where terms are left out, and of patches, a bound by a theorem with sampled
+        residuals
     resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
     contact_fraction : length in contact per length; NaN where terms are left out
     second_attempts : the number of loads at which the first attempt of patches failed; a scalar
@@ -44,18 +174,14 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
     solved = choice.method.solve(choice.kept, loads, **choice.settings)
     if quantity == RESISTANCE:
         _check_resistance(solved, loads, tolerance)
-    how: Any = {
-        "second_attempts": getattr(solved, "second_attempts", 0),
-        "chosen_method": choice.method.name,
-        "chosen_terms": float(choice.kept.m),
-    }
-    if not choice.left_out:
-        return AutoCurve(**{name: getattr(solved, name) for name in AutoCurve._fields if name not in how}, **how)
-    low, high = complete_bounds(solved.compliance, choice.left_out, profile.total_amplitude, solved.compliance_error)
-    h, error = (low + high) / 2, (high - low) / 2
-    shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
-    R_error = np.maximum(steepest - solved.resistance, solved.resistance - shallowest)
-    return AutoCurve(h, solved.resistance, error, R_error, np.full(loads.size, np.nan), **how)
+    h, R, error, R_error = solved.compliance, solved.resistance, solved.compliance_error, solved.resistance_error
+    fraction, again = solved.contact_fraction, getattr(solved, "second_attempts", 0)
+    if choice.left_out:
+        low, high = complete_bounds(h, choice.left_out, profile.total_amplitude, error)
+        h, error, fraction = (low + high) / 2, (high - low) / 2, np.full(loads.size, np.nan)
+        shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
+        R_error = np.maximum(steepest - R, R - shallowest)
+    return AutoCurve(h, R, error, R_error, fraction, again, choice.method.name, float(choice.kept.m))
 
 
 def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:
@@ -71,16 +197,17 @@ def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:
         )
 
 
-def _check(profile: Waves, quantity: str = COMPLIANCE, **others: Any) -> None:
-    """Refuse a quantity that is neither compliance nor resistance."""
-    checked_word("quantity", quantity, QUANTITIES)
+def _check(profile: Waves, **settings: Any) -> None:
+    """Refuse a quantity or a tolerance that is out of range, or out of reach."""
+    choose(profile, **settings)
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
+    """Return the expected seconds of the method that is chosen; inf where the tolerance is out of reach."""
     try:
         choice = choose(profile, **settings)
     except OutOfReachError:
-        return 0.0
+        return math.inf
     return choice.method.seconds(choice.kept, loads, **choice.settings)
 
 
@@ -90,7 +217,8 @@ METHOD = Method(
     summary="the fewest terms within a tolerance, by bem or patches (weier.choose); any m, also inf",
     solve=_solve,
     settings={
-        "tolerance": "accepted error: of h, in g_0; of R, relative to the larger of R and 1 g_0/p_0*",
+        "tolerance": f"accepted error, in {patches.TOLERANCE_RANGE}: of h, in g_0; of R, relative to the larger of R "
+        "and 1 g_0/p_0*",
         "quantity": "quantity of the tolerance, compliance or resistance",
     },
     check=_check,

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 
 from weier.data.markdown import significant
 from weier.kernels.arrays import Array
-from weier.methods import auto, choice, registry
+from weier.methods import auto, registry
 from weier.methods.registry import find_method
 from weier.pipeline.curves import Batch
 from weier.pipeline.progress import LONG
@@ -63,5 +63,5 @@ def _cheaper(profile: Waves, loads: Array) -> str:
     """Return the methods that take less than `LONG`, "auto" at its default tolerance among them."""
     fast = [method.name for method in registry.METHODS if method.takes(profile)]
     fast = [name for name in fast if find_method(name).seconds(profile, loads) < LONG]
-    within = f" (within {choice.TOLERANCE:g} g_0)" * (auto.METHOD.name in fast)
+    within = f" (within {auto.TOLERANCE:g} g_0)" * (auto.METHOD.name in fast)
     return f"choose {', '.join([*fast, ''])}fewer loads, or fewer terms or waves{within}"

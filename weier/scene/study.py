@@ -10,7 +10,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from weier.kernels.arrays import Indices
 from weier.scene.case import Case, identity
 from weier.scene.identity import Keys, key_of, keys_of
+from weier.scene.yaml import number
 from weier.surface.profile import random_phases
 
 MAX_CASES = 10_000  # default limit, since a typing error would take hours
@@ -78,11 +79,13 @@ class CaseProduct:
     def check(self) -> None:
         """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it.
 
-        The limits of D and of seeds do not depend on other parameters (`check_value`), and those of gamma and phases
-        depend on m alone. So not every case is made.
+        The limits of D and of seeds do not depend on other parameters (`check_value`), those of gamma and phases
+        depend on m alone, and a tolerance is hardest to reach for the largest D. So not every case is made.
         """
+        order = {"D": sorted(self.axes["D"], key=partial(number, "D"), reverse=True)} if "D" in self.axes else {}
+        hardest = CaseProduct({**self.axes, **order}, self.methods, self.settings)
         for names in (("D",), ("gamma", "m"), ("phases", "m")):
-            for case in self.of_all_kinds(*names):
+            for case in hardest.of_all_kinds(*names):
                 case.check()
 
 
