@@ -1,5 +1,6 @@
 """What a solve is expected to take before it is begun."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from weier.pipeline.batches import Solutions
 from weier.pipeline.curves import CASE_SECONDS
 from weier.pipeline.forecast import LONG, MAX_SECONDS, forecast, forecast_scene
 from weier.scene import Case
+from weier.surface.profile import Profile
 
 LOADS = np.geomspace(1e-3, 4, 40)
 
@@ -83,10 +85,9 @@ def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, seconds
     assert not refusal
 
 
-def test_what_is_out_of_reach_takes_no_time(tmp_path):
-    product = {"D": 1.9, "gamma": 2, "m": "inf"}
-    study = {"studies": {"one": {"product": product}}, "methods": ["auto"], "tolerance": 1e-3}
-    assert forecast_of(tmp_path, **study)[1] == [pytest.approx(CASE_SECONDS)]
+def test_auto_is_not_proposed_where_its_tolerance_is_out_of_reach():
+    assert find_method("auto").seconds(Profile(1.9, 2, math.inf), LOADS) == math.inf
+    assert find_method("auto").seconds(Profile(1.25, 5, math.inf), LOADS) < math.inf
 
 
 def test_a_scene_that_is_solved_says_nothing(tmp_path):
