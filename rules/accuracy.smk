@@ -21,7 +21,7 @@ rule measure_tradeoff:
         scene=configured("accuracy/tradeoff.yaml"),
     output:
         data="results/tradeoff/tradeoff.nc",
-        table="results/tradeoff/tradeoff.md",
+        page="results/tradeoff/tradeoff.md",
     log:
         "results/logs/tradeoff/measure.log",
     conda:
@@ -30,7 +30,7 @@ rule measure_tradeoff:
     params:
         depends_on=digest_of_code(("weier.accuracy.tradeoff", "")),
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier tradeoff {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier.accuracy tradeoff --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_convergence:
@@ -39,7 +39,7 @@ rule measure_convergence:
         scene=configured("accuracy/infinite.yaml"),
     output:
         data="results/convergence/convergence.nc",
-        table="results/convergence/convergence.md",
+        page="results/convergence/convergence.md",
     log:
         "results/logs/convergence/measure.log",
     conda:
@@ -47,7 +47,7 @@ rule measure_convergence:
     params:
         depends_on=digest_of_code(("weier.accuracy.convergence", "")),
     shell:
-        "python -m weier convergence {input.scene:q} {output:q} 2>&1 | tee -i {log:q}"
+        "python -m weier.accuracy convergence --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
 rule measure_extremes:
@@ -55,7 +55,7 @@ rule measure_extremes:
         kernels=ancient(kernels_of(METHODS)),
     output:
         data="results/extremes/extremes.nc",
-        summary="results/extremes/extremes.md",
+        page="results/extremes/extremes.md",
     log:
         "results/logs/extremes/measure.log",
     conda:
@@ -63,7 +63,7 @@ rule measure_extremes:
     params:
         depends_on=digest_of_code(("weier.accuracy.extremes", "")),
     shell:
-        "python -m weier extremes {output:q} 2>&1 | tee -i {log:q}"
+        "python -m weier.accuracy extremes --output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
 rule draw:

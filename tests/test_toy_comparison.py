@@ -32,8 +32,7 @@ def test_the_trade_measures_all_its_variants(monkeypatch, tmp_path):
     assert half["compliance_deviation"].values == pytest.approx(np.abs(0.5 * LOADS - right), rel=1e-12)
     assert np.isnan(mine["seconds"].values[0]).all()
     dataset.write(data, tmp_path / "toy.nc", "Toy")
-    tradeoff.write_table(dataset.read(tmp_path / "toy.nc"), "Toy", tmp_path / "toy.md")
-    assert "| toy | 1 |" in (tmp_path / "toy.md").read_text()
+    assert "| toy | 1 |" in tradeoff.table_of(dataset.read(tmp_path / "toy.nc"))
     figures.draw(Figure("work_precision"), [data], tmp_path / "toy.png")
 
 
@@ -56,6 +55,5 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     assert extremes.failures(data) == [
         "two waves, toy: not within band",
     ]
-    extremes.write_summary(data, "Toy", tmp_path / "toy.md")
-    assert "\n- two waves, toy: not within band\n" in (tmp_path / "toy.md").read_text()
+    assert "\n- two waves, toy: not within band\n" in "\n".join([*extremes.parts(data), ""])
     figures.draw(Figure("extremes"), [data], tmp_path / "toy.png")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from weier.accuracy import expected_seconds
-from weier.accuracy.expected_seconds import CONSTANTS, FRACTIONS, MANY, OTHER_SETTINGS
+from weier.accuracy.expected_seconds import CONSTANTS, FRACTIONS, MANY
+from weier.accuracy.variants import Variant, by_default, variants_of
 from weier.methods.registry import find_method
 
 
@@ -17,18 +18,21 @@ def test_surfaces_have_at_most_as_many_waves_or_infinitely_many():
 def solved(monkeypatch):
     """Curves that are not solved: as many seconds as there are loads, or none where terms exceed those of a test."""
 
-    def seconds(method, profile, loads, settings):
-        return float(loads.size) if settings.get("terms", 0) < 6 else np.nan
+    def seconds(variant, profile, loads):
+        return float(loads.size) if variant.settings.get("terms", 0) < 6 else np.nan
 
     monkeypatch.setattr(expected_seconds, "seconds_of", seconds)
 
 
 @pytest.mark.usefixtures("solved")
-def test_few_waves_are_solved_under_single_and_many_loads_by_each_setting():
-    surfaces = dict(expected_seconds.surfaces(400))
-    found = list(expected_seconds.measurements("m = 3", surfaces["D = 1.25, gamma = 5, m = 3"], find_method("bem")))
-    assert [each.settings for each in found[::2]] == [{}, *OTHER_SETTINGS["bem"]]
-    assert [[loads.size for loads in each.loads] for each in found] == 3 * [[1] * len(FRACTIONS), [MANY.size]]
+def test_few_waves_are_solved_under_single_and_many_loads_by_each_variant():
+    surfaces, method = dict(expected_seconds.surfaces(400)), find_method("bem")
+    few = surfaces["D = 1.25, gamma = 5, m = 3"]
+    found = list(expected_seconds.measurements("m = 3", few, method))
+    variants = [by_default("bem"), *variants_of(method, few)]
+    assert len(variants) > 3
+    assert [each.variant for each in found[::2]] == variants
+    assert [[each.size for each in one.loads] for one in found] == len(variants) * [[1] * len(FRACTIONS), [MANY.size]]
     (long,) = expected_seconds.measurements("trace", surfaces["trace, H = 0.3"], find_method("bem"))
     assert [loads.size for loads in long.loads] == [1] * len(FRACTIONS)
 
@@ -48,7 +52,7 @@ def test_a_fit_finds_the_constants_of_seconds_that_follow_the_formula(name):
 
 def test_seconds_of_a_curve_that_is_not_solved_are_nan():
     surface = dict(expected_seconds.surfaces(25))["D = 1.25, gamma = 5, m = inf"]
-    assert np.isnan(expected_seconds.seconds_of(find_method("hybrid"), surface, np.ones(1), {"terms": 9}))
+    assert np.isnan(expected_seconds.seconds_of(Variant("hybrid 9", "hybrid", {"terms": 9}), surface, np.ones(1)))
 
 
 @pytest.mark.parametrize(("method", "m"), [("bem", "3"), ("hybrid", "inf")])
@@ -56,8 +60,8 @@ def test_expected_seconds_stand_beside_those_measured(method, m):
     name = f"D = 1.25, gamma = 5, m = {m}"
     surface = dict(expected_seconds.surfaces(25))[name]
     measured = next(expected_seconds.measurements(name, surface, find_method(method)))
-    what, waves, by, settings, loads, seconds, ratio = expected_seconds.row(measured)
-    assert (what, waves, by, settings, loads) == (name, {"3": "25", "inf": "inf"}[m], method, "", "1")
+    what, waves, by, loads, seconds, ratio = expected_seconds.row(measured)
+    assert (what, waves, by, loads) == (name, {"3": "25", "inf": "inf"}[m], method, "1")
     assert all(float(value) >= 0 for value in seconds.split(" / "))
     assert float(ratio) > 0
 

@@ -6,28 +6,40 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from weier import ConvergenceError, Profile
-from weier.accuracy import coverage, families
-from weier.accuracy.families import FAMILIES, LOADS, MAX_WAVES
+from weier import Profile
+from weier.accuracy import coverage, families, runner
+from weier.accuracy.families import FAMILIES, LOADS, MAX_WAVES, VARIANTS
+from weier.accuracy.reference import contact_reference
+from weier.accuracy.variants import MAX_POINTS, Variant
 from weier.methods import bem
+from weier.methods.errors import ConvergenceError
 
 
 @pytest.fixture(scope="module")
 def one_draw() -> families.Draw:
-    profile, loads = Profile(1.3, 2, 2, (0.0, 1.0)), np.array([0.01, 0.3])
-    return families.Draw(
-        "usual",
-        profile,
-        loads,
-        {"points": 16 * 2},
-        *families.solve_exactly(profile, loads),
-    )
+    grid = {"points_per_wave": 16}
+    known = ("bem", grid), ("bem", grid | {"staircase": "kept"}), ("patches", {"tolerance": 1e-6})
+    variants = tuple(Variant(name, *each) for name, each in zip(VARIANTS, known, strict=True))
+    return families.Draw("usual", Profile(1.3, 2, 2, (0.0, 1.0)), np.array([0.01, 0.3]), variants)
+
+
+@pytest.fixture
+def reference(monkeypatch):
+    """Replace a part of the reference of all draws."""
+
+    def replace(**parts):
+        def changed(profile, loads):
+            right = contact_reference(profile, loads)
+            return right._replace(**{name: change(np.array(getattr(right, name))) for name, change in parts.items()})
+
+        monkeypatch.setattr(coverage, "contact_reference", changed)
+
+    return replace
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_draws_are_series_within_limits(family, monkeypatch):
-    """Without their exact curves, and with as many contacts at each load as it has zeros behind the point."""
-    monkeypatch.setattr(families, "solve_exactly", lambda profile, loads: (np.zeros((2, loads.size)),) * 2)
+    """With as many contacts at each load as it has zeros behind the point."""
     monkeypatch.setattr(families, "_count", lambda profile, load: int(-np.log10(load / profile.full_contact_load)))
     random = np.random.default_rng(0)
     for draw in (families.draw_one(random, family) for _ in range(20)):
@@ -35,53 +47,75 @@ def test_draws_are_series_within_limits(family, monkeypatch):
         assert 1 <= draw.loads.size <= LOADS
         assert np.all(np.diff(draw.loads) > 0)
         assert draw.loads[0] > 0
-        assert bem.checked_points(draw.profile, draw.settings["points"])
+        assert tuple(variant.name for variant in draw.variants) == VARIANTS
+        for variant in draw.variants[:2]:
+            assert bem.points_of(draw.profile, **variant.settings) <= max(MAX_POINTS, 128 * MAX_WAVES)
 
 
-def test_an_error_beyond_what_is_stated_is_found(one_draw):
+def test_an_error_beyond_what_is_stated_is_found(one_draw, reference):
     right = coverage.judge_all(one_draw)
-    assert list(right) == ["bem", "bem with staircase", "patches"]
+    assert tuple(right) == VARIANTS
     for judged in right.values():
         assert not np.any(judged.ratio > 1)
     assert list(coverage.exceeded([(one_draw, right)])) == []
     off = 10 * right["bem"].stated[0, 1]
-    wrong = one_draw._replace(exact=one_draw.exact + np.array([[0.0, off], [0.0, 0.0]]))
-    judged = coverage.judge(wrong, coverage.by_elements)
-    (ratio, where), *others = coverage.exceeded([(wrong, {"bem": judged})])
+    reference(compliance=lambda exact: exact + np.array([0, off]))
+    judged = coverage.judge_all(one_draw, ["bem"])
+    (ratio, where), *others = coverage.exceeded([(one_draw, judged)])
     assert others == []
     assert ratio == pytest.approx(10, abs=1)
-    assert f"h by bem is off by {judged.error[0, 1]:.2e}" in where
+    assert f"h by bem is off by {judged['bem'].error[0, 1]:.2e}" in where
     assert 'Profile(1.3, "2", 2, [0.0, 1.0]) at 0.3' in where
 
 
-def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw):
-    coarse = one_draw._replace(uncertainty=np.full((2, 2), 100.0))
-    assert all(np.isnan(judged.ratio).all() for judged in coverage.judge_all(coarse).values())
+def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw, reference):
+    reference(uncertainty=lambda known: known + 100.0)
+    assert all(np.isnan(judged.ratio).all() for judged in coverage.judge_all(one_draw).values())
 
 
-def test_refused_and_unsolved_loads_are_counted(one_draw, monkeypatch):
-    def refuse_light_loads(draw, loads):
+@pytest.fixture
+def without_light_loads(monkeypatch):
+    """Refuse loads below 0.1."""
+    run = runner.run
+
+    def refusing(variant, profile, loads):
         if loads[0] < 0.1:
             raise ConvergenceError("too light")
-        return bem.curve(draw.profile, loads, **draw.settings)
+        return run(variant, profile, loads)
 
-    monkeypatch.setitem(coverage.METHODS, "bem", refuse_light_loads)
-    unsolved = one_draw._replace(exact=np.full((2, 2), np.nan), uncertainty=np.full((2, 2), np.nan))
-    found = [(draw, coverage.judge_all(draw, ["bem"])) for draw in (one_draw, unsolved)]
+    monkeypatch.setattr(runner, "run", refusing)
+
+
+@pytest.mark.usefixtures("without_light_loads")
+def test_refused_loads_are_counted_and_told(one_draw):
+    found = [(one_draw, coverage.judge(one_draw, one_draw.variants[0]))]
+    found = [(draw, {"bem": judged}) for draw, judged in found]
     family, loads, h, R, refused = coverage.row("usual", found, ["bem"])
-    assert (family, loads, refused) == ("usual", "4", "2")
+    assert (family, loads, refused) == ("usual", "2", "1")
     assert h.startswith("0 of 1,")
     assert R.startswith("0 of 1,")
+    *_, told = coverage.tables(found, ["bem"], 20)
+    assert "Profile(1.3" in told
+    assert "too light" in told
 
 
-def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatch):
+def test_unknown_numbers_are_not_counted(one_draw, reference):
+    reference(compliance=lambda exact: np.full(exact.size, np.nan), uncertainty=lambda known: np.full((2, 2), np.nan))
+    _, _, h, _, refused = coverage.row("usual", [(one_draw, coverage.judge_all(one_draw, ["bem"]))], ["bem"])
+    assert h.startswith("0 of 0,")
+    assert refused == "0"
+
+
+def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatch, tmp_path):
+    page = ["--output", str(tmp_path / "page.md")]
     monkeypatch.setattr(coverage, "draws", lambda *arguments: iter([one_draw]))
-    result = CliRunner().invoke(coverage.main, ["--families", "usual"])
+    result = CliRunner().invoke(coverage.main, ["--families", "usual", *page])
     assert result.exit_code == 0
     rows = [line for line in result.stdout.splitlines() if line.startswith("|")]
     assert [line.split(" | ")[0] for line in rows] == ["| family", "| ---", "| usual", "| all"]
     assert len({line.count("|") for line in rows}) == 1
-    result = CliRunner().invoke(coverage.main, ["--methods", "patches, bem"])
+    assert "--seed" in result.stdout.splitlines()[-1]
+    result = CliRunner().invoke(coverage.main, ["--methods", "patches, bem", *page])
     assert "h by patches | R by patches | h by bem | R by bem | no solution" in result.stdout
     for option in ("--families", "--methods"):
-        assert CliRunner().invoke(coverage.main, [option, "unknown"]).exit_code == 2
+        assert CliRunner().invoke(coverage.main, [option, "unknown", *page]).exit_code == 2

@@ -45,7 +45,7 @@ def test_full_contact_is_that_of_the_patches():
     assert load < THREE.full_contact_pressure.sum()
     closed = contact_reference(THREE, (load * 1.0001,))
     below = contact_reference(THREE, (load * 0.9999,))
-    assert closed.resistance == [0]
+    assert closed.resistance == (0,)
     assert float(below.compliance[0]) == pytest.approx(float(closed.compliance[0]), rel=1e-6)
     assert 0 < below.resistance[0] < 1e-3
 

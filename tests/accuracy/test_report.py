@@ -1,8 +1,18 @@
-"""Numbers of tables, and pages from templates."""
+"""Every measurement is a command that writes and prints a page of one form."""
 
+import subprocess
+import sys
+
+import click
 import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
 
-from weier.accuracy.report import number, write_page
+from weier import accuracy
+from weier.accuracy.__main__ import NAMES, main
+from weier.accuracy.report import Page, measurement, number
+from weier.data import dataset, provenance
 
 
 def test_what_is_unknown_leaves_its_cell_empty():
@@ -10,7 +20,58 @@ def test_what_is_unknown_leaves_its_cell_empty():
     assert number(0.0123) == "1e-02"
 
 
-def test_a_page_is_a_template_with_its_parts_filled_in(tmp_path):
-    write_page(tmp_path / "page.md", "tradeoff.md", title="Title", variants="| one |")
-    page = (tmp_path / "page.md").read_text()
-    assert page.startswith("# Title\n\n| one |\n\nEach row")
+@measurement("A title")
+@click.option("--count", default=3, help="Of lines.")
+@click.option("--seed", default=lambda: 7, help="Of the draws.")
+def toy(count: int, seed: int) -> Page:
+    """Count lines.
+
+    In a second paragraph.
+    """
+    data = xr.Dataset({"lines": ("line", np.ones(count), {"long_name": "lines"})})
+    return Page([f"{count} of {seed}", "| a table |"], data, "title: scene")
+
+
+def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    found = CliRunner().invoke(toy, ["--count", "4", "--output", str(tmp_path / "new" / "page.md")])
+    assert found.exit_code == 0, found.output
+    page = (tmp_path / "new" / "page.md").read_text()
+    assert found.output == page
+    start, made = page.rsplit("\n\n", 1)
+    assert start == "# A title\n\nCount lines.\n\nIn a second paragraph.\n\n4 of 7\n\n| a table |"
+    assert made.startswith("Made by `python -m weier.accuracy test_report --count 4 --seed 7` on 1970-01-01T00:00:00")
+    assert f"weier {provenance.VERSION}, python 3." in made
+    assert f"numpy {np.__version__}" in made
+    data = dataset.read(tmp_path / "new" / "page.nc")
+    assert data["lines"].size == 4
+    assert data.attrs["scene"] == "title: scene"
+    assert "In a second paragraph." in CliRunner().invoke(toy, ["--help"]).output
+
+
+def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(main, ["node_counts", "--output", str(tmp_path)])
+    assert found.exit_code == 1
+    assert "cannot be written (it is a folder): name another file" in found.output
+    found = CliRunner().invoke(main, ["tradeoff", "--scene", "none.yaml"])
+    assert found.exit_code == 1
+    assert found.output == "Error: there is no file none.yaml\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_measurement_says_what_it_measures(name):
+    assert f"| `{name}` |" in accuracy.__doc__
+    found = CliRunner().invoke(main, [name, "--help"])
+    assert found.exit_code == 0, found.output
+    assert f"[default: results/{name}/{name}.md]" in " ".join(found.output.split())
+
+
+def test_the_list_of_measurements_is_complete():
+    done = subprocess.run(
+        [sys.executable, "-m", "weier.accuracy", "--help"], capture_output=True, text=True, check=True
+    )
+    listed = [line.split()[0] for line in done.stdout.partition("Commands:")[2].splitlines() if line.strip()]
+    assert listed == list(NAMES)
+    assert accuracy.__doc__.count("\n| `") == len(NAMES)

@@ -84,9 +84,8 @@ def test_the_table_and_the_figure_are_made_from_the_file(measured, tmp_path):
     again = dataset.read(tmp_path / "tradeoff.nc")
     assert again["seconds"].values == pytest.approx(measured["seconds"].values, nan_ok=True)
     assert again["phases"].values[1, 1] == 1.0
-    tradeoff.write_table(again, "Small", tmp_path / "tradeoff.md")
-    text = (tmp_path / "tradeoff.md").read_text()
-    assert text.startswith("# Small")
+    text = tradeoff.table_of(again)
+    assert text.startswith("| method and setting |")
     assert text.count("\n| bem ") == sum(method == "bem" for method in measured["solution_method"].values)
     figures.draw(Figure("work_precision"), [again], tmp_path / "figure.png")
     assert (tmp_path / "figure.svg").exists()

@@ -137,9 +137,13 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     [
         (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by demelio in none: run snake"),
         (["batch", "test.json", "x.nc"], 1, "test.json does not describe a batch: delete it"),
-        (["draw", "work_precision", "x.png"], 1, "drawn from one file, that of `weier tradeoff`"),
-        (["draw", "work_precision", "x.png", "DATA"], 1, "drawn from one file, that of `weier tradeoff`"),
-        (["draw", "extremes", "x.png", "DATA"], 1, "drawn from one file, that of `weier extremes`"),
+        (["draw", "work_precision", "x.png"], 1, "drawn from the file of `python -m weier.accuracy tradeoff`"),
+        (
+            ["draw", "work_precision", "x.png", "DATA"],
+            1,
+            "drawn from the file of `python -m weier.accuracy tradeoff`",
+        ),
+        (["draw", "extremes", "x.png", "DATA"], 1, "drawn from the file of `python -m weier.accuracy extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
         (["page", "test.yaml", "none", "contact.nc", "x.html"], 1, "there is no file contact.nc: make it first"),
     ],

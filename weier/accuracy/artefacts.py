@@ -1,10 +1,4 @@
-"""Lines that the checks of heights and of fits judge wrongly: `python -m weier.accuracy.artefacts`.
-
-Lines of many kinds of roughness must be taken, and the same lines with steps, spikes, dust and codes for missing
-heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on the
-one side and without missed artefacts on the other lies between the two. Two further tables are of fits to random
-lines: those that a limit of the spectrum refuses, and how well bands of wavelengths determine D.
-"""
+"""Lines that the checks of heights and of fits judge wrongly."""
 
 from __future__ import annotations
 
@@ -19,6 +13,7 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import Trace, fit
+from weier.accuracy.report import Page, measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface import spectrum
@@ -144,30 +139,36 @@ def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, 
     return len(off) / (3 * rounds), float(np.mean(known < 1)), float(np.mean(known < 2))
 
 
-@click.command(context_settings={"show_default": True})
+@measurement("Lines that are judged wrongly")
 @click.option("--rounds", default=10, help="Lines of each kind.")
 @click.option("--factor", default=1.5, help="Factor of the limits.")
-def main(rounds: int, factor: float) -> None:
-    """Print refused lines of roughness and artefacts that are not recognised, for scaled limits."""
-    rows = [["none", "", *map(str, wrong(rounds))]]
+def main(rounds: int, factor: float) -> Page:
+    """Count lines that the checks of heights and of fits judge wrongly, with each limit scaled.
+
+    Lines of many kinds of roughness must be taken, and self-affine lines with steps, spikes and codes for missing
+    heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on
+    the one side and without missed artefacts on the other lies between the two. Two further tables are of fits to
+    random lines: those that a limit of the spectrum refuses, and how well bands of wavelengths determine D.
+    """
+    limits = [["none", "", *map(str, wrong(rounds))]]
     for limit in LIMITS:
         for scale in (1 / factor, factor):
             with scaled(limit, scale):
-                rows.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
+                limits.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
     doubted, fits = doubted_fits(rounds)
-    click.echo(markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], rows))
-    click.echo(f"\n{doubted} of {fits} fits to roughness report a part of the line that decides on them\n")
-    rows = []
+    spectra = []
     for times in (0.1, 1, 3, 10):
         with scaled("EMPTY", times, spectrum):
             refused = [f"{part} of {lines}" for part, lines in (without_power(rounds, 2), without_power(rounds, 8))]
-        rows.append(["EMPTY", f"{times:g}", *refused])
-    click.echo(markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], rows))
+        spectra.append(["EMPTY", f"{times:g}", *refused])
     with scaled("MIN_RATIO", 0.5, spectrum):
-        rows = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
-    header = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
-    click.echo("\n" + markdown.table(header, rows))
-
-
-if __name__ == "__main__":
-    main()
+        bands = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
+    of_bands = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
+    return Page(
+        [
+            markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
+            f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
+            markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
+            markdown.table(of_bands, bands),
+        ]
+    )

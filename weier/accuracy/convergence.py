@@ -7,22 +7,27 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier.accuracy.metrics import by_resolved_terms
-from weier.accuracy.report import number, write_page
+from weier.accuracy.report import Page, measurement, number
+from weier.accuracy.runner import run
+from weier.accuracy.variants import Variant
 from weier.data import dataset, variables
 from weier.data.markdown import table
 from weier.data.selection import case_names
 from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, OutOfReachError
-from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, bounds, curve
+from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, bounds
+from weier.scene import load
 from weier.surface.loads import checked_loads
 from weier.surface.profile import PARAMETERS, Profile
 
+SCENE = Path("config/accuracy/infinite.yaml")
 HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
@@ -77,7 +82,8 @@ def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     points = POINTS_PER_WAVE * profile.truncated(terms).waves_per_period[-1]
     try:
         if points <= MAX_POINTS:
-            return {**curve(profile, loads, terms)._asdict(), "points": points, "status": Status.solved}
+            found = run(Variant(f"hybrid {terms}", "hybrid", {"terms": terms}), profile, loads).others
+            return {**found, "points": points, "status": Status.solved}
         low, high = bounds(profile, loads, terms)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
@@ -87,8 +93,8 @@ def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
     return {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}
 
 
-def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
-    """Write the convergence as Markdown, with a row for each number of resolved terms of a series."""
+def table_of(data: xr.Dataset) -> str:
+    """Return a row for each number of resolved terms of a series."""
     rows = []
     for row, name in enumerate(case_names(data, but=("phases",))):
         case = data.isel(case=row)
@@ -96,4 +102,20 @@ def write_table(data: xr.Dataset, title: str, path: str | Path) -> None:
             case["resolved_terms"].values, case["points"].values, *by_resolved_terms(case), strict=True
         ):
             rows.append([name, str(terms), number(nodes, ".0f"), *(number(error, ".1e") for error in errors)])
-    write_page(path, "convergence.md", title=title, rows=table(HEADER, rows))
+    return table(HEADER, rows)
+
+
+@measurement("The infinite series, by the terms that are resolved")
+@click.option("--scene", type=click.Path(path_type=Path), default=SCENE, help="Its infinite series and loads.")
+@click.option("--terms", default=8, help="The largest number of resolved terms.")
+def main(scene: Path, terms: int) -> Page:
+    """Solve infinite series by the number of terms resolved.
+
+    Heights are in g_0, at the worst load. The bounds hold for any phases of the terms that are not resolved. The
+    estimate puts the resolved terms on the layer of all others. Its error is the distance from the middle of finer
+    bounds where these have more terms than any estimate, else from the estimate with most terms. Nodes are those of
+    the estimate, of which up to 2^14 are solved; bounds are found with up to 2^21.
+    """
+    loaded = load(scene)
+    data = measure_convergence([case.profile for case in loaded.cases.values()], loaded.loads, terms)
+    return Page([table_of(data)], data, loaded.text)

@@ -1,7 +1,4 @@
-"""Processor time of direct solutions over conjugate gradients: `python -m weier.accuracy.direct_solution`.
-
-`MAX_DIRECT` of contact patches comes from this table, for contacts and gaps of random widths with 8 nodes each.
-"""
+"""Processor time of direct solutions over conjugate gradients."""
 
 from __future__ import annotations
 
@@ -10,8 +7,8 @@ from time import process_time
 import click
 import numpy as np
 
+from weier.accuracy.report import Page, measurement
 from weier.data import markdown
-from weier.kernels.blas import one_thread
 from weier.methods.patches.given_edges import Forces, make_punches, solve_forces_on_contacts, solve_tangent
 from weier.methods.patches.segments import Segments, make_segments
 
@@ -36,7 +33,6 @@ def solve(segments: Segments, dual: bool, directly: bool) -> tuple[Forces, Force
     return forces, solve_tangent(punches, forces, REDUCTION)
 
 
-@one_thread
 def ratio(count: int, dual: bool, rounds: int) -> float:
     """Return the least processor time of direct solutions over that of conjugate gradients."""
     segments, seconds = random_segments(count), {True: np.inf, False: np.inf}
@@ -48,13 +44,13 @@ def ratio(count: int, dual: bool, rounds: int) -> float:
     return seconds[True] / seconds[False]
 
 
-@click.command(context_settings={"show_default": True})
+@measurement("Direct solution or conjugate gradients")
 @click.option("--rounds", default=10, help="Solutions of each kind, of which the fastest counts.")
-def main(rounds: int) -> None:
-    """Print the ratio of processor times by the number of unknowns."""
+def main(rounds: int) -> Page:
+    """Compare the processor time of direct solutions with that of conjugate gradients.
+
+    The table has the ratio of the two by the number of unknowns, for contacts and for gaps of random widths with 8
+    nodes each. `MAX_DIRECT` of contact patches is the number at which the ratio reaches 1.
+    """
     rows = ([str(NODES * n), *(f"{ratio(n, dual, rounds):.2f}" for dual in (False, True))] for n in SEGMENTS)
-    click.echo(markdown.table(HEADER, rows))
-
-
-if __name__ == "__main__":
-    main()
+    return Page([markdown.table(HEADER, rows)])

@@ -1,8 +1,4 @@
-"""Errors of the estimates on ensembles, and the exponent of the stiffness: `python -m weier.accuracy.estimates`.
-
-The reference is contact patches on profiles with random phases. Errors of h are in g_0, errors of R and of the
-contact area are relative. Loads of full contact are omitted, since ratios are meaningless there.
-"""
+"""Errors of the estimates on ensembles, and the exponent of the stiffness."""
 
 from __future__ import annotations
 
@@ -12,9 +8,11 @@ from typing import NamedTuple
 import click
 import numpy as np
 
+from weier.accuracy.report import Page, measurement
+from weier.accuracy.runner import run
+from weier.accuracy.variants import by_default
 from weier.data import markdown
 from weier.kernels.arrays import Array
-from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
 ESTIMATES = ("archard", "demelio", "layer", "persson")
@@ -54,8 +52,8 @@ def exponents(seeds: int, series: tuple[float, int, int] = (1.25, 5, 3)) -> dict
 
 def _solved(method: str, profile: Profile, loads: Array) -> Array:
     """Return compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
-    solved = find_method(method).solve(profile, loads)
-    area = getattr(solved, "contact_fraction", np.full(loads.size, np.nan))
+    solved = run(by_default(method), profile, loads)
+    area = solved.others.get("contact_fraction", np.full(loads.size, np.nan))
     return np.stack([solved.compliance, solved.resistance, area])
 
 
@@ -70,25 +68,27 @@ def _errors(series: tuple[float, int, int], method: str, guess: Array, exact: Ar
     return Errors(series, method, median, high)
 
 
-@click.command(context_settings={"show_default": True})
+@measurement("Errors of the estimates")
 @click.option("--seeds", default=12, help="Profiles of each series.")
 @click.option("--lightest", default=float(LOADS[0]), help="The lightest load, in p_0*.")
-def main(seeds: int, lightest: float) -> None:
-    """Print median and 90th percentile of the errors of each estimate, and the exponents of the stiffness."""
+def main(seeds: int, lightest: float) -> Page:
+    """Compare the estimates with contact patches on ensembles of random phases.
+
+    The first table has the median and the 90th percentile of |error| over profiles and loads: of h in g_0, of R and
+    of the contact area relative to themselves. Nearly full contact is left out, where ratios are meaningless. The
+    second table has the mean exponent a of the stiffness between the ends of ranges of loads.
+    """
     rows = [
         [*(f"{value:g}" for value in found.series), found.method, *map(_cell, found.median, found.high, range(3))]
         for found in measure(seeds, loads=LOADS[lightest <= LOADS])
     ]
-    click.echo(markdown.table(["D", "gamma", "m", "estimate", "error of h", "of R, %", "of the area, %"], rows))
+    header = ["D", "gamma", "m", "estimate", "error of h", "of R, %", "of the area, %"]
     ranges = [(f"{low:g} to {high:g}", f"{exponent:.2f}") for (low, high), exponent in exponents(seeds).items()]
-    click.echo("\n" + markdown.table(["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"], ranges))
+    of_ranges = ["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"]
+    return Page([markdown.table(header, rows), markdown.table(of_ranges, ranges)])
 
 
 def _cell(median: float, high: float, row: int) -> str:
     if np.isnan(median):
         return ""
     return f"{median:.3f}, {high:.3f}" if row == 0 else f"{100 * median:.0f}, {100 * high:.0f}"
-
-
-if __name__ == "__main__":
-    main()

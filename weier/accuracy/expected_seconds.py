@@ -1,9 +1,4 @@
-"""Measured over expected processor seconds, and the constants of the models fitted again.
-
-`python -m weier.accuracy.expected_seconds [--most WAVES]` solves series and traces of 25 to 12 000 waves and m = inf
-under single loads, and those of at most `FEW_WAVES` waves under many loads and with other settings as well. The last
-table has the `SECONDS` of each method, to be pasted into its module.
-"""
+"""Measured over expected processor seconds, and the constants of the models fitted again."""
 
 from __future__ import annotations
 
@@ -17,16 +12,18 @@ from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import click
 import numpy as np
 import scipy
 
 from weier import ConvergenceError, Profile, Trace, random_phases
+from weier.accuracy.report import Page, measurement
+from weier.accuracy.runner import run
+from weier.accuracy.variants import Variant, by_default, variants_of
 from weier.data import dataset, markdown
 from weier.kernels.arrays import Array
-from weier.kernels.blas import one_thread
 from weier.methods import bem, hybrid, layer, patches
 from weier.methods.method import Method
 from weier.methods.registry import find_method
@@ -40,24 +37,19 @@ FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p
 MANY = np.geomspace(FRACTIONS[0], FRACTIONS[-1], 40)
 SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
-FEW_WAVES = 125  # of surfaces with many loads and other settings
-OTHER_SETTINGS: dict[str, list[dict[str, Any]]] = {
-    "bem": [{"points_per_wave": 16}, {"points_per_wave": 256}],
-    "layer": [{"points": 12}, {"points": 96}],
-    "hybrid": [{"terms": 1}, {"terms": 2}, {"terms": 4}, {"terms": 6}],
-}
+FEW_WAVES = 125  # of surfaces with many loads and all variants
 CONSTANTS: dict[str, tuple[float, ...]] = {
     "bem": bem.SECONDS,
     "hybrid": hybrid.SECONDS,
     "layer": layer.SECONDS,
     "patches": patches.SECONDS,
 }
-HEADER = ("surface", "waves", "method", "settings", "loads", "seconds", "measured/expected")
+HEADER = ("surface", "waves", "variant", "loads", "seconds", "measured/expected")
 HEADER_OF_FITS = ("method", "`SECONDS`", "measured/expected", "fitted", "measured/fitted")
 
 
 class Measurement(NamedTuple):
-    """Curves of one surface by one method.
+    """Curves of one surface by one variant.
 
     surface : name of it
     loads : of each curve, all of one size
@@ -66,14 +58,14 @@ class Measurement(NamedTuple):
 
     surface: str
     profile: Waves
-    method: Method
-    settings: dict[str, Any]
+    variant: Variant
     loads: list[Array]
     seconds: Array
 
     def ratio(self, constants: tuple[float, ...]) -> float:
         """Return measured over expected seconds, the mean of the curves that are solved."""
-        expected = self.method.seconds(self.profile, self.loads[0], constants=constants, **self.settings)
+        seconds, settings = find_method(self.variant.method).seconds, self.variant.settings
+        expected = seconds(self.profile, self.loads[0], constants=constants, **settings)
         return float(np.nanmean(self.seconds) / expected)
 
 
@@ -98,39 +90,34 @@ def _trace(waves: int, exponent: float) -> Trace:
 
 
 def measurements(name: str, profile: Waves, method: Method) -> Iterator[Measurement]:
-    """Measure a method on a surface under single loads and, for few waves, under many loads and by other settings."""
+    """Measure a method on a surface under single loads and, for few waves, under many loads and by all variants."""
     is_long = math.isfinite(profile.m) and profile.waves_per_period[-1] > FEW_WAVES
     full = profile.full_contact_load if math.isfinite(profile.m) else 1.0
     curves = [full * np.array([FRACTIONS]).T] if is_long else [full * np.array([FRACTIONS]).T, full * MANY[None]]
-    for settings, loads in product([{}] if is_long else [{}, *OTHER_SETTINGS.get(method.name, [])], curves):
-        seconds = [seconds_of(method, profile, own, settings) for own in loads]
-        yield Measurement(name, profile, method, settings, list(loads), np.array(seconds))
+    others = [] if is_long else variants_of(method, profile)
+    for variant, loads in product([by_default(method.name), *others], curves):
+        seconds = np.array([seconds_of(variant, profile, own) for own in loads])
+        yield Measurement(name, profile, variant, list(loads), seconds)
 
 
-def seconds_of(method: Method, profile: Waves, loads: Array, settings: dict[str, Any]) -> float:
+def seconds_of(variant: Variant, profile: Waves, loads: Array) -> float:
     """Return processor seconds of a curve, without compiling; NaN if it is not solved."""
-    start = process_time()
     with suppress(ConvergenceError, ValueError):  # more terms than hybrid can resolve
-        method.solve(profile, loads, **settings)
-        return process_time() - start
+        return run(variant, profile, loads).seconds
     return math.nan
 
 
 def row(measured: Measurement) -> list[str]:
     """Return the numbers of a measurement, below HEADER."""
-    name, profile, method, settings, loads, seconds = measured
+    name, profile, variant, loads, seconds = measured
     waves = profile.waves_per_period[-1] if math.isfinite(profile.m) else math.inf
-    listed, given = (
-        " / ".join(f"{value:.2g}" for value in seconds),
-        ", ".join(f"{k}={v}" for k, v in settings.items()),
-    )
-    ratio = measured.ratio(CONSTANTS[method.name])
-    return [name, f"{waves:g}", method.name, given, str(loads[0].size), listed, f"{ratio:.2f}"]
+    listed, ratio = " / ".join(f"{value:.2g}" for value in seconds), measured.ratio(CONSTANTS[variant.method])
+    return [name, f"{waves:g}", variant.name, str(loads[0].size), listed, f"{ratio:.2f}"]
 
 
 def fitted(measured: list[Measurement]) -> tuple[float, ...]:
     """Return the constants of a method with the least squares of ln(measured/expected)."""
-    start = np.log(CONSTANTS[measured[0].method.name])
+    start = np.log(CONSTANTS[measured[0].variant.method])
 
     def deviations(logarithm: Array) -> Array:
         return np.log([each.ratio(tuple(np.exp(logarithm).tolist())) for each in measured])
@@ -140,8 +127,8 @@ def fitted(measured: list[Measurement]) -> tuple[float, ...]:
 
 def row_of_fit(measured: list[Measurement]) -> list[str]:
     """Return constants of a method and those fitted, each with the range of its ratios, below HEADER_OF_FITS."""
-    cells = [measured[0].method.name]
-    for constants in (CONSTANTS[measured[0].method.name], fitted(measured)):
+    cells = [method := measured[0].variant.method]
+    for constants in (CONSTANTS[method], fitted(measured)):
         ratios = [each.ratio(constants) for each in measured]
         cells += [", ".join(f"{value:.2g}" for value in constants), f"{min(ratios):.2f} to {max(ratios):.2f}"]
     return cells
@@ -165,28 +152,28 @@ def seconds_of_case(count: int = 500) -> float:
         return (process_time() - start) / count
 
 
-@click.command()
-@click.option("--most", default=TRACES[-1], show_default=True, help="Waves of the finest surface.")
-@click.option("--methods", default=",".join(CONSTANTS), show_default=True, help="Methods, with commas.")
-def main(most: int, methods: str) -> None:
-    """Print the seconds of each curve, their mean ratio to the expected ones, and the constants fitted again."""
+@measurement("Expected seconds")
+@click.option("--most", default=TRACES[-1], help="Waves of the finest surface.")
+@click.option("--methods", default=",".join(CONSTANTS), help="Methods, with commas.")
+def main(most: int, methods: str) -> Page:
+    """Compare measured with expected processor seconds, and fit the constants of the models again.
+
+    Series and traces of 25 to 12 000 waves, and m = inf, are solved under single loads, from 0.001 to 0.9 of full
+    contact, and those of at most 125 waves as curves of 40 loads and by all variants of a method as well. The last
+    table has the `SECONDS` of each method, to be pasted into its module, with the range of the ratios.
+    """
     rows, fits = [], []
     compile_kernels()
-    with one_thread:
-        for method in map(find_method, methods.split(",")):
-            taken = [(name, profile) for name, profile in surfaces(most) if method.takes(profile)]
-            for surface in taken[:2]:  # loads kernels
-                list(measurements(*surface, method))
-            measured = [each for surface in taken for each in measurements(*surface, method)]
-            solved = [each for each in measured if np.isfinite(each.seconds).any()]
-            rows += [row(each) for each in solved]
-            fits.append(row_of_fit(solved))
-    click.echo(f"{markdown.table(HEADER, rows)}\n\n{markdown.table(HEADER_OF_FITS, fits)}")
-    click.echo(
-        f"\nStarting a process takes {seconds_of_start():.2g} s (`START_SECONDS` {START_SECONDS:g}), and the closed "
+    for method in map(find_method, methods.split(",")):
+        taken = [(name, profile) for name, profile in surfaces(most) if method.takes(profile)]
+        for surface in taken[:2]:  # loads kernels
+            list(measurements(*surface, method))
+        measured = [each for surface in taken for each in measurements(*surface, method)]
+        solved = [each for each in measured if np.isfinite(each.seconds).any()]
+        rows += [row(each) for each in solved]
+        fits.append(row_of_fit(solved))
+    others = (
+        f"Starting a process takes {seconds_of_start():.2g} s (`START_SECONDS` {START_SECONDS:g}), and the closed "
         f"form of a case {seconds_of_case():.2g} s (`CASE_SECONDS` {CASE_SECONDS:g})."
     )
-
-
-if __name__ == "__main__":
-    main()
+    return Page([markdown.table(HEADER, rows), markdown.table(HEADER_OF_FITS, fits), others])

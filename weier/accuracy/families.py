@@ -1,4 +1,4 @@
-"""Families of hard series with their exact curves by contact patches.
+"""Families of hard series, with the variants of methods that are compared on them.
 
 A family is made of features: of the series, its phases, its loads, and the settings of boundary elements.
 """
@@ -6,7 +6,6 @@ A family is made of features: of the series, its phases, its loads, and the sett
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from fractions import Fraction
 from itertools import cycle
 from typing import Any, NamedTuple
@@ -16,30 +15,26 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import ConvergenceError, Profile
-from weier.accuracy.reference import TOLERANCES
+from weier.accuracy.runner import run
+from weier.accuracy.variants import MAX_POINTS, Variant
 from weier.kernels.arrays import Array
-from weier.methods import patches
+from weier.methods import bem
+from weier.methods.method import Settings
 
 MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
 LOADS = 8  # loads per series
+VARIANTS = "bem", "bem with staircase", "patches"
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 
 
 class Draw(NamedTuple):
-    """A series with its loads and exact curve; NaN where contact patches fail.
-
-    exact : compliance and resistance, shape (2, loads)
-    settings : of boundary elements
-    uncertainty : of h and R: the difference from patches on the reflected profile, plus the effect of the residual
-    """
+    """A series of a family with its loads, and the variants that are compared under them."""
 
     family: str
     profile: Profile
     loads: Array
-    settings: dict[str, Any]
-    exact: Array
-    uncertainty: Array
+    variants: tuple[Variant, ...]
 
 
 # Series: each of at most MAX_WAVES.
@@ -125,7 +120,8 @@ def near_events(random: Generator, profile: Profile) -> Array:
 
 
 def _count(profile: Profile, load: float) -> int:
-    return int(patches.curve(profile, [load], 1e-8).patch_count[0])
+    found = run(Variant("patches", "patches", {"tolerance": 1e-8}), profile, np.array([load]))
+    return int(found.others["patch_count"][0])
 
 
 def near_full_contact(random: Generator, profile: Profile) -> Array:
@@ -140,22 +136,22 @@ def _near(random: Generator) -> Array:
 # Settings.
 
 
-def usual_settings(random: Generator, profile: Profile) -> dict[str, Any]:
+def usual_settings(random: Generator, profile: Profile) -> Settings:
     """Draw the default of 64 points per wave, or another number, such as the 12 of the paper."""
-    return {"points": int(random.choice([12, 16, 32, 64, 64, 64, 128])) * profile.waves_per_period[-1]}
+    return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
 
 
-def odd_points(random: Generator, profile: Profile) -> dict[str, Any]:
-    """Draw odd numbers of points per wave, or any number in the period."""
-    waves = profile.waves_per_period[-1]
-    if random.random() < 0.5:
-        return {"points": (2 * int(random.integers(6, 51)) + 1) * waves}
-    return {"points": int(random.integers(12 * waves, 65 * waves))}
+def odd_points(random: Generator, profile: Profile) -> Settings:
+    """Draw odd numbers of points per wave."""
+    return {"points_per_wave": 2 * int(random.integers(6, 51)) + 1}
 
 
-def tolerances(random: Generator, profile: Profile) -> dict[str, Any]:
-    """Draw residuals from 1e-6 to 1e-12 g_0."""
-    return usual_settings(random, profile) | {"max_residual": 10 ** random.uniform(-12, -6)}
+def tolerances(random: Generator, profile: Profile) -> Settings:
+    """Draw tolerances of 1e-6 to 0.1 g_0, whose grids have any number of points."""
+    while True:
+        tolerance = 10 ** random.uniform(-6, -1)
+        if bem.points_of(profile, tolerance) <= MAX_POINTS:
+            return {"tolerance": tolerance}
 
 
 # The features of families.
@@ -192,11 +188,10 @@ FAMILIES: dict[str, Features] = {
 
 
 def draw_one(random: Generator, family: str) -> Draw:
-    """Return a new series of a family with its exact curve."""
+    """Return a new series of a family, with its loads and variants."""
     series, phases, loads, settings = (choices[random.integers(len(choices))] for choices in FAMILIES[family])
     profile = _profile(random, series, phases)
-    pressures = _pressures(random, profile, loads)
-    return Draw(family, profile, pressures, settings(random, profile), *solve_exactly(profile, pressures))
+    return Draw(family, profile, _pressures(random, profile, loads), _variants(random, settings(random, profile)))
 
 
 def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array]) -> Profile:
@@ -217,27 +212,15 @@ def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, 
         return np.unique(any_loads(random, profile))
 
 
-def solve_exactly(profile: Profile, loads: Array) -> tuple[Array, Array]:
-    """Return h and R, shape (2, loads), and their uncertainty; NaN where patches find no solution."""
-    reflected = Profile(profile.D, profile.gamma, profile.m, tuple((-profile.phase).tolist()))
-    exact, twin, uncertainty = np.full((3, 2, loads.size), np.nan)
-    for number, load in enumerate(loads):
-        try:
-            found, other = _solve(profile, load, TOLERANCES), _solve(reflected, load, TOLERANCES[1:])
-        except ConvergenceError as error:
-            click.echo(f"patches of {profile!r} at {load!r}: {error}", err=True)
-            continue
-        exact[:, number], twin[:, number] = ([c.compliance[0], c.resistance[0]] for c in (found, other))
-        uncertainty[:, number] = found.residual[0] + 1e-15 * profile.total_amplitude, 1e-11 * found.resistance[0]
-    return exact, np.abs(exact - twin) + uncertainty
+def _variants(random: Generator, settings: Settings) -> tuple[Variant, ...]:
+    """Return boundary elements on one grid without and with their staircase, and contact patches.
 
-
-def _solve(profile: Profile, load: float, tolerances: tuple[float, ...]) -> patches.PatchCurve:
-    *tight, loosest = tolerances
-    for tolerance in tight:
-        with suppress(ConvergenceError):
-            return patches.curve(profile, [load], tolerance)
-    return patches.curve(profile, [load], loosest)
+    Their tolerance is 1e-10 to 1e-2 g_0; below, the reference is not finer.
+    """
+    tolerance = {"tolerance": 10 ** random.uniform(-10, -2)}
+    kept = dict(settings) | {"staircase": "kept"}
+    known = ("bem", settings), ("bem", kept), ("patches", tolerance)
+    return tuple(Variant(name, *each) for name, each in zip(VARIANTS, known, strict=True))
 
 
 def draws(names: list[str], random: Generator, count: int) -> Iterator[Draw]:

@@ -1,9 +1,4 @@
-"""Chebyshev coefficients that segments need, by their size and neighbours: `python -m weier.accuracy.node_counts`.
-
-For a tolerance of 10^-digits the coefficients above `TARGET` times it, relative to the largest, are counted on
-contacts and gaps of random series, and K_0 + K_1 k_f r + K_2/ln(rho) is fitted to these counts. `node_factors` of
-contact patches lies above the fit, since a segment with too few nodes costs a step.
-"""
+"""Chebyshev coefficients that segments need, by their size and neighbours."""
 
 from __future__ import annotations
 
@@ -12,12 +7,14 @@ from itertools import pairwise
 
 import click
 import numpy as np
+import scipy.optimize
+import scipy.sparse
 
 from weier import Profile
+from weier.accuracy.report import Page, measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
-from weier.kernels.blas import one_thread
-from weier.methods.patches.segments import ContactState, estimate_node_count, node_factors
+from weier.methods.patches.segments import NODE_FACTORS, ContactState, count_nodes, node_factors
 from weier.methods.patches.solver import solve_state
 from weier.methods.patches.stages import TARGET
 from weier.methods.patches.start import Starts
@@ -26,13 +23,8 @@ from weier.methods.patches.surface import distances_between
 TOLERANCE = 1e-12  # of the solutions, so that their coefficients decay by twelve digits
 DIGITS = (4, 6, 8, 10)
 FRACTIONS = np.geomspace(0.003, 0.95, 8)  # loads over that of full contact
-HEADER = (
-    "digits",
-    "fitted K_0, K_1, K_2",
-    "those of `node_factors`",
-    "segments with enough nodes",
-    "nodes over needed",
-)
+QUANTILE = 0.9  # of the fit: since the formula is rounded up, more segments have enough nodes
+HEADER = ("digits", "enough by `NODE_FACTORS`", "nodes over needed", "enough by the fit", "nodes over needed")
 
 
 def states(count: int) -> Iterator[tuple[Starts, ContactState]]:
@@ -63,26 +55,48 @@ def terms(starts: Starts, state: ContactState) -> Array:
     return np.stack([np.ones(r.size), series.wavenumber[-1] * r, 1 / np.arccosh(1 + mu)], axis=1)
 
 
-@click.command(context_settings={"show_default": True})
+def fitted(matrix: Array, count: Array) -> Array:
+    """Return the factors, each linear in the digits, whose nodes are enough for the quantile, shape (3, 2).
+
+    `matrix` has the terms, shape (segments, 3), and `count` what the segments need, shape (digits, segments).
+    Positive and negative deviations from a quantile q weigh q and 1 - q. The formula adds 2 nodes.
+    """
+    rows = np.concatenate([np.concatenate([matrix, digits * matrix], axis=1) for digits in DIGITS])
+    cost = np.concatenate([np.zeros(6), np.repeat([QUANTILE, 1 - QUANTILE], len(rows))])
+    one = scipy.sparse.eye_array(len(rows))
+    equations = scipy.sparse.hstack([scipy.sparse.csr_array(rows), one, -one])
+    bounds = [(None, None)] * 6 + [(0, None)] * (2 * len(rows))
+    found = scipy.optimize.linprog(cost, A_eq=equations, b_eq=count.ravel() - 2, bounds=bounds)
+    return np.asarray(found.x[:6].reshape(2, 3).T)
+
+
+def given(starts: Starts, state: ContactState, factors: tuple[float, ...]) -> Array:
+    """Return the number of nodes of each segment by the formula with these factors."""
+    series = starts.surface.series(state.dual)
+    nodes = count_nodes(*state.segments.extent, series.period, float(series.wavenumber[-1]), factors)
+    return np.asarray(nodes, np.float64)
+
+
+@measurement("Nodes of segments")
 @click.option("--series", default=30, help="Number of random series.")
-@one_thread
-def main(series: int) -> None:
-    """Print the factors fitted by least squares, those of the program, and how many segments have enough nodes."""
+def main(series: int) -> Page:
+    """Count the Chebyshev coefficients that contacts and gaps of random series need, and fit `NODE_FACTORS` to them.
+
+    For a tolerance of 10^-digits, those above the target of contact patches, relative to the largest, are needed. The
+    first guess of the nodes is K_0 + K_1 k_f r + K_2/ln(rho) + 2, rounded up, with K_i linear in the digits
+    (docs/patches.md, "Chebyshev polynomials"), fitted to a quantile of 0.9. The numbers in use were rounded up from
+    such a fit: segments with too few nodes get more, at the cost of a step, and a node too many costs little.
+    """
     found = list(states(series))
-    matrix, rows = np.concatenate([terms(*each) for each in found]), []
-    for digits in DIGITS:
-        count = np.concatenate([needed(state, digits) for _, state in found])
-        given = np.concatenate(
-            [
-                estimate_node_count(state.segments.extent, starts.surface.series(state.dual), 10.0**-digits)
-                for starts, state in found
-            ]
-        )
-        fitted, own = np.linalg.lstsq(matrix, count)[0], node_factors(10.0**-digits)
-        factors = (", ".join(f"{value:.2f}" for value in each) for each in (fitted, own))
-        rows.append([str(digits), *factors, f"{np.mean(given >= count):.0%}", f"{np.mean(given / count):.2f}"])
-    click.echo(f"{len(matrix)} segments\n\n{markdown.table(HEADER, rows)}")
-
-
-if __name__ == "__main__":
-    main()
+    matrix = np.concatenate([terms(*each) for each in found])
+    count = np.array([np.concatenate([needed(state, digits) for _, state in found]) for digits in DIGITS])
+    fit, rows = fitted(matrix, count), []
+    for digits, needs in zip(DIGITS, count, strict=True):
+        cells = [str(digits)]
+        for factors in (node_factors(10.0**-digits), node_factors(10.0**-digits, fit.tolist())):
+            nodes = np.concatenate([given(*each, factors) for each in found])
+            cells += [f"{np.mean(nodes >= needs):.1%}", f"{nodes.sum() / needs.sum():.2f}"]
+        rows.append(cells)
+    pairs = ", ".join(f"({constant:.2f}, {slope:.3f})" for constant, slope in fit)
+    text = f"{len(matrix)} segments; fitted: `NODE_FACTORS = {pairs}`, used: `{NODE_FACTORS}`."
+    return Page([markdown.table(HEADER, rows), text])

@@ -8,7 +8,7 @@ them. The patches solve the profile shifted along x, so that no number agrees by
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -31,18 +31,19 @@ from weier.surface.profile import Profile
 # the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
+ROUNDING, SLOPE_ROUNDING = 1e-15, 1e-11  # of h over the total amplitude, and of R: the least uncertainties
 
 
 class Reference(NamedTuple):
     """Reference values of compliance and resistance, shape (loads,), floats or numbers of mpmath, and their source.
 
-    resistance_error : the stated error of the resistance, in g_0/p_0*, of the same shape or 0
+    uncertainty : their errors, in g_0 and g_0/p_0*, shape (2, loads) or 0
     """
 
     compliance: Any
     resistance: Any
     source: str
-    resistance_error: Any = 0.0
+    uncertainty: Any = 0.0
 
 
 def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Array) -> Reference:
@@ -74,12 +75,12 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
     For one wave all methods are exact. Otherwise an estimate has its own reference; for numerical methods, and those
     with stated errors, it is the exact contact.
     """
-    (h, R), error = [np.full(loads.size, mp.nan, object) for _ in range(2)], np.zeros(loads.size)
+    (h, R), uncertainty = np.full((2, loads.size), mp.nan, object), np.zeros((2, loads.size))
     solved = result.outcome == Outcome.finite
     values = _look_up(method, profile, loads[solved], result) if solved.any() else None
     if values is not None:
-        h[solved], R[solved], error[solved] = values.compliance, values.resistance, values.resistance_error
-    return Reference(h, R, values.source if values else "", error)
+        h[solved], R[solved], uncertainty[:, solved] = values.compliance, values.resistance, values.uncertainty
+    return Reference(h, R, values.source if values else "", uncertainty)
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
@@ -102,42 +103,47 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 
 @cache  # for all methods on one profile
 def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
-    """Return the exact curve of a finite series that can be resolved; NaN where the contact patches fail."""
+    """Return the exact curve of a finite series that can be resolved; NaN where the contact patches fail.
+
+    The uncertainty is the distance from patches on the reflected profile, shifted as well, and rounding.
+    """
     if profile.m == 1:
-        return _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
-    pairs, error = _by_patches(_shift(profile), np.array(loads))
+        exact = _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
+        return exact._replace(uncertainty=_rounding(profile, np.array(exact.resistance, float)))
+    reflected = Profile(profile.D, profile.gamma, profile.m, -profile.phase)
+    found, twin = (
+        _by_patches(_shift(surface), np.array(loads), tolerances)
+        for surface, tolerances in ((profile, TOLERANCES), (reflected, TOLERANCES[1:]))
+    )
+    uncertainty = np.abs(found - twin)
+    pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in found.T]
     # Contact is certainly full beyond rounding of its computed load.
     full_contact, touch = profile.full_contact_load * (1 + 1e-12), _single_crest(profile)
     for i, load in enumerate(loads):
         if load >= full_contact:
-            pairs[i], error[i] = (_total(profile), mp.mpf(0)), 0.0
+            pairs[i], uncertainty[:, i] = (_total(profile), mp.mpf(0)), 0.0
         elif load <= 1e-20 and touch:  # Hertz's formula, with a relative error of a few p, is exact to rounding.
-            pairs[i], error[i] = _first_touch(profile, load), 0.0
-    return Reference([h for h, _ in pairs], [R for _, R in pairs], "closed forms, patches 1e-12", error)
+            pairs[i], uncertainty[:, i] = _first_touch(profile, load), 0.0
+    h, R = zip(*pairs, strict=True)
+    return Reference(h, R, "closed forms, patches 1e-12", uncertainty + _rounding(profile, np.array(R, float)))
 
 
-def _by_patches(profile: Profile, loads: Array) -> tuple[list[multiprecision.Pair], Array]:
-    """Return compliance and resistance by contact patches, and the stated error of the resistance.
+def _by_patches(profile: Profile, loads: Array, tolerances: Sequence[float]) -> Array:
+    """Return compliance and resistance by contact patches, shape (2, loads).
 
-    Each load is solved to the smallest of `TOLERANCES` that can be met; the values are NaN where none can.
+    Each load is solved to the smallest of the tolerances that can be met; the values are NaN where none can.
     """
-    h, R, error = np.full((3, loads.size), np.nan)
-    for tolerance in TOLERANCES:
-        if (left := np.isnan(h)).any():
-            variant = Variant(patches.METHOD.name, patches.METHOD.name, {"tolerance": tolerance})
-            found = attempt(variant, profile, loads[left])
-            h[left], R[left], error[left] = found.compliance, found.resistance, found.resistance_error
-    return [(mp.mpf(float(height)), mp.mpf(float(slope))) for height, slope in zip(h, R, strict=True)], error
+    values = np.full((2, loads.size), np.nan)
+    for tolerance in tolerances:
+        if (left := np.isnan(values[0])).any():
+            found = attempt(Variant("patches", "patches", {"tolerance": tolerance}), profile, loads[left])
+            values[:, left] = found.compliance, found.resistance
+    return values
 
 
-def uncertainty(result: Run, profile: Profile, reference: Reference) -> tuple[Array, Array]:
-    """Return errors of the reference itself, in compliance and resistance, each of shape (loads,).
-
-    Close to a birth, rounding of the phases may shift the birth across the load; the stated error covers this.
-    """
-    total = np.full(result.compliance.size, profile.total_amplitude)
-    stated = np.nan_to_num(np.broadcast_to(reference.resistance_error, total.shape))
-    return TOLERANCES[0] * total, np.maximum(TOLERANCES[0] * np.maximum(result.resistance, 1), stated)
+def _rounding(profile: Profile, R: Array) -> Array:
+    """Return the errors of rounding in compliance and resistance, shape (2, loads); near full contact R vanishes."""
+    return np.stack([np.full(R.size, ROUNDING * profile.total_amplitude), ROUNDING + SLOPE_ROUNDING * R])
 
 
 def _single_crest(profile: Profile) -> bool:

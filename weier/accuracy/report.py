@@ -1,21 +1,92 @@
-"""Markdown pages of measurements, and their numbers."""
+"""The command and the page of a measurement: what it explains, its tables, and how it was made."""
 
 from __future__ import annotations
 
-from importlib.resources import files
+import shlex
+from collections.abc import Callable, Sequence
+from functools import wraps
+from inspect import cleandoc
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import click
 import numpy as np
+import xarray as xr
 
-from weier.data.files import write_text
+from weier.data import dataset, provenance
+from weier.data.files import check_target, write_text
+from weier.kernels.blas import one_thread
+
+CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+class Page(NamedTuple):
+    """The findings of a measurement.
+
+    parts : headings, paragraphs and tables of Markdown
+    data : the dataset from which a figure is drawn, if any
+    scene : the scene that was measured, as text
+    """
+
+    parts: Sequence[str]
+    data: xr.Dataset | None = None
+    scene: str = ""
+
+
+def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
+    """Return a decorator that makes a command of a function, which has the name of its module.
+
+    The docstring of the function explains the measurement, in its page and in `--help`.
+    """
+
+    def command_of(measure: Callable[..., Page]) -> click.Command:
+        name, explanation = measure.__module__.split(".")[2], cleandoc(measure.__doc__ or "")
+
+        @click.command(name, help=explanation, context_settings=CONTEXT)
+        @click.option(
+            "--output",
+            type=click.Path(path_type=Path),
+            default=Path("results", name, f"{name}.md"),
+            callback=_checked,
+            help="The page.",
+        )
+        @click.pass_context
+        @wraps(measure)
+        def command(context: click.Context, /, output: Path, **options: Any) -> None:
+            with one_thread:
+                page = measure(**options)
+            text = "\n\n".join([f"# {title}", explanation, *page.parts, _made_by(context)])
+            if page.data is not None:
+                dataset.write(page.data, output.with_suffix(".nc"), title, "measured", page.scene)
+            write_text(output, f"{text}\n")
+            click.echo(text)
+
+        return command
+
+    return command_of
+
+
+def _checked(context: click.Context, option: click.Parameter, path: Path) -> Path:
+    """Return the path of a page, if it can be written."""
+    check_target(path)
+    return path
+
+
+def _made_by(context: click.Context) -> str:
+    """Return the command line, with the options that differ from their defaults, and versions and date."""
+    words = ["python -m weier.accuracy", str(context.command.name)]
+    for option in context.command.params:
+        value = context.params[str(option.name)]
+        if option.name != "output" and value != option.default:
+            words += [option.opts[0], shlex.quote(str(value))]
+    names = {"product_version": "weier", "git_commit": "commit"}
+    software = (
+        f"{names.get(name, name.removesuffix('_version').replace('_', '-'))} {version}"
+        for name, version in provenance.versions().items()
+    )
+    return f"Made by `{' '.join(words)}` on {provenance.run_date()[0]}: {', '.join(software)}."
 
 
 def number(value: float, form: str = ".0e") -> str:
     """Return a number in this format; empty for NaN."""
     return "" if np.isnan(value) else format(float(value), form)
-
-
-def write_page(path: str | Path, template: str, **parts: object) -> None:
-    """Write a page from a template of this folder, whose names in braces are replaced by the parts."""
-    text = files("weier.accuracy").joinpath(template).read_text(encoding="utf-8")
-    write_text(path, text.format(**parts))

@@ -20,7 +20,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method
-from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 # runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
 REPEAT = 5
@@ -69,7 +69,7 @@ class Run(NamedTuple):
     warned: tuple[str, ...] = ()
 
 
-def run(variant: Variant, profile: Profile, loads: Array) -> Run:
+def run(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Return the curve of a variant; raises what `weier.solve` raises."""
     method, start = find_method(variant.method), process_time()
     method.check_applies(profile)
@@ -82,7 +82,7 @@ def run(variant: Variant, profile: Profile, loads: Array) -> Run:
     return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, seconds, values)
 
 
-def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:
+def median_run(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Return the curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
     run(variant, profile, loads[:1])  # loads compiled code
     runs = [run(variant, profile, loads)]
@@ -91,7 +91,7 @@ def median_run(variant: Variant, profile: Profile, loads: Array) -> Run:
     return sorted(runs, key=lambda result: result.seconds)[len(runs) // 2]
 
 
-def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
+def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Solve all loads as one curve and, after an error, each load separately. Errors are results, and not raised."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -102,7 +102,7 @@ def attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
     return outcome._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
 
 
-def _attempt(variant: Variant, profile: Profile, loads: Array) -> Run:
+def _attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
     try:
         return run(variant, profile, loads)
     except FAULTS as error:

@@ -1,8 +1,4 @@
-"""Cost of curves with each tuned number halved and doubled: `python -m weier.accuracy.tuning`, a quarter of an hour.
-
-Results do not depend on these numbers (docs/numerics.md, "Limits without an effect"), only the cost does. Each is
-changed in a copy of the package, whose kernels are compiled again.
-"""
+"""Cost of curves with each tuned number halved and doubled, in a copy of the package."""
 
 from __future__ import annotations
 
@@ -20,32 +16,35 @@ from typing import Any
 import click
 
 import weier
+from weier.accuracy.report import Page, measurement
 from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent
 # Pairs of FFTs of boundary elements, which are reproducible, and the least processor seconds of three curves by
 # contact patches, which vary by a third on a loaded machine; with few to very many contacts.
 BEM = """
-from weier.methods import bem
 found = []
 for m, points in ((3, 64), (5, 64), (7, 16)):
-    profile = Profile(1.25, 5, m, [0.0] + [1.0] * (m - 1))
-    loads = np.geomspace(1e-3, 2, 12) if m < 7 else [2.0]
-    found.append(bem.curve(profile, loads, points * 5 ** (m - 1)).work.sum())
+    variant, loads = Variant("bem", "bem", {"points_per_wave": points}), MANY if m < 7 else np.array([2.0])
+    found.append(run(variant, series(m), loads).others["work"].sum())
 """
 PATCHES = """
-from time import process_time
-from weier.methods import patches
 found = []
-for m, loads in ((3, np.geomspace(1e-3, 2, 12)), (5, np.geomspace(1e-3, 2, 12)), (7, [0.1])):
-    profile, seconds = Profile(1.25, 5, m, [0.0] + [1.0] * (m - 1)), []
-    for _ in range(4):
-        start = process_time()
-        patches.curve(profile, loads)
-        seconds.append(process_time() - start)
-    found.append(min(seconds[1:]))
+for m, loads in ((3, MANY), (5, MANY), (7, np.array([0.1]))):
+    runs = [run(by_default("patches"), series(m), loads).seconds for _ in range(4)]
+    found.append(min(runs[1:]))
 """
-SOLVE = "import json\nimport numpy as np\nfrom weier import Profile\n{}print(json.dumps(found))"
+SOLVE = """
+import json
+import numpy as np
+from weier import Profile
+from weier.accuracy.runner import run
+from weier.accuracy.variants import Variant, by_default
+
+MANY, series = np.geomspace(1e-3, 2, 12), lambda m: Profile(1.25, 5, m, [0.0] + [1.0] * (m - 1))
+{}
+print(json.dumps(found))
+"""
 # module and name of each number
 OF_BEM = (
     ("bem.active_set", "FIRST_PATIENCE"),
@@ -61,7 +60,7 @@ OF_PATCHES = (
     ("patches.start", "MANY_WAVES"),
 )
 FACTORS = (0.5, 2.0)
-HEADER = ("module", "number", "cost halved: 25, 625, 15 625 waves", "cost doubled: 25, 625, 15 625 waves")
+HEADER = ("module", "number", "cost if halved", "cost if doubled")
 
 
 def copy_package(folder: Path, changes: Mapping[str, Collection[str]], factor: float) -> None:
@@ -109,10 +108,16 @@ def costs(program: str, changes: Mapping[str, Collection[str]], factor: float) -
         return run_in(Path(folder), SOLVE.format(program))
 
 
-@click.command()
+@measurement("Cost of the tuned numbers")
 @click.option("--only", default="", help="Names of the numbers, with commas; all by default.")
-def main(only: str) -> None:
-    """Print the cost with each number halved and doubled, over the usual cost."""
+def main(only: str) -> Page:
+    """Solve curves with each tuned number halved and doubled, which takes a quarter of an hour.
+
+    The cost is that with the changed number over the usual one, for 25, 625 and 15 625 waves: pairs of FFTs for
+    boundary elements, and for contact patches the least processor seconds of three curves, which need an idle
+    machine. Results do not depend on these numbers (docs/numerics.md, "Limits without an effect"). Each is changed in
+    a copy of the package, whose kernels are compiled again.
+    """
     rows, chosen = [], only.split(",") if only else [name for _, name in OF_BEM + OF_PATCHES]
     for program, numbers in ((BEM, OF_BEM), (PATCHES, OF_PATCHES)):
         listed = [(module, name) for module, name in numbers if name in chosen]
@@ -123,8 +128,4 @@ def main(only: str) -> None:
                 changed = costs(program, {module: [name]}, factor)
                 cells.append(" / ".join(f"{new / old:.2f}" for new, old in zip(changed, usual, strict=True)))
             rows.append([f"`{module}`", f"`{name}`", *cells])
-    click.echo(markdown.table(HEADER, rows))
-
-
-if __name__ == "__main__":
-    main()
+    return Page([markdown.table(HEADER, rows)])

@@ -9,12 +9,13 @@ from typing import NamedTuple
 from weier.methods import bem
 from weier.methods.method import Method, Settings
 from weier.methods.settings import TOLERANCE, defaults
-from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 TOLERANCES = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # g_0
-# settings compared in addition to tolerances, by method: the grid of the paper, and meshes of half a wave
+# settings compared in addition to tolerances, by method: the grid of the paper, meshes of half a wave, resolved terms
 OTHER_SETTINGS: dict[str, tuple[Settings, ...]] = {
     "bem": ({"staircase": "kept", "points_per_wave": 12},),
+    "hybrid": ({"terms": 1}, {"terms": 2}, {"terms": 4}, {"terms": 6}),
     "layer": ({"points": 6}, {"points": 24}),
 }
 MAX_POINTS = 100_000  # Points in a period of boundary elements: a load then takes tens of milliseconds.
@@ -28,8 +29,13 @@ class Variant(NamedTuple):
     settings: Settings
 
 
-def variants_of(method: Method, profile: Profile) -> Iterator[Variant]:
-    """Yield the variants of a method for a finite series, from the coarsest; none for "auto"."""
+def by_default(method: str) -> Variant:
+    """Return a method with the settings that it has by default."""
+    return Variant(method, method, {})
+
+
+def variants_of(method: Method, profile: Waves) -> Iterator[Variant]:
+    """Yield the variants of a method for a surface to which it applies, from the coarsest; none for "auto"."""
     tolerances = TOLERANCES if TOLERANCE in defaults(method) else ()
     if tolerances and not method.numerical:
         return

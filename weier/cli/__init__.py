@@ -54,9 +54,6 @@ for _command in (
     jobs.figures,
     jobs.claims,
     jobs.page,
-    jobs.tradeoff,
-    jobs.convergence,
-    jobs.extremes,
     jobs.draw,
 ):
     cli.add_command(_command)

@@ -1,4 +1,4 @@
-"""Commands for the rules of the pipeline: for scenes, and for measurements of the methods."""
+"""Commands for the rules of the pipeline."""
 
 from __future__ import annotations
 
@@ -178,64 +178,6 @@ def page(scene_file: Path, batches: Path, contact: Path, path: Path) -> None:
     with job("page", scene_file.stem):
         solutions = Solutions(weier.load_scene(scene_file), batches)
         pages.write(solutions.scene, contact, path, mark(inputs_of_page(solutions)))
-
-
-@click.command(hidden=True)
-@SCENE
-@output("path")
-@output("table")
-def tradeoff(scene_file: Path, path: Path, table: Path) -> None:
-    """Measure the errors and seconds of all methods and settings.
-
-    The profiles are those of a scene. The data go to PATH, and the page to TABLE.
-    """
-    from weier.accuracy import tradeoff as study  # scipy.optimize and mpmath, which few commands need
-    from weier.data import dataset
-
-    with job("tradeoff", scene_file.stem):
-        loaded = weier.load_scene(scene_file)
-        data = study.measure(loaded)
-        dataset.write(data, path, loaded.title, "measured", loaded.text)
-        study.write_table(data, loaded.title, table)
-
-
-@click.command(hidden=True)
-@SCENE
-@output("path")
-@output("table")
-def convergence(scene_file: Path, path: Path, table: Path) -> None:
-    """Solve infinite series by the number of terms resolved, from 1 to 8.
-
-    The cases are those of a scene. PATH will hold the best estimate of each, and bounds on it; TABLE will be a
-    page of their errors.
-    """
-    from weier.accuracy import convergence as study
-    from weier.data import dataset
-
-    with job("convergence", scene_file.stem):
-        loaded = weier.load_scene(scene_file)
-        profiles = [case.profile for case in loaded.cases.values()]
-        data = study.measure_convergence(profiles, loaded.loads, max_terms=8)
-        dataset.write(data, path, loaded.title, "solved", loaded.text)
-        study.write_table(data, loaded.title, table)
-
-
-@click.command(hidden=True)
-@output("path")
-@output("summary")
-def extremes(path: Path, summary: Path) -> None:
-    """Examine all methods at the limits of floats.
-
-    The data go to PATH, and a summary to SUMMARY.
-    """
-    from weier.accuracy import extremes as study  # as in tradeoff
-    from weier.data import dataset
-
-    title = "Stability at the extremes"
-    with job("extremes"):
-        data = study.measure()
-        dataset.write(data, path, title, "examined")
-        study.write_summary(data, title, summary)
 
 
 @click.command(hidden=True)

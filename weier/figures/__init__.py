@@ -45,7 +45,7 @@ class FigureKind(NamedTuple):
     """A kind of figure, as the constants of its module describe it.
 
     caption : CAPTION, in plain text; {methods} is replaced by the sentence that distinguishes the methods
-    command : COMMAND, for a figure of one file that this command writes; empty for a figure of a scene's studies
+    command : COMMAND, for a figure of one file that this measurement writes; empty for a figure of a scene's studies
     variable : VARIABLE, which the files of that command have
     needs : NEEDS, a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
@@ -131,7 +131,9 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")
     kind = known[wanted.draw]
     if kind.command and [kind.variable in study for study in studies] != [True]:
-        raise ValueError(f"the figure {wanted.draw} is drawn from one file, that of `weier {kind.command}`")
+        raise ValueError(
+            f"the figure {wanted.draw} is drawn from the file of `python -m weier.accuracy {kind.command}`"
+        )
     from weier.figures.style import set_axes
 
     options: dict[str, Any] = {} if wanted.grouping == BY_DEFAULT else {"grouping": wanted.grouping}

@@ -318,7 +318,7 @@ def cut(seconds: Array, most: int, cores: int) -> list[slice]:
 
 
 # Seconds to start a process, the least time of a job with less than one per core, and those for the closed forms of a
-# case and for writing its values: `python -m weier.accuracy.expected_seconds` measures both.
+# case and for writing its values: `python -m weier.accuracy expected_seconds` measures both.
 START_SECONDS, CASE_SECONDS = 1.0, 1e-3
 # arbitrary within a factor of two, since curves do not depend on the jobs that solve them: least time of a job with
 # several per core, which starting it hardly prolongs; its longest time, of which a batch is lost if it is killed

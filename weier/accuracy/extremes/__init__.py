@@ -2,6 +2,6 @@
 
 from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.extremes.measurement import measure
-from weier.accuracy.extremes.report import failures, write_summary
+from weier.accuracy.extremes.report import failures, main, parts
 
-__all__ = ["extremes", "failures", "measure", "write_summary"]
+__all__ = ["extremes", "failures", "main", "measure", "parts"]

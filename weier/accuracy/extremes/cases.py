@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.accuracy.comparison import Comparison
-from weier.accuracy.variants import Variant
+from weier.accuracy.variants import Variant, by_default
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
@@ -55,9 +55,7 @@ def around(loads: ArrayLike) -> Array:
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
     """Return all methods that take the profile and end in time."""
-    return tuple(
-        Variant(method.name, method.name, {}) for method in registry.METHODS if _meets(method, profile, loads)
-    )
+    return tuple(by_default(method.name) for method in registry.METHODS if _meets(method, profile, loads))
 
 
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:

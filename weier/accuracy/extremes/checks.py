@@ -80,5 +80,5 @@ def within_stated_error(deviation: Array, stated: Array, uncertainty: Array) -> 
 
     None where there is no number with both a reference and a stated error.
     """
-    known = np.isfinite(deviation) & ~np.isnan(stated)
+    known = np.isfinite(deviation + uncertainty) & ~np.isnan(stated)
     return bool(np.all((deviation <= stated + uncertainty)[known])) if known.any() else None

@@ -12,7 +12,7 @@ from weier.accuracy import comparison, metrics
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.extremes import checks
 from weier.accuracy.extremes.cases import extremes
-from weier.accuracy.reference import find_reference, uncertainty
+from weier.accuracy.reference import find_reference
 from weier.accuracy.runner import Outcome, attempt
 from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, VARIABLES, Check, Variable, variables_of_file
@@ -74,7 +74,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
     errors = result.compliance_error, result.resistance_error
     stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
-    both = deviation, errors, uncertainty(result, profile, right)
+    both = deviation, errors, right.uncertainty
     return {
         "compliance": h,
         "resistance": R,

@@ -18,7 +18,7 @@ from weier.methods.method import Method, Style
 from weier.surface.profile import Profile, terms_within
 
 DEFAULT_POINTS = 2**11  # nodes that limit the default number of resolved terms
-# of the table of the layer, of a load, and of each of its nodes: `python -m weier.accuracy.expected_seconds`
+# of the table of the layer, of a load, and of each of its nodes: `python -m weier.accuracy expected_seconds`
 SECONDS = 0.17, 0.004, 2e-5
 
 

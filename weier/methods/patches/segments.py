@@ -7,6 +7,7 @@ strengths and the number of nodes. A `ContactState` contains the segments at one
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
+# K_0, K_1 and K_2 of the number of nodes, each with its slope with the digits: `python -m weier.accuracy node_counts`
+NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
 
 
 def kind_of(dual: bool) -> Kind:
@@ -248,14 +251,15 @@ def _round_up(count: float) -> float:
     return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 
 
-def node_factors(tolerance: float) -> tuple[float, float, float]:
-    """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), enough for 98 % of 1 700 segments of random series.
+def node_factors(tolerance: float, factors: Sequence[Sequence[float]] = NODE_FACTORS) -> tuple[float, float, float]:
+    """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), each linear in the digits of the tolerance.
 
     k_f r are the radians of the finest wave in the half-width, and rho belongs to the nearest edge of a neighbour
-    (docs/patches.md, "Chebyshev polynomials"; `python -m weier.accuracy.node_counts`).
+    (docs/patches.md, "Chebyshev polynomials").
     """
     digits = -float(np.log10(tolerance))
-    return 4.5 + digits / 4, max(1.0, 2.2 - digits / 8), 1.95 * digits - 8.7
+    least, per_radian, per_neighbour = (constant + slope * digits for constant, slope in factors)
+    return least, max(1.0, per_radian), per_neighbour
 
 
 def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
