@@ -1,5 +1,7 @@
 """Digests of code: the definitions that a function reaches, whatever stands beside them."""
 
+from pathlib import Path
+
 import pytest
 
 from weier import digests
@@ -125,6 +127,20 @@ def test_where_nothing_can_be_kept_the_digest_is_the_same(package, tmp_path, mon
     (closed := tmp_path / "closed").touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(closed))
     assert of_kernels() == before
+
+
+@pytest.mark.parametrize("name", ["read_text", "write_text"])
+def test_an_alarm_while_a_digest_is_read_or_kept_is_no_error_of_a_disk(package, monkeypatch, name):
+    usual = getattr(Path, name)
+
+    def alarmed(path, *arguments, **options):
+        if path.parent.name == "digests":
+            raise TimeoutError("after 10 s")  # as the handler of a signal
+        return usual(path, *arguments, **options)
+
+    monkeypatch.setattr(Path, name, alarmed)
+    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
+        of_function()
 
 
 def test_what_functions_enclose_counts():

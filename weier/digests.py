@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -104,19 +104,29 @@ def cache_root() -> Path:
         raise OSError("there is no home directory for the cache") from None
 
 
+@contextmanager
+def ignoring_errors_of_disks() -> Iterator[None]:
+    """Ignore errors of the operating system, but no TimeoutError of a signal's handler, which has no number."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error, TimeoutError) and error.errno is None:
+            raise
+
+
 def _remembered(what: Any, compute: Callable[[], str]) -> str:
     """Return a digest of code, which is computed once for each state of the package.
 
     Syntax trees of the package take a second, and its texts some milliseconds.
     """
     known: Path | None = None
-    with suppress(OSError):
+    with ignoring_errors_of_disks():
         known = cache_root() / "digests" / digest([what, digest_of_sources("")])[:32]
         if len(found := known.read_text(encoding="ascii")) == 64:
             return found
     found = compute()
     if known is not None:
-        with suppress(OSError):
+        with ignoring_errors_of_disks():
             known.parent.mkdir(parents=True, exist_ok=True)
             beside = known.with_name(f".{known.name}.{os.getpid()}")
             beside.write_text(found, encoding="ascii")

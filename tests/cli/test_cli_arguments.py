@@ -45,7 +45,7 @@ OWN = {("convergence", "scene_file"): "infinite.yaml"}  # of one command
 SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]
 NEEDED = {"solve": SERIES, "plot": SERIES}
 # What can be left out of a command line, but not of what it does.
-REFUSED = {"draw": "weier: the figure work_precision is drawn from one file, that of `weier tradeoff`"}
+REFUSED = {"draw": "weier: the figure work_precision is drawn from the file of `python -m weier.accuracy tradeoff`"}
 
 
 @pytest.fixture(scope="module")

@@ -35,7 +35,7 @@ from weier.surface.waves import Waves
 
 FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
 MANY = np.geomspace(FRACTIONS[0], FRACTIONS[-1], 40)
-SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 13)), (1.75, 3, (5, 6, 7, 8))]  # D, gamma, m
+SERIES = [(1.25, 5, (3, 4, 5, 6)), (1.5, 2, (7, 9, 11, 14)), (1.75, 3, (5, 6, 7, 9))]  # D, gamma, m
 TRACES = (100, 400, 1600, 6000, 12_000)  # waves
 FEW_WAVES = 125  # of surfaces with many loads and all variants
 CONSTANTS: dict[str, tuple[float, ...]] = {

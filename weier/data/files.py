@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from weier.checks import readable
+from weier.digests import ignoring_errors_of_disks
 
 # The names of temporary files of `replacing`.
 LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
@@ -38,7 +39,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise _unwritable(path, error) from None
         raise
     finally:
-        with suppress(OSError):
+        with ignoring_errors_of_disks():
             beside.unlink()
 
 

@@ -23,7 +23,7 @@ from time import perf_counter
 from types import FunctionType
 from typing import Any, TypeVar, cast
 
-from weier.digests import PACKAGE, cache_root, digest, digest_of_kernels
+from weier.digests import PACKAGE, cache_root, digest, digest_of_kernels, ignoring_errors_of_disks
 
 try:
     import fcntl
@@ -150,7 +150,7 @@ class Kernel:
     def _note_more_types(self) -> None:
         """Note what numba has added to the cache for arguments of other types."""
         self.types, folder = len(self.compiled.overloads), cache_folder() / self.name
-        with _ignoring_errors_of_disks(), _locked(folder):
+        with ignoring_errors_of_disks(), _locked(folder):
             self._write_contents(folder)
 
     def _write_contents(self, folder: Path) -> None:
@@ -179,7 +179,7 @@ class Kernel:
 
     def _is_whole(self, folder: Path) -> bool:
         """Return whether a folder has the files that were written into it, so that numba reads no torn one."""
-        with _ignoring_errors_of_disks(), suppress(json.JSONDecodeError, UnicodeDecodeError):
+        with ignoring_errors_of_disks(), suppress(json.JSONDecodeError, UnicodeDecodeError):
             known = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
             return bool(known == self._contents(folder))
         return False
@@ -229,16 +229,6 @@ def _compile_for(compiled: Any, types: tuple[Any, ...]) -> Any:
 
 
 @contextmanager
-def _ignoring_errors_of_disks() -> Iterator[None]:
-    """Ignore errors of the operating system, but no TimeoutError of a signal's handler, which has no number."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno is None:
-            raise
-
-
-@contextmanager
 def _locked(folder: Path) -> Iterator[None]:
     """Make a folder that this process alone may change; an OSError says why it cannot."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -246,7 +236,7 @@ def _locked(folder: Path) -> Iterator[None]:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
     with (folder / "lock").open("w") as file:
         if fcntl:
-            with _ignoring_errors_of_disks():  # without locks each process compiles for itself
+            with ignoring_errors_of_disks():  # without locks each process compiles for itself
                 fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

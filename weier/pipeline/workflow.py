@@ -56,7 +56,7 @@ LOCKED = (
 # megabytes of a process and of each of its cases, above `max_rss` in `results/logs/curves/*.tsv`; minutes in addition
 # to the expected ones, for a busy disk; a job that needs more is run again with twice as much
 BATCH_MB, CASE_MB, BATCH_MINUTES = 500, 0.05, 5
-# Expected seconds of a batch may be wrong by this factor (`weier.accuracy.expected_seconds`).
+# Expected seconds of a batch may be wrong by this factor (`python -m weier.accuracy expected_seconds`).
 SECONDS_FACTOR = 3
 
 

@@ -26,7 +26,13 @@ def test_slow_methods_meet_few_loads():
     long = Profile(1.25, 5, 1000)
     assert "layer" not in names(long)
     assert "layer" in names(long, USUAL[:1])
-    assert names(Profile(1.25, 5, math.inf)).keys() == {"archard", "demelio", "persson", "layer", "hybrid", "auto"}
+    infinite, of_infinite = Profile(1.25, 5, math.inf), {"archard", "demelio", "persson", "layer", "hybrid"}
+    assert names(infinite).keys() == of_infinite  # by "auto" 15 625 waves, twice under each load
+    assert names(infinite, USUAL[:1]).keys() == {*of_infinite, "auto"}
+
+
+def test_a_tolerance_out_of_reach_is_tried_for_its_refusal():
+    assert "auto" in names(Profile(1.9, 2, math.inf))
 
 
 def test_what_no_computer_holds_is_tried_for_its_refusal():

@@ -63,6 +63,10 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
         method.applies(profile)
     except NotApplicableError:  # of a series that is too large: the refusal takes no time and is itself examined
         return method.numerical and math.isfinite(profile.m)
+    try:
+        method.check(profile)
+    except ValueError:  # of a tolerance out of reach, as quickly
+        return True
     load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
     # A method is left out if it takes longer for a curve and for its loads one by one.
     return method.seconds(profile, loads) + load_by_load <= 60.0
