@@ -93,7 +93,7 @@ def test_the_first_help_shows_the_commands_for_one_profile():
         (f"{'a' * 300}.nc", "File name too long"),
     ],
 )
-@pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE], ["extremes", "summary.md"]])
+@pytest.mark.parametrize("command", [["solve", *PROFILE, "-o"], ["plot", *PROFILE]])
 def test_an_impossible_file_is_reported_before_anything_is_solved(run, tmp_path, monkeypatch, command, path, why):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
