@@ -5,17 +5,13 @@ from __future__ import annotations
 import shutil
 from importlib import import_module
 
-import numpy as np
 import pytest
 
 import weier
 from tests.scenes import scene_in, solve_scene
-from weier.accuracy.comparison import Comparison
-from weier.accuracy.variants import Variant
 from weier.cli import cli
 from weier.figures import draw
 from weier.pipeline import claims
-from weier.scene import Case
 
 SCENE = """
 title: test
@@ -38,9 +34,7 @@ REQUIRED = {
     "data": "new.nc",
     "path": "new.nc",
     "table": "new.md",
-    "summary": "new.md",
 }
-OWN = {("convergence", "scene_file"): "infinite.yaml"}  # of one command
 # What is no argument, and needed: a profile.
 SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]
 NEEDED = {"solve": SERIES, "plot": SERIES}
@@ -54,7 +48,6 @@ def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("solved")
     loaded = scene_in(folder, SCENE, weier.load_scene)
     solutions = solve_scene(loaded, folder / "batches")
-    (folder / "infinite.yaml").write_text(SCENE.replace("m: 1", "m: .inf"))
     (batch,) = (folder / "batches").glob("*.json")
     shutil.copy(batch, folder / "batch.json")
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
@@ -66,13 +59,10 @@ def solved(tmp_path_factory):
 @pytest.mark.parametrize("name", cli.commands)
 def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_path, monkeypatch, name):
     """Or refuses that in a sentence of its own."""
-    one = Case({"D": 1.5, "gamma": 2, "m": 1}, (), {})
-    few = [Comparison("one", one, np.array([0.1]), (Variant("demelio", "demelio", {}),))]
-    monkeypatch.setattr(measurement, "extremes", lambda: few)
     shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
-    values = [OWN.get((name, argument), REQUIRED[argument]) for argument in required]
+    values = [REQUIRED[argument] for argument in required]
     code, out, err = run(name, *NEEDED.get(name, []), *values)
     if name in REFUSED:
         assert (code, err.splitlines()[-1]) == (1, REFUSED[name])
