@@ -87,3 +87,12 @@ def test_where_nothing_was_made_nothing_is_looked_up():
     made.outcome[0] = Outcome.clear_error
     found = find_reference(registry.find_method("bem"), profile, loads, made)
     assert np.isnan(np.array(found.compliance, float)).tolist() == [True, False]
+
+
+def test_a_shifted_profile_has_its_phases_within_a_turn():
+    """A larger phase would be doubted, as one in degrees. The height at 0 is that at 0.3 of the profile."""
+    profile = Profile(1.3, 2, 2, (6.2, 6.1))
+    shifted = module._shift(profile)
+    assert np.all((shifted.phase >= 0) & (shifted.phase < 2 * np.pi))
+    here = profile.amplitude @ np.cos(2 * np.pi * 0.3 * np.array([1, 2]) + profile.phase)
+    assert profile.amplitude @ np.cos(shifted.phase) == pytest.approx(here, abs=1e-14)

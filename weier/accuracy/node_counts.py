@@ -84,8 +84,8 @@ def main(series: int) -> Page:
 
     For a tolerance of 10^-digits, those above the target of contact patches, relative to the largest, are needed. The
     first guess of the nodes is K_0 + K_1 k_f r + K_2/ln(rho) + 2, rounded up, with K_i linear in the digits
-    (docs/patches.md, "Chebyshev polynomials"), fitted to a quantile of 0.9. The numbers in use were rounded up from
-    such a fit: segments with too few nodes get more, at the cost of a step, and a node too many costs little.
+    (docs/patches.md, "Chebyshev polynomials"), fitted to a quantile of 0.9. The numbers in use are larger than the
+    fit: segments with too few nodes get more, at the cost of a step, and at ten digits fewer segments have too few.
     """
     found = list(states(series))
     matrix = np.concatenate([terms(*each) for each in found])

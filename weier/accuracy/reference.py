@@ -187,4 +187,5 @@ def _total(profile: Profile) -> mp.mpf:
 def _shift(profile: Profile) -> Profile:
     """Return a profile shifted by 0.3 lambda_0, which has the same curves but different phases."""
     cycles = 0.3 * np.array(profile.waves_per_period, float) / profile.period
-    return Profile(profile.D, profile.gamma, profile.m, profile.phase + 2 * np.pi * (cycles - np.rint(cycles)))
+    phase = np.remainder(profile.phase + 2 * np.pi * (cycles - np.rint(cycles)), 2 * np.pi)
+    return Profile(profile.D, profile.gamma, profile.m, phase)
