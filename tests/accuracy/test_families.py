@@ -88,8 +88,7 @@ def without_light_loads(monkeypatch):
 
 @pytest.mark.usefixtures("without_light_loads")
 def test_refused_loads_are_counted_and_told(one_draw):
-    found = [(one_draw, coverage.judge(one_draw, one_draw.variants[0]))]
-    found = [(draw, {"bem": judged}) for draw, judged in found]
+    found = [(one_draw, coverage.judge_all(one_draw, ["bem"]))]
     family, loads, h, R, refused = coverage.row("usual", found, ["bem"])
     assert (family, loads, refused) == ("usual", "2", "1")
     assert h.startswith("0 of 1,")
