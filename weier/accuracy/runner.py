@@ -20,6 +20,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method
+from weier.pipeline.task import CurveTask
 from weier.surface.waves import Waves
 
 # runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
@@ -71,9 +72,8 @@ class Run(NamedTuple):
 
 def run(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Return the curve of a variant; raises what `weier.solve` raises."""
-    method, start = find_method(variant.method), process_time()
-    method.check_applies(profile)
-    solved = method.solve(profile, loads, **variant.settings)
+    start = process_time()
+    solved, _ = CurveTask(profile, variant.method, variant.settings, loads).solve()
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
