@@ -38,7 +38,6 @@ include: "rules/common.smk"
 include: "rules/compile.smk"
 include: "rules/accuracy.smk"
 include: "rules/docs.smk"
-include: "rules/page.smk"
 
 
 wildcard_constraints:
@@ -96,23 +95,19 @@ use rule solve as solve_by_bem with:
 ruleorder: solve_by_patches > solve_by_bem > solve
 
 
-rule claims:
+# The data, with the claims, or a figure that the command line names: by itself, from its own curves.
+rule data:
     input:
-        settled=ancient(scenes.settled_batches),
-        unsettled=scenes.unsettled_batches,
-        outdated=scenes.outdated_data,
+        settled=ancient(of_wildcards(scenes.settled_batches)),
+        unsettled=of_wildcards(scenes.unsettled_batches),
+        outdated=of_wildcards(scenes.outdated),
     output:
-        data=update("results/{scene}/contact.nc"),  # else Snakemake removes it first
-        table=report(
-            "results/{scene}/claims.md",
-            caption="rules/captions/claims.rst",
-            category="{scene}",
-            subcategory="claims",
-        ),
+        data=update("results/{scene}/contact.nc"),
+        table=in_report("results/{scene}/claims.md"),
     log:
-        "results/logs/{scene}/claims.log",
+        "results/logs/{scene}/data.log",
     benchmark:
-        "results/logs/{scene}/claims.tsv"
+        "results/logs/{scene}/data.tsv"
     conda:
         "rules/environment.yaml"
     resources:
@@ -120,88 +115,58 @@ rule claims:
         runtime=scenes.minutes,
     params:
         scene=scenes.scene_file,
+        product=product_of,
     message:
-        "{wildcards.scene}: gather all curves and check the claims"
+        "{wildcards.scene}: make {params.product}"
     shell:
-        "python -m weier claims {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
+        "python -m weier products {params.scene:q} results/curves results/{wildcards.scene} {params.product:q}"
+        " 2>&1 | tee -i {log:q}"
 
 
-rule figure:
-    input:
-        settled=ancient(scenes.settled_batches),
-        unsettled=scenes.unsettled_batches,
-        outdated=scenes.outdated_figure,
+use rule data as figure with:
     output:
         pdf="results/{scene}/figures/{figure}.pdf",
         svg="results/{scene}/figures/{figure}.svg",
+        png=in_report("results/{scene}/figures/{figure}.png"),
         csv="results/{scene}/figures/{figure}.csv",
-        png=report(
-            "results/{scene}/figures/{figure}.png",
-            category="{scene}",
-            subcategory="figures",
-            labels=labels_of_figure,
-        ),
     log:
         "results/logs/{scene}/figure/{figure}.log",
     benchmark:
         "results/logs/{scene}/figure/{figure}.tsv"
-    conda:
-        "rules/environment.yaml"
-    resources:
-        mem_mb=scenes.memory,
-        runtime=scenes.minutes,
-    params:
-        scene=scenes.scene_file,
-    message:
-        "{wildcards.scene}: draw {wildcards.figure}"
-    shell:
-        "python -m weier figures {params.scene:q} results/curves"
-        " results/{wildcards.scene}/figures {wildcards.figure:q} 2>&1 | tee -i {log:q}"
 
 
-# One process draws the figures of a scene, or two draw many, the smaller part after the claims. Figures that are not
-# outdated stay. Without wildcards, these rules go before `figure`, which draws those that the command line names.
-for name in [] if figures_are_named() else SCENES:
-    for place, (drawing, figures) in enumerate(scenes.drawing_rules(name).items()):
+# Two jobs of a scene make all others, those alone that are missing or outdated: each starts and reads the scene once.
+# Their rules have no wildcards, since outputs have the names of figures, so that they go first.
+for name in SCENES:
+    for maker, made in scenes.makers(name).items():
+        made = [each for each in made if not is_named(name, each)]
 
         rule:
             name:
-                drawing
+                maker
             input:
-                settled=ancient(
-                    scenes.of_figures(name, figures, scenes.settled_batches)
-                ),
-                unsettled=scenes.of_figures(name, figures, scenes.unsettled_batches),
-                outdated=scenes.of_figures(name, figures, scenes.outdated_figure),
+                settled=ancient(of_scene(scenes.settled_batches, name, made)),
+                unsettled=of_scene(scenes.unsettled_batches, name, made),
+                outdated=of_scene(scenes.outdated, name, made),
             output:
-                [
-                    update(path)
-                    for figure in figures
-                    for path in scenes.files_of_figure(name, figure)
-                    if not path.endswith(".png")
-                ],
-                [update(in_report(name, figure)) for figure in figures],
+                # else Snakemake removes those that are fresh
+                [update(in_report(path)) for path in scenes.files(name, made)],
             log:
-                f"results/logs/{name}/{drawing}.log",
+                f"results/logs/{name}/{maker}.log",
             benchmark:
-                f"results/logs/{name}/{drawing}.tsv"
-            priority: -place
+                f"results/logs/{name}/{maker}.tsv"
             conda:
                 "rules/environment.yaml"
             resources:
-                mem_mb=lambda wildcards, attempt, scene=SimpleNamespace(
-                    scene=name
-                ): scenes.memory(scene, attempt),
-                runtime=lambda wildcards, attempt, scene=SimpleNamespace(
-                    scene=name
-                ): scenes.minutes(scene, attempt),
+                mem_mb=of_attempts(scenes.memory, name),
+                runtime=of_attempts(scenes.minutes, name),
             params:
                 scene=scenes.scene_file(SimpleNamespace(scene=name)),
-                figures=figures,
+                products=made,
             message:
-                f"{name}: draw those of {', '.join(figures)} that are missing or outdated"
+                f"{name}: make those of {', '.join(made)} that are missing or outdated"
             shell:
-                f"python -m weier figures {{params.scene:q}} results/curves results/{name}/figures {{params.figures:q}}"
+                f"python -m weier products {{params.scene:q}} results/curves results/{name} {{params.products:q}}"
                 " 2>&1 | tee -i {log:q}"
 
 

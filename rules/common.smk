@@ -12,6 +12,7 @@ from weier.figures import kinds
 from weier.figures.captions import caption
 from weier.figures.checks import load_by_name
 from weier.methods.registry import METHODS
+from weier.pipeline.products import DATA, PAGE
 from weier.pipeline.workflow import (
     Scenes,
     check_packages,
@@ -53,28 +54,54 @@ scenes = Scenes(
 )
 
 
-def labels_of_figure(wildcards):
+def in_report(path):
+    """A file of a scene with its place in the report of Snakemake, if it has one; the path may have wildcards."""
+    scene, name, kind = re.fullmatch(
+        r"results/([^/]+)/(?:figures/)?(.+)\.(\w+)", path
+    ).groups()
+    in_category = partial(report, path, category=scene)
+    if kind == "png":
+        labels = lambda wildcards: labels_of_figure(
+            scene.format(**wildcards), name.format(**wildcards)
+        )
+        return in_category(subcategory="figures", labels=labels)
+    if kind == "md":
+        return in_category(subcategory="claims", caption="rules/captions/claims.rst")
+    if kind == "html":
+        labels = {"figure": "explorer", "caption": "The curves of the cases"}
+        return in_category(subcategory="curves", labels=labels)
+    return path
+
+
+def labels_of_figure(scene, name):
     """The labels of a figure of a scene in the report of Snakemake."""
-    scene, name = scenes.scene(wildcards.scene), wildcards.figure
-    return {"figure": name, "caption": caption(scene, name).text}
+    return {"figure": name, "caption": caption(scenes.scene(scene), name).text}
 
 
-def in_report(scene, figure):
-    """A picture of a scene, with its place in the report of Snakemake."""
-    labels = lambda wildcards: labels_of_figure(
-        SimpleNamespace(scene=scene, figure=figure)
-    )
-    return report(
-        f"results/{scene}/figures/{figure}.png",
-        category=scene,
-        subcategory="figures",
-        labels=labels,
-    )
+def is_named(scene, product):
+    """Whether the command line names a file of a product; Snakemake has no targets yet when it reads the rules."""
+    words = {word.removeprefix("./") for word in sys.argv[1:]}
+    return product != PAGE and bool(words.intersection(scenes.files(scene, [product])))
 
 
-def figures_are_named():
-    """Whether the command line asks for files of figures; Snakemake has no targets yet when it reads the rules."""
-    return any(re.match(r"(\./)?results/[^/]+/figures/", word) for word in sys.argv[1:])
+def product_of(wildcards):
+    """The product that a rule for a single one makes."""
+    return getattr(wildcards, "figure", DATA)
+
+
+def of_wildcards(function):
+    """A function of a scene and products as an input function of a single product."""
+    return lambda wildcards: function(wildcards.scene, [product_of(wildcards)])
+
+
+def of_scene(function, scene, products):
+    """A function of a scene and products as an input function of a rule without wildcards."""
+    return lambda wildcards: function(scene, products)
+
+
+def of_attempts(function, scene):
+    """A function of wildcards and the attempt as a resource of a rule without wildcards."""
+    return lambda wildcards, attempt: function(SimpleNamespace(scene=scene), attempt)
 
 
 def labels_of_measurement(wildcards):
@@ -85,4 +112,4 @@ def labels_of_measurement(wildcards):
 def figures_of_documentation(wildcards):
     """The figures of the paper; the run ends if packages for the documentation are missing."""
     check_packages("sphinx", "myst_parser", "furo")
-    return scenes.figures_of("paper")
+    return scenes.files("paper", scenes.scene("paper").figures)

@@ -98,7 +98,7 @@ def test_the_installed_wheel_passes_the_tests_of_the_archive(built):
 
 
 @pytest.mark.parametrize(
-    ("hidden", "arguments"), [("bokeh", ["page", "config/scenes/minimal.yaml", ".", "a.nc", "b.html"])]
+    ("hidden", "arguments"), [("bokeh", ["products", "config/scenes/minimal.yaml", ".", ".", "page.html"])]
 )
 def test_a_command_that_lacks_its_extra_says_so(hidden, arguments, tmp_path):
     """A module that cannot be imported stands for one that is not installed."""
@@ -107,4 +107,5 @@ def test_a_command_that_lacks_its_extra_says_so(hidden, arguments, tmp_path):
     command = [sys.executable, "-m", "weier", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert done.returncode == 1
-    assert re.fullmatch(rf"weier: this command needs {hidden}\S*: pip install 'weier\[pipeline\]', .*\n", done.stderr)
+    said = rf"make minimal: page.html\nweier: this command needs {hidden}\S*: pip install 'weier\[pipeline\]', .*\n"
+    assert re.fullmatch(said, done.stderr)

@@ -61,17 +61,22 @@ def planned(checkout, *arguments, scene="test"):
     text = run(checkout, "--dry-run", *arguments, scene=scene)
     table = text.partition("Job stats:")[2].partition("total")[0]
     found = {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
-    return {rule: count for rule, count in found.items() if rule not in ("all", "pages")}
+    return {rule: count for rule, count in found.items() if rule != "all"}
 
 
-def drawn(said):
-    """The figures that were drawn, in their order."""
-    return re.findall(r"^draw test: (.*)$", said, re.M)
+def made(said):
+    """The products that were made."""
+    return sorted(re.findall(r"^make test: (.*)$", said, re.M))
+
+
+def outdated(checkout):
+    """The products that a dry run says to be outdated."""
+    return sorted(re.findall(r"^test: (\S+) is outdated$", run(checkout, "--dry-run"), re.M))
 
 
 def ran(said):
     """How often each command has run, from the line that each says at its end."""
-    return Counter(re.findall(r"^(solve|figures|claims) .*: [\d.]+ s$", said, re.M))
+    return Counter(re.findall(r"^(solve|products) .*: [\d.]+ s$", said, re.M))
 
 
 def edit(path, old, new):
@@ -167,19 +172,22 @@ def test_the_cache_marks_compiled_methods_for_all_folders(checkout, tmp_path):
     assert list(compiled().values()) == [True]
 
 
-def test_a_page_and_all_products_need_the_same_jobs(checkout):
+def test_products_that_are_named_and_all_others_need_the_same_batches(checkout):
     """A case of several figures is solved once."""
-    for targets, drawing in (
-        (["pages"], {"figures_of_test": 1}),
-        (["results/test/figures/two.png", "all"], {"figure": 2}),
+    figure, data = "results/test/figures/two.png", "./results/test/claims.md"
+    for targets, making in (
+        ([], {}),
+        ([figure, "all"], {"figure": 1}),
+        ([data, "all"], {"data": 1}),
+        ([figure, data, "all"], {"data": 1, "figure": 1}),
     ):
         jobs = planned(checkout, *targets)
-        assert jobs.items() >= ({"solve": 2, "solve_by_bem": 2, "claims": 1} | drawing).items()
+        assert jobs == {"solve": 2, "solve_by_bem": 2, "data_of_test": 1, "figures_of_test": 1} | making
 
 
 @pytest.fixture(scope="module")
 def finished(checkout):
-    run(checkout, "all", "pages")
+    run(checkout)
     return checkout
 
 
@@ -195,8 +203,8 @@ def test_a_copy_of_the_results_alone_makes_nothing_again(finished, tmp_path):
     figure = copy / "results/test/figures/one.png"
     figure.write_bytes((copy / "results/test/figures/two.png").read_bytes())
     said = run(copy)
-    assert ran(said) == {"figures": 1}
-    assert drawn(said) == ["one"]
+    assert ran(said) == {"products": 1}
+    assert made(said) == ["one"]
     assert figure.read_bytes() == (finished / "results/test/figures/one.png").read_bytes()
 
 
@@ -204,26 +212,27 @@ def test_a_finished_run_has_records_of_all_that_it_made(finished):
     """Also of jobs that have solved several batches."""
     path = finished / "config/scenes/several.yaml"
     path.write_text(SCENE.replace("demelio, bem", "archard, persson").replace("batch: 1\n", ""))
-    assert ran(run(finished, scene="several")) == {"solve": 1, "figures": 1, "claims": 1}
-    made = [path.name.split("-")[0] for path in (finished / "results/curves").glob("*.nc")]
-    assert made.count("archard") == made.count("persson") == 1
+    assert ran(run(finished, scene="several")) == {"solve": 1, "products": 2}
+    methods = [path.name.split("-")[0] for path in (finished / "results/curves").glob("*.nc")]
+    assert methods.count("archard") == methods.count("persson") == 1
     again = run(finished, "--dry-run", scene="several")
     assert "Nothing to be done" in again
     assert "metadata" not in again
     path.unlink()  # later tests look at all scenes
 
 
-def test_another_title_changes_the_data_alone(finished):
+def test_another_title_changes_the_data_and_the_explorer_alone(finished):
     path = finished / "config/scenes/test.yaml"
     path.write_text(SCENE.replace("title: test", "title: other"))
-    assert planned(finished) == {"claims": 1}
+    assert outdated(finished) == ["contact.nc", "page.html"]
     path.write_text(SCENE)
+    assert outdated(finished) == []
 
 
 def test_a_run_leaves_every_product(finished):
     results = finished / "results/test"
-    made = {path.name for path in (results / "figures").iterdir()}
-    assert made == {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png", "csv")}
+    drawn = {path.name for path in (results / "figures").iterdir()}
+    assert drawn == {f"{figure}.{kind}" for figure in ("one", "two") for kind in ("pdf", "svg", "png", "csv")}
     data = dataset.read(results / "contact.nc")
     assert data.m.values.tolist() == [1, 2]
     assert not list(results.rglob(".*.nc*"))
@@ -237,7 +246,7 @@ def test_nothing_runs_twice_whatever_its_date(finished):
 def test_a_changed_figure_of_a_scene_is_drawn_alone(finished):
     path = finished / "config/scenes/test.yaml"
     path.write_text(SCENE.replace("resistance,", "resistance, x: linear,"))
-    assert planned(finished)["figures_of_test"] == 1
+    assert outdated(finished) == ["contact.nc", "two"]
     path.write_text(SCENE)
 
 
@@ -249,13 +258,12 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     done = call(finished, "--latency-wait", "1")
     assert done.returncode == 1
     assert "weier: two cannot be drawn: no ink\n" in done.stdout
-    assert drawn(done.stdout + done.stderr) == ["one", "two"]
-    assert ran(done.stdout + done.stderr) == {"figures": 1}  # a change of how figures are drawn solves nothing
+    assert made(done.stdout + done.stderr) == ["one", "two"]
+    assert ran(done.stdout + done.stderr) == {"products": 1}  # a change of how figures are drawn solves nothing
     assert sorted(path.name for path in figures.iterdir()) == [f"one.{each}" for each in ("csv", "pdf", "png", "svg")]
     edit(module, '    raise ValueError("no ink")\n', "")
     said = run(finished)
-    assert drawn(said) == ["two"]  # the other one is not drawn by this module
-    assert ran(said) == {"figures": 1}
+    assert made(said) == ["two"]  # the other one is not drawn by this module
 
 
 def test_docstrings_comments_and_readers_of_files_run_nothing(finished):
@@ -275,7 +283,7 @@ def test_a_changed_solver_runs_its_own_method(finished):
     edit(finished / "weier/methods/bem/active_set.py", "MAX_STEPS = 1000", "MAX_STEPS = 10 * 100")
     curves = finished / "results/curves"
     old = {path.name for path in curves.iterdir()}
-    assert ran(run(finished)) == {"solve": 2, "figures": 1, "claims": 1}
+    assert ran(run(finished)) == {"solve": 2, "products": 2}
     new = {path.name for path in curves.iterdir()} - old
     assert {name.partition("-")[0] for name in new} == {"bem"}
     assert old < {path.name for path in curves.iterdir()}  # what nobody needs any more stays until it is pruned
@@ -296,8 +304,8 @@ def test_a_run_that_is_planned_names_its_jobs(finished):
         "everything of test",
         "solve 1 case of long by bem",
         "solve 1 case of long by demelio",
-        "test: draw those of one, two that are missing or outdated",
-        "test: gather all curves and check the claims",
+        "test: make those of contact.nc, page.html that are missing or outdated",
+        "test: make those of one, two that are missing or outdated",
     ]
 
 
@@ -305,13 +313,15 @@ def test_a_study_more_solves_only_its_own_cases(finished):
     path = finished / "config/scenes/test.yaml"
     rough = "  rough: {product: {D: 1.5, gamma: 5, m: 3}, methods: [archard]}"  # longer, and by another method
     path.write_text(SCENE.replace("figures:", f"{rough}\nfigures:"))
-    assert ran(run(finished)) == {"solve": 1, "claims": 1}
+    said = run(finished)
+    assert (ran(said), made(said)) == ({"solve": 1, "products": 1}, ["contact.nc", "page.html"])
     path.write_text(SCENE)
-    assert ran(run(finished)) == {"claims": 1}
+    said = run(finished)
+    assert (ran(said), made(said)) == ({"products": 1}, ["contact.nc", "page.html"])
 
 
 def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(finished):
-    run(finished, "pages", "--report", "report.html")
+    run(finished, "--report", "report.html")
     text = (finished / "report.html").read_text()
     page = (finished / "results/test/page.html").read_bytes()
     assert b'"curve bem"' in page  # the data of a line of the explorer
@@ -368,6 +378,13 @@ use rule * from weier
 """
 
 
+def commit(folder):
+    """Make a repository of all files of a folder."""
+    author = ["-c", "user.name=someone", "-c", "user.email=someone@example.org"]
+    for command in (["init", "-q", "-b", "main"], ["add", "."], [*author, "commit", "-q", "-m", "Begin"]):
+        subprocess.run(["git", *command], cwd=folder, check=True)
+
+
 def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
     """Into a folder with the configuration alone, as snakedeploy leaves it; the package is the installed one."""
     repository, folder = tmp_path / "someone/weier", tmp_path / "folder"
@@ -377,9 +394,7 @@ def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
     shutil.copytree(checkout / "config", folder / "config")
     (folder / "config/scenes/test.yaml").write_text(SCENE.replace("demelio, bem", "demelio"))
     (folder / "Snakefile").write_text(DEPLOYED)
-    author = ["-c", "user.name=someone", "-c", "user.email=someone@example.org"]
-    for command in (["init", "-q", "-b", "main"], ["add", "."], [*author, "commit", "-q", "-m", "Begin"]):
-        subprocess.run(["git", *command], cwd=repository, check=True)
+    commit(repository)
     instead = {"COUNT": "1", "KEY_0": f"url.{tmp_path}/.insteadOf", "VALUE_0": "https://github.com/"}
     environment = os.environ | {f"GIT_CONFIG_{name}": value for name, value in instead.items()}
     environment |= {"XDG_CACHE_HOME": str(tmp_path / "cache"), "NUMBA_DISABLE_JIT": "1"}
@@ -389,8 +404,8 @@ def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout + done.stderr
 
-    assert ran(said("results/test/figures/one.png")) == {"solve": 1, "figures": 1}
-    said("--dry-run", "pages", "tradeoff", "convergence", "extremes")
+    assert ran(said("results/test/figures/one.png")) == {"solve": 1, "products": 1}
+    said("--dry-run", "tradeoff", "convergence", "extremes")
 
 
 def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
@@ -433,7 +448,7 @@ def test_every_state_of_a_scene_has_the_products_of_a_fresh_folder(checkout, tmp
         text, heights = STATES[state]
         (folder / "config/scenes/test.yaml").write_text(text)
         (folder / "config/scenes/line.csv").write_text("\n".join(map(str, heights)))
-        run(folder, "all", "pages")
+        run(folder)
         made = folder / "results/test"
         paths = [made / "contact.nc", made / "claims.md", *sorted((made / "figures").iterdir())]
         return {path.name: path.read_bytes() for path in paths}

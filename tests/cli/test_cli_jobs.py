@@ -125,17 +125,29 @@ def test_the_part_of_another_batch_is_refused(run, description, solved):
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("claims", scene_file, tmp_path, tmp_path / "contact.nc", tmp_path / "claims.md")
+    done = weier("products", scene_file, tmp_path, tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
 
 
+def test_an_explorer_without_curves_is_removed_and_named(run, scene_file, tmp_path):
+    (tmp_path / "page.html").touch()
+    code, _, err = run("products", scene_file, tmp_path / "none", tmp_path, "page.html")
+    first, why, last = err.splitlines()
+    assert (code, first) == (0, "make test: page.html")
+    assert re.match(
+        r"weier: page.html cannot be drawn: D = 1.25.* is not solved by demelio in .*/none: run snake", why
+    )
+    assert last.startswith("products test page.html: ")
+    assert not (tmp_path / "page.html").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["claims", "test.yaml", "none", "x.nc", "x.md"], 1, "is not solved by demelio in none: run snake"),
+        (["products", "test.yaml", "none", "."], 1, "is not solved by demelio in none: run snake"),
         (["batch", "test.json", "x.nc"], 1, "test.json does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from the file of `python -m weier.accuracy tradeoff`"),
         (
@@ -145,7 +157,6 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
         ),
         (["draw", "extremes", "x.png", "DATA"], 1, "drawn from the file of `python -m weier.accuracy extremes`"),
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
-        (["page", "test.yaml", "none", "contact.nc", "x.html"], 1, "there is no file contact.nc: make it first"),
     ],
 )
 def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,13 @@ from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
 import weier
-from tests.scenes import scene_in
-from weier import scene
+from tests.scenes import scene_in, solve_scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import page, style
 from weier.figures.page import explorer
 from weier.methods import registry
+from weier.pipeline.gather import read_cases
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
@@ -26,15 +27,7 @@ CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
 KEYS = [f"case{row}" for row in range(len(CASES))]
 HERE = Path(__file__).parent
 PNG = bytes.fromhex("89504e470d0a1a0a")
-SCENE = """
-title: test
-loads: [0.02, 0.3, 1.5]
-methods: [demelio]
-studies:
-  one: {product: {D: 1.25, gamma: 5, m: 2}}
-figures:
-  figure_1: {draw: profiles, studies: [one], title: Rough & <i>smooth</i>}
-"""
+SCENE = {"title": "test", "loads": [0.02, 0.3, 1.5], "methods": ["demelio"]}
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +38,11 @@ def text(folder):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("a scene")
+    write(folder, cases())
+    return folder
+
+
+def cases():
     data = dataset.blank(len(CASES), METHODS, LOADS, 3)
     for row, values in enumerate(CASES):
         for name, value in zip(("D", "gamma", "m"), values, strict=True):
@@ -56,17 +54,14 @@ def folder(tmp_path_factory):
         data[name].values[3, 0] = np.nan  # demelio has no curve of the last case
     data["phases"].values[:, :2] = 0, 1
     data["status"].values[:] = Status.solved
-    dataset.write(data, folder / "contact.nc", "<b>Waves</b> & </script>", "solved", "title: </pre><script>alert(1)")
-    write(folder)
-    return folder
+    return data
 
 
-def write(folder, name="page.html", data=None, text=SCENE):
-    """A page of the scene, with these data or those that are there."""
-    if data is not None:
-        dataset.write(data, folder / "contact.nc", "Other data", "solved")
-    page.write(scene_in(folder, text), folder / "contact.nc", folder / name)
-    return (folder / name).read_text(encoding="utf-8")
+def write(folder, data, name="page.html", interface=None):
+    """A page of all cases of some data."""
+    text = page.render(data, "<b>Waves</b> & </script>", data.sizes["case"], interface)
+    (folder / name).write_text(text, encoding="utf-8")
+    return text
 
 
 def test_the_page_needs_no_network(text):
@@ -78,12 +73,11 @@ def test_the_page_needs_no_network(text):
 
 def test_text_of_a_scene_stays_text(text):
     assert "&lt;b&gt;Waves&lt;/b&gt; &amp; &lt;/script&gt;" in text
-    assert "<script>alert(1)" not in text
 
 
 def test_same_data_same_page(folder):
     """Only the numbers of bokeh's models differ, which it counts through one process."""
-    first, second = (re.sub(r"p\d{4,}", "p", write(folder, name)) for name in ("a.html", "b.html"))
+    first, second = (re.sub(r"p\d{4,}", "p", write(folder, cases(), name)) for name in ("a.html", "b.html"))
     assert first == second
 
 
@@ -114,12 +108,24 @@ def test_a_method_looks_as_in_the_figures():
     assert isinstance(alone["boundary elements"].glyph, Line)
 
 
-def test_a_file_without_curves_makes_no_page(folder, tmp_path):
-    with dataset.reading(folder / "contact.nc") as data:
-        dataset.write(data.drop_vars("D"), tmp_path / "contact.nc", "no D")
-    loaded = scene.load(next(folder.glob("*.yaml")))
-    with pytest.raises(ValueError, match="the dataset holds no curves, since there is no D"):
-        page.write(loaded, tmp_path / "contact.nc", tmp_path / "page.html")
+def test_a_page_of_many_cases_has_as_many_phases_of_each_series(tmp_path):
+    """And says how many of all it has."""
+    many = {"product": {"D": [1.25, 1.5], "gamma": 5, "seed": [*range(30)], "m": [1, 2]}, "methods": ["archard"]}
+    few = {"product": {"D": 1.25, "gamma": 3, "m": 2, "seed": [*range(4)]}, "methods": ["demelio"]}
+    loaded = scene_in(tmp_path, SCENE | {"studies": {"many": many, "few": few}})
+    assert len(loaded.distinct) == 124
+    assert page.shown_cases(loaded, 124).tolist() == [*range(124)]
+    shown = [loaded.distinct[case].parameters for case in page.shown_cases(loaded, 44)]
+    numbers = Counter((case["D"], case["m"], case["gamma"]) for case in shown)
+    assert numbers == {(1.25, 1, 5): 10, (1.25, 2, 5): 10, (1.5, 1, 5): 10, (1.5, 2, 5): 10, (1.25, 2, 3): 4}
+    assert [case["seed"] for case in shown if (case["D"], case["m"]) == (1.5, 2)] == [*range(0, 30, 3)]
+    assert len(page.shown_cases(loaded, 3)) == 3  # fewer than series
+    solutions = solve_scene(loaded, tmp_path / "curves")
+    page.write(solutions, tmp_path / "page.html")
+    assert "<p>All 124 cases</p>" in (tmp_path / "page.html").read_text()
+    data = read_cases(solutions, page.shown_cases(loaded, 44))
+    assert data["study"].values.tolist() == ["few"] * 4 + ["many"] * 40  # in the order of the file
+    assert "<p>44 of 124 cases: of each series as many phases" in page.render(data, "", 124)
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
@@ -166,7 +172,7 @@ def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
     assert table["compliance_error demelio"] == pytest.approx(1e-10, rel=1e-6)
     assert table["resistance demelio"] == pytest.approx(interface.resistance(2 + LOADS), rel=1e-6)
     assert made.select_one({"name": "compliance"}).yaxis.axis_label == "compliance h, m"
-    assert "ohm m^2" in write(tmp_path, data=data, text=f"{SCENE}interface: {json.dumps(bodies)}\n")
+    assert "ohm m^2" in write(tmp_path, data, interface=interface)
 
 
 def with_script(page, name):
@@ -255,7 +261,7 @@ def test_a_narrow_window_is_wide_enough(tmp_path):
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"
-    text = write(tmp_path, data=data)
+    text = write(tmp_path, data)
     (tmp_path / "measured.html").write_text(with_script(text, "measure.js"), encoding="utf-8")
     shutil.copy(HERE / "frame.html", tmp_path)
     text = browse(tmp_path, "--dump-dom", (tmp_path / "frame.html").as_uri())

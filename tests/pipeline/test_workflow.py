@@ -4,7 +4,6 @@ import os
 import shutil
 import signal
 from functools import partial
-from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -62,8 +61,27 @@ def change(folder, old, new):
 def test_the_products_are_data_claims_and_all_figures(folder):
     made = scenes().products(of())
     assert made[:2] == ["results/test/contact.nc", "results/test/claims.md"]
-    assert made[2:] == scenes().figures_of("test")
-    assert len(made) == 2 + 2 * 4
+    assert made[2:-1] == scenes().files("test", ["one", "two"])
+    assert made[-1] == "results/test/page.html"
+    assert len(made) == 2 + 2 * 4 + 1
+
+
+@pytest.mark.parametrize(("count", "beside"), [(1, 0), (6, 0), (7, 0), (8, 1), (50, 22)])
+def test_two_jobs_make_each_product_once_and_share_many_figures(folder, count, beside):
+    figures = {f"number_{each}": f"  number_{each}: {{draw: profiles, studies: [short]}}\n" for each in range(count)}
+    path = folder / "config/scenes/test.yaml"
+    path.write_text(SCENE.partition("figures:")[0] + "figures:\n" + "".join(figures.values()))
+    made = scenes().makers("test")
+    assert [*made] == ["data_of_test", "figures_of_test"]
+    assert made["data_of_test"][:2] == ["contact.nc", "page.html"]
+    assert made["figures_of_test"] + made["data_of_test"][2:] == [*figures]
+    assert len(made["data_of_test"]) == 2 + beside
+
+
+def test_a_scene_without_figures_has_one_job(folder):
+    path = folder / "config/scenes/test.yaml"
+    path.write_text(SCENE.partition("figures:")[0])
+    assert scenes().makers("test") == {"data_of_test": ["contact.nc", "page.html"]}
 
 
 @pytest.mark.parametrize(
@@ -89,10 +107,7 @@ def test_data_that_are_damaged_are_found(folder, damage, sentence):
 @pytest.mark.parametrize(("order", "count"), [(["all", "one", "two"], 2), (["one", "two", "all"], 4)])
 def test_each_curve_is_in_one_batch_whoever_asks_first(folder, order, count):
     in_order = scenes(cores=1)
-    found = {
-        name: in_order.batches(of()) if name == "all" else in_order.batches_of_figure(of(figure=name))
-        for name in order
-    }
+    found = {name: in_order.batches("test") if name == "all" else in_order.batches("test", name) for name in order}
     assert {*found["one"], *found["two"]} == {*found["all"]}
     assert len(found["all"]) == count  # of each method: the two cases of the first figure, and one more of the second
     batches = [in_order.store.batch(Path(path).stem) for path in found["all"]]
@@ -101,12 +116,12 @@ def test_each_curve_is_in_one_batch_whoever_asks_first(folder, order, count):
 
 def test_a_figure_of_no_study_needs_no_curves(folder):
     change(folder, "figures:", "figures:\n  three: {draw: borodich_galanov}")
-    assert scenes().batches_of_figure(of(figure="three")) == []
+    assert scenes().batches("test", "three") == []
 
 
 def test_a_batch_says_what_it_holds_and_takes(folder):
     run = scenes(cores=1)
-    for path, method in zip(run.batches(of()), ("demelio", "bem"), strict=True):
+    for path, method in zip(run.batches("test"), ("demelio", "bem"), strict=True):
         batch = of(batch=Path(path).stem)
         label = f"3 cases from short to long by {method}, in about 1 s"
         assert run.batch_label(batch) == scenes().batch_label(batch) == label
@@ -118,34 +133,18 @@ def test_a_batch_says_what_it_holds_and_takes(folder):
 
 def test_nothing_is_written_unless_jobs_will_run(folder):
     dry = scenes(runs=lambda: False)
-    for path in dry.batches(of()):
+    for path in dry.batches("test"):
         assert dry.batch_label(of(batch=Path(path).stem)).startswith("3 cases")
     dry.products(of())
-    dry.outdated_data(of())
+    dry.outdated("test", ["contact.nc"])
     assert [path.name for path in folder.iterdir()] == ["config"]
 
 
+PRODUCTS = "one", "two", "page.html", "contact.nc"
+
+
 def digests(now):
-    figures = [now._inputs("test", name) for name in ("one", "two")]
-    return (*figures, now._inputs("test", "page.html"), now._inputs("test", ""))
-
-
-@pytest.mark.parametrize("count", [1, 8, 9, 10])
-def test_two_processes_draw_each_of_many_figures_once(folder, count):
-    """And a further figure changes what one of them draws."""
-    path = folder / "config/scenes/test.yaml"
-
-    def drawn(count):
-        figures = "".join(f"  number_{each}: {{draw: profiles, studies: [short]}}\n" for each in range(count))
-        path.write_text(SCENE.partition("figures:")[0] + "figures:\n" + figures)
-        return scenes().drawing_rules("test")
-
-    parts = drawn(count)
-    assert sorted(chain.from_iterable(parts.values())) == [f"number_{each}" for each in range(count)]
-    after = count // 2 - 2  # figures that are drawn after the claims
-    assert [len(part) for part in parts.values()] == ([count] if count < 9 else [count - after, after])
-    if count > 8:
-        assert sum(drawn(count + 1)[rule] != parts[rule] for rule in parts) == 1
+    return [now._inputs("test", name) for name in PRODUCTS]
 
 
 def test_digests_change_with_what_they_are_of(folder):
@@ -155,7 +154,7 @@ def test_digests_change_with_what_they_are_of(folder):
     first = digests(scenes())
     assert changed(first) == [False, False, False, False]
     change(folder, "resistance,", "resistance, x: linear,")  # the second figure
-    assert changed(first) == [False, True, True, True]
+    assert changed(first) == [False, True, False, True]
     change(folder, ", x: linear", "")
     change(folder, "[1, 2]", "[1, 4]")  # cases of the first
     assert changed(first) == [True, False, True, True]
@@ -168,16 +167,16 @@ def test_digests_change_with_what_they_are_of(folder):
 
 
 def test_data_of_another_date_are_other_data(folder, monkeypatch):
-    """Figures have no dates; a claim or an explorer shows the data."""
+    """Figures and the explorer have no dates."""
     monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
     own = digests(scenes())
     for date in ("1000000000", "2000000000"):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
         own, before = digests(scenes()), own
-        assert [old == new for old, new in zip(before, own, strict=True)] == [True, True, False, False]
+        assert [old == new for old, new in zip(before, own, strict=True)] == [True, True, True, False]
 
 
-def test_products_that_were_made_of_something_else_are_outdated(folder):
+def test_products_that_were_made_of_something_else_are_outdated(folder, capsys):
     made = folder / "results/test"
     (made / "figures").mkdir(parents=True)
     now = scenes()
@@ -190,38 +189,39 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
     dataset.write(xr.Dataset(), made / "contact.nc", "data", name=inputs_of_data)
 
     def outdated():
-        run = scenes()
-        figures = [run.outdated_figure(of(figure=name)) for name in ("one", "two")]
-        found = [*figures, run.outdated_page(of()), run.outdated_data(of())]
-        names = ["one", "two", "page.html", "contact.nc"]
-        for name, paths in zip(names, found, strict=True):
-            assert paths == [f"results/logs/test/inputs/{name}"]
-        return [Path(path).stat().st_mtime > 0 for (path,) in found]
+        paths = scenes().outdated("test", PRODUCTS)
+        assert paths == [f"results/logs/test/inputs/{name}" for name in PRODUCTS]
+        return [Path(path).stat().st_mtime > 0 for path in paths]
 
     assert outdated() == [False, False, False, False]
-    data, figure = of(), of(figure="one")
-    each = [scenes().outdated_figure(of(figure=name)) for name in ("one", "two")]
-    assert scenes().of_figures("test", scenes().scene("test").figures, scenes().outdated_figure)(of()) == [
-        path for (path,) in each
-    ]
-    for wanted in (data, figure):
-        assert scenes().settled_batches(wanted)
-        assert not scenes().unsettled_batches(wanted)
+    assert scenes().unsettled_batches("test", ["one"]) == scenes().batches("test", "one")  # there are no values
+    assert capsys.readouterr().err == ""
+    for name in ("one", "two"):
+        (made / f"figures/{name}.csv").touch()
+    assert scenes().settled_batches("test", PRODUCTS[::-1]) == scenes().batches("test")
+    assert scenes().unsettled_batches("test", PRODUCTS) == []
     (made / "figures/one.svg").write_bytes((made / "figures/two.svg").read_bytes())
     assert outdated() == [True, False, False, False]
-    assert scenes().settled_batches(figure) == []
-    assert scenes().unsettled_batches(figure) == scenes().batches_of_figure(figure)
+    assert capsys.readouterr().err == "test: one is outdated\n"
+    assert scenes().settled_batches("test", ["one"]) == []
+    assert scenes().unsettled_batches("test", PRODUCTS) == scenes().batches("test", "one")
+    run = scenes()
+    unsettled, settled = run.unsettled_batches("test", PRODUCTS), run.settled_batches("test", PRODUCTS)
+    assert sorted(unsettled + settled) == sorted(
+        run.batches("test")
+    )  # though fresh products have those of the stale one
+    assert settled
     (made / "figures/one.svg").unlink()  # Snakemake makes what is missing
     assert outdated() == [False, False, False, False]
     before = sorted(folder.rglob("*"))
     (made / "page.html").write_text("of an older version")
     dry = scenes(runs=lambda: False)
-    (elsewhere,) = map(Path, dry.outdated_page(of()))
+    (elsewhere,) = map(Path, dry.outdated("test", ["page.html"]))
     assert elsewhere.stat().st_mtime >= (made / "page.html").stat().st_mtime
     assert folder not in elsewhere.parents
-    assert dry.outdated_figure(of(figure="two")) == ["results/logs/test/inputs/two"]
+    assert dry.outdated("test", ["two"]) == ["results/logs/test/inputs/two"]
     shutil.rmtree(folder / "results/logs")
-    assert scenes(runs=lambda: False).outdated_figure(of(figure="two")) == []
+    assert scenes(runs=lambda: False).outdated("test", ["two"]) == []
     assert [path for path in before if not path.exists()] == [path for path in before if "logs" in path.parts]
     dataset.write(xr.Dataset(), made / "contact.nc", "data", name=one)
     assert outdated() == [False, False, True, True]
@@ -230,10 +230,10 @@ def test_products_that_were_made_of_something_else_are_outdated(folder):
 @pytest.mark.parametrize("damage", ["edited", "swapped"])
 def test_a_changed_batch_is_refused_though_nobody_is_to_read_it(folder, damage):
     solve_scene(scenes().scene("test"), folder / "results/curves")
-    one, other = map(Path, scenes().batches(of()))
+    one, other = map(Path, scenes().batches("test"))
     data = folder / "results/test/contact.nc"
     dataset.write(xr.Dataset(), data, "data")
-    assert scenes().batches(of()) == [str(one), str(other)]
+    assert scenes().batches("test") == [str(one), str(other)]
     if damage == "swapped":
         one.write_bytes(other.read_bytes())
         os.utime(one, (1e9, 1e9))
@@ -243,7 +243,7 @@ def test_a_changed_batch_is_refused_though_nobody_is_to_read_it(folder, damage):
         one.write_bytes(content)
         os.utime(one, (data.stat().st_mtime + 1,) * 2)
     with pytest.raises(SystemExit, match=rf"^weier: {one} is (another file|not as weier wrote it).*delete it"):
-        scenes().batches(of())
+        scenes().batches("test")
 
 
 def test_a_locked_folder_is_refused_at_once(folder):
@@ -261,7 +261,7 @@ def test_a_locked_folder_is_refused_at_once(folder):
 def test_unused_batches_are_removed_when_asked(folder, capsys):
     for name in ("test", "other"):
         (folder / f"config/scenes/{name}.yaml").write_text(SCENE.replace("[demelio, bem]", "[demelio]"))
-    (used,) = map(Path, scenes().batches(of()))
+    (used,) = map(Path, scenes().batches("test"))
     solve_scene(scenes().scene("test"), used.parent)
     old = used.parent / "demelio-00000000-000000000000.nc"
     for path in (old, old.with_suffix(".json"), used.parent / "bem-00000000-000000000000.json"):
@@ -281,13 +281,13 @@ def test_unused_batches_are_removed_when_asked(folder, capsys):
 def test_the_last_batch_of_a_job_is_kept_while_another_one_is_used(folder):
     change(folder, "[demelio, bem]", "[archard, demelio, persson]")
     solve_scene(scenes().scene("test"), folder / "results/curves")
-    (last,) = scenes().batches(of())
+    (last,) = scenes().batches("test")
     used = [path for path in sorted((folder / "results/curves").iterdir()) if not path.name.startswith("demelio")]
     assert Path(last).name.startswith("persson")
     change(folder, "[archard, demelio, persson]", "[archard]")
     scenes(prune=True).begin()
     assert sorted((folder / "results/curves").iterdir()) == used
-    assert scenes().batches(of()) == [last]
+    assert scenes().batches("test") == [last]
     change(folder, "[archard]", "[bem]")
     scenes(prune=True).begin()
     assert not list((folder / "results/curves").iterdir())
@@ -295,11 +295,12 @@ def test_the_last_batch_of_a_job_is_kept_while_another_one_is_used(folder):
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
-    for function in (scenes().products, scenes().batches, scenes().batches_of_figure):
+    for function in (lambda: scenes().products(of()), lambda: scenes().batches("test", "one")):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
-            function(of(figure="one"))
+            function()
+    assert scenes().makers("test") == {}  # so that rules without scenes run
     with pytest.raises(SystemExit, match=r"^weier: there is no scene 'tset'.*did you mean 'test'"):
-        scenes().batches(of(scene="tset"))
+        scenes().batches("tset")
 
 
 @pytest.mark.parametrize(
@@ -321,19 +322,19 @@ def test_scenes_are_named_by_what_snakemake_makes_of_words(tmp_path, given, expe
 
 def test_an_unknown_figure_ends_in_one_sentence(folder):
     with pytest.raises(SystemExit, match=r"^weier: scene test has no figure 'three', only one, two$"):
-        scenes().batches_of_figure(of(figure="three"))
+        scenes().batches("test", "three")
 
 
 def test_the_cost_of_a_scene_with_a_limit_is_reported_once_and_excess_is_refused(folder, capsys):
     change(folder, "title", "max_seconds: 1.0e-6\ntitle")
     slow = scenes(runs=lambda: False)
     for _ in range(2):
-        slow.batches(of())
+        slow.batches("test")
     forecast, refusal = capsys.readouterr().err.splitlines()
     assert forecast.startswith("test: 6 curves to solve, in about ")
     assert refusal.startswith("test: it would take longer than 1e-06 s: set max_seconds: ")
     with pytest.raises(SystemExit, match=r"^weier: test: it would take longer than 1e-06 s"):
-        scenes().batches(of())
+        scenes().batches("test")
     assert not (folder / "results").exists()
 
 
@@ -348,10 +349,10 @@ def test_a_folder_without_room_for_the_records_of_snakemake_is_refused(folder, m
 def test_a_dry_run_where_results_are_read_only_says_what_lists_them(folder, monkeypatch, capsys):
     Path("results").mkdir()
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != Path("results"))
-    scenes(runs=lambda: False).batches(of())
+    scenes(runs=lambda: False).batches("test")
     assert "results cannot be written to: Snakemake refuses a dry run" in capsys.readouterr().err
     with pytest.raises(SystemExit, match="weier: results cannot be written to: open it"):
-        scenes().batches(of())
+        scenes().batches("test")
 
 
 def test_a_run_begins_with_order(folder):

@@ -62,7 +62,8 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
         assert ensemble["resistance_mean"].values == pytest.approx(expected.resistance.values[:2, 0].mean(axis=0))
         with pytest.raises(ValueError, match="data must be normalised"):
             weier.Interface(**SCENE["interface"]).in_si(data)
-    page.write(loaded, folder / "contact.nc", folder / "page.html")
+    page.write(solutions, folder / "page.html")
+    assert "Pressures are in Pa" in (folder / "page.html").read_text()
 
 
 def test_figures_are_in_si_units(solved):

@@ -51,9 +51,7 @@ for _command in (
     table.table,
     jobs.compile,
     jobs.batch,
-    jobs.figures,
-    jobs.claims,
-    jobs.page,
+    jobs.products,
     jobs.draw,
 ):
     cli.add_command(_command)

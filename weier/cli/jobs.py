@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache, partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SCENE = click.argument("scene_file", type=FILE)
-# A folder, since a command line cannot hold the names of thousands of files.
-BATCHES = click.argument("batches", type=FILE)
 
 
 @contextmanager
@@ -106,78 +103,27 @@ def _solve(wanted: Batch, data: Path) -> None:
 
 @click.command(hidden=True)
 @SCENE
-@BATCHES
+@click.argument("batches", type=FILE)
 @click.argument("folder", type=FILE)
 @click.argument("names", nargs=-1)
-def figures(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
-    """Draw those of the figures NAMES of a scene, or of all, that are missing or outdated, or all of them if none is.
+def products(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
+    """Make those of the products NAMES of a scene, or of all, that are missing or outdated, or all if none is.
 
-    The curves come from the folder BATCHES. Each figure is written into FOLDER as PDF, SVG and PNG, and its values as
-    CSV. A figure that cannot be drawn is removed and named at the end; the others are drawn.
+    The names are contact.nc, which includes the claims, those of figures, and page.html, the explorer. The curves
+    come from the folder BATCHES, and the products go to FOLDER. A figure that cannot be drawn is removed and named at
+    the end; the others are drawn.
     """
-    from weier.figures import METADATA, VALUES, draw, undrawn
+    from weier.figures.products import make_products
     from weier.pipeline.batches import Solutions
-    from weier.pipeline.gather import read_study
-    from weier.pipeline.products import inputs_of_figure, made_of, mark
 
-    with job("figures", scene_file.stem, *names):
+    with job("products", scene_file.stem, *names):
         solutions = Solutions(weier.load_scene(scene_file), batches)
-        scene, study = solutions.scene, cache(partial(read_study, solutions))
-        inputs = {name: inputs_of_figure(solutions, name) for name in names or scene.figures}
-        outdated = [
-            name
-            for name, own in inputs.items()
-            if {made_of(folder / f"{name}.{suffix}") for suffix in METADATA} != {own}
-            or not (folder / f"{name}.{VALUES}").exists()
-        ]
-        failed = []
-        for name in outdated or inputs:
-            click.echo(f"draw {scene_file.stem}: {name}", err=True)
-            wanted = scene.figure(name)
-            try:
-                studies = [study(name, undrawn(wanted.draw)) for name in wanted.all_studies]
-                draw(wanted, studies, folder / f"{name}.png", (*METADATA, VALUES), mark(inputs[name]))
-            except ValueError as error:
-                failed.append(f"{name} cannot be drawn: {error}")
-                for suffix in (*METADATA, VALUES):
-                    (folder / f"{name}.{suffix}").unlink(missing_ok=True)
-        for line in failed:
+
+        def report(name: str) -> None:
+            click.echo(f"make {scene_file.stem}: {name}", err=True)
+
+        for line in make_products(solutions, folder, names, report):
             click.echo(f"weier: {line}", err=True)
-
-
-@click.command(hidden=True)
-@SCENE
-@BATCHES
-@output("path")
-@output("table")
-def claims(scene_file: Path, batches: Path, path: Path, table: Path) -> None:
-    """Check the claims of a scene, and write its whole dataset.
-
-    The curves come from the folder BATCHES. The dataset goes to PATH, and the claims to TABLE.
-    """
-    from weier.pipeline import claims as claim
-    from weier.pipeline.batches import Solutions
-
-    with job("claims", scene_file.stem):
-        claim.write(Solutions(weier.load_scene(scene_file), batches), path, table)
-    shown = f"`snakemake --cores 2 pages --config scenes={scene_file.stem}` makes a page of them"
-    click.echo(f"{scene_file.stem}: the curves are in {path}, {shown}", err=True)
-
-
-@click.command(hidden=True)
-@SCENE
-@BATCHES
-@click.argument("contact", type=FILE)
-@output("path")
-def page(scene_file: Path, batches: Path, contact: Path, path: Path) -> None:
-    """Write the explorer of a scene to PATH, from its dataset CONTACT; the folder BATCHES has its curves."""
-    from weier.figures import page as pages  # bokeh takes a second, and only this command needs it
-    from weier.pipeline.batches import Solutions
-    from weier.pipeline.products import inputs_of_page, mark
-
-    with job("page", scene_file.stem):
-        solutions = Solutions(weier.load_scene(scene_file), batches)
-        pages.write(solutions.scene, contact, path, mark(inputs_of_page(solutions)))
 
 
 @click.command(hidden=True)

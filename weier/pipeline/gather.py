@@ -42,6 +42,13 @@ def read_study(solutions: Solutions, study: str, without: Collection[str] = ()) 
     return Reader(solutions, scene.layout_of(study), (study,), without).read(cases)
 
 
+def read_cases(solutions: Solutions, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
+    """Return some cases of the file of a scene in memory, by their numbers, without some variables."""
+    scene = solutions.scene
+    curves = in_units_of(scene, Reader(solutions, scene.layout, None, without).read(cases))
+    return curves.merge(case_labels(scene).isel(case=cases))
+
+
 def gather(
     solutions: Solutions,
     path: str | Path,

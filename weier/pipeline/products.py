@@ -16,6 +16,12 @@ from weier.data.provenance import source_date
 from weier.digests import RESOURCES, Name, digest, digest_of_code, digest_of_sources
 from weier.methods.registry import METHODS
 from weier.pipeline.batches import Solutions
+from weier.scene import Scene
+
+# The products of a scene besides its figures, whose names have no dot: the dataset with the claims, and the explorer.
+DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
+FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
+VALUES = "csv"  # format of its values
 
 # Figures and tables depend on names and looks of methods; the names of batches cover the code of methods.
 REGISTRY = "weier.methods.registry"
@@ -24,6 +30,35 @@ FIGURE = (("weier.figures", "draw"), ("weier.figures", "undrawn"), ("weier.pipel
 LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
 HALF = 16  # digits of a digest
 MARK = re.compile(rb"made of weier:([0-9a-f]{32})")
+
+
+def names_of(scene: Scene) -> list[str]:
+    """Return the names of all products of a scene."""
+    return [DATA, *scene.figures, PAGE]
+
+
+def files_of(product: str) -> list[str]:
+    """Return the files of a product, in the folder of its scene."""
+    return [*marked_files_of(product), *([] if product in (DATA, PAGE) else [f"figures/{product}.{VALUES}"])]
+
+
+def marked_files_of(product: str) -> list[str]:
+    """Return those of its files that carry the digest of its inputs."""
+    of_data = {DATA: [DATA, CLAIMS], PAGE: [PAGE]}
+    return of_data.get(product) or [f"figures/{product}.{suffix}" for suffix in FORMATS]
+
+
+def is_fresh(folder: str | Path, product: str, inputs: str) -> bool:
+    """Return whether all files of a product are in the folder of its scene, and were made of these inputs."""
+    made = {made_of(Path(folder, file)) for file in marked_files_of(product)}
+    return made == {inputs} and all(Path(folder, file).exists() for file in files_of(product))
+
+
+def inputs_of(solutions: Solutions, product: str) -> str:
+    """Return the digest of the inputs of a product."""
+    if product == PAGE:
+        return inputs_of_page(solutions)
+    return inputs_of_data(solutions) if product == DATA else inputs_of_figure(solutions, product)
 
 
 def inputs_of_data(solutions: Solutions) -> str:
@@ -57,8 +92,10 @@ def inputs_of_figure(solutions: Solutions, name: str) -> str:
 
 
 def inputs_of_page(solutions: Solutions) -> str:
-    """Return the digest of the inputs of the page of a scene."""
-    return _inputs(solutions, None, [inputs_of_data(solutions)], [("weier.figures.page", "write")], "figures")
+    """Return the digest of the inputs of the explorer of a scene."""
+    scene = solutions.scene
+    entry = [scene.title, list(scene.studies), scene.loads.tolist(), repr(scene.interface), scene.in_si]
+    return _inputs(solutions, None, entry, [("weier.figures.page", "write")], "figures")
 
 
 def _inputs(

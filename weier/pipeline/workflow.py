@@ -19,7 +19,6 @@ from functools import cache, partial
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 from weier.checks import shown, suggestion
@@ -31,18 +30,13 @@ from weier.methods.registry import methods_run_by
 from weier.pipeline.batches import Solutions, unused
 from weier.pipeline.curves import PART, Store, title_of
 from weier.pipeline.forecast import forecast_scene
-from weier.pipeline.products import inputs_of_data, inputs_of_figure, inputs_of_page, made_of
+from weier.pipeline.products import DATA, PAGE, files_of, inputs_of, is_fresh, made_of, marked_files_of, names_of
 from weier.scene import Scene
 
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
-FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
-VALUES = "csv"  # format of its values
-# A process takes as long to start as to draw three figures, and the claims of the paper's scene, which are checked at
-# the same time, as long as five: Snakemake writes the seconds of both into `results/logs/paper/*.tsv`. Figures do not
-# depend on either number.
-MAX_DRAWN = 8  # figures of one process, if there are no more
-CLAIMS_AS_FIGURES = 5
-DATA = ("contact.nc", "claims.md")
+# The data, claims and explorer of the paper's scene take as long as so many of its figures: Snakemake writes the
+# seconds of both jobs into `results/logs/paper/*.tsv`. Products do not depend on it.
+AS_FIGURES = 6
 RECORDS = Path(".snakemake")
 LOCKS = RECORDS / "locks"
 READ_ONLY = (
@@ -120,85 +114,67 @@ class Scenes:
         return str(self.config / "scenes" / f"{wildcards.scene}.yaml")
 
     def products(self, wildcards: Any) -> list[str]:
-        """Return all products of the scenes of the configuration: data, claims and figures.
+        """Return all products of the scenes of the configuration.
 
         No job reads the data, so that damaged files and those of other programs are detected here.
         """
         made = []
         for name in self.names:
-            data, claims = self.results / name / "contact.nc", self.results / name / "claims.md"
             self._begin()
             with ending_in_one_sentence():
-                if data.exists():
+                if (data := self.results / name / DATA).exists():
                     check_sealed(data)
-            made += [str(data), str(claims), *self.figures_of(name)]
+            made += self.files(name, names_of(self.scene(name)))
         return made
 
-    def figures_of(self, name: str) -> list[str]:
-        """Return the files of all figures of the scene of this name."""
-        return [file for figure in self.scene(name).figures for file in self.files_of_figure(name, figure)]
+    def makers(self, name: str) -> dict[str, list[str]]:
+        """Return the products of a scene by the rule that makes them: the data with the explorer, and the figures.
 
-    def files_of_figure(self, name: str, figure: str) -> list[str]:
-        """Return the files of a figure of the scene of this name."""
-        return [str(self.results / name / "figures" / f"{figure}.{suffix}") for suffix in (*FORMATS, VALUES)]
-
-    def drawing_rules(self, name: str) -> dict[str, list[str]]:
-        """Return the figures of a scene by the rule that draws them: beyond `MAX_DRAWN`, two cores draw them.
-
-        The first process draws more than the second one, which starts after the claims.
-        A scene with mistakes has none of these rules, so that rules without scenes run; its other ones report them.
+        The first one also draws the second half of those beyond `AS_FIGURES`, so that both take as long.
+        A scene with mistakes has no rules, so that rules without scenes run; `products` reports them.
         """
         with ending_in_one_sentence():
             try:
                 figures = list(self._load(name).figures)
             except (ValueError, OSError):
                 return {}
-        first, second = f"figures_of_{name}", f"more_figures_of_{name}"
-        if len(figures) <= MAX_DRAWN:
-            return {first: figures}
-        number = CLAIMS_AS_FIGURES
-        return {first: figures[:number] + figures[number + 1 :: 2], second: figures[number::2]}
+        few = len(figures) - max(0, len(figures) - AS_FIGURES) // 2
+        makers = {f"data_of_{name}": [DATA, PAGE, *figures[few:]], f"figures_of_{name}": figures[:few]}
+        return {maker: made for maker, made in makers.items() if made}
 
-    def of_figures(
-        self, name: str, figures: Iterable[str], files: Callable[[Any], list[str]]
-    ) -> Callable[[Any], list[str]]:
-        """Return the function of several figures of a scene from one of these functions of a figure."""
+    def files(self, name: str, products: Iterable[str]) -> list[str]:
+        """Return the files of products of a scene."""
+        return [str(self.results / name / file) for product in products for file in files_of(product)]
 
-        def of_scene(wildcards: Any) -> list[str]:
-            each = (files(SimpleNamespace(scene=name, figure=figure)) for figure in figures)
-            return list(dict.fromkeys(chain.from_iterable(each)))
-
-        return of_scene
-
-    def batches(self, wildcards: Any) -> list[str]:
-        """Return the files that hold all curves of a scene."""
-        return self._batches(wildcards.scene, None)
-
-    def batches_of_figure(self, wildcards: Any) -> list[str]:
-        """Return the files that hold the curves of a figure."""
+    def batches(self, name: str, product: str = DATA) -> list[str]:
+        """Return the files that hold the curves of a product of a scene."""
         with ending_in_one_sentence():
-            figure = self.scene(wildcards.scene).figure(wildcards.figure)
-            of_all = {*figure.all_studies} == {*self.scene(wildcards.scene).studies}
-        return self._batches(wildcards.scene, None if of_all else figure.all_studies)
+            scene = self.scene(name)
+            studies = scene.figure(product).all_studies if "." not in product else tuple(scene.studies)
+        return self._batches(name, None if {*studies} == {*scene.studies} else studies)
 
-    def settled_batches(self, wildcards: Any) -> list[str]:
-        """Return the batches of the data or a figure that are fresh, and stay so if a batch is made again."""
-        return self._batches_where(wildcards, fresh=True)
+    def settled_batches(self, name: str, products: Iterable[str]) -> list[str]:
+        """Return the batches of those products that are fresh, which stay so if a batch is made again.
 
-    def unsettled_batches(self, wildcards: Any) -> list[str]:
-        """Return the batches of the data or a figure that are missing or stale.
+        A batch of an outdated product, too, is none of them: Snakemake keeps one flag for each file of a job.
+        """
+        unsettled = {*self.unsettled_batches(name, products)}
+        fresh = self._batches_of(name, [product for product in products if self._is_fresh(name, product)])
+        return [batch for batch in fresh if batch not in unsettled]
+
+    def unsettled_batches(self, name: str, products: Iterable[str]) -> list[str]:
+        """Return the batches of those products that are missing or outdated.
 
         If all inputs of a product are ancient, Snakemake does not remake it when one of them is remade.
         """
-        return self._batches_where(wildcards, fresh=False)
+        return self._batches_of(name, [product for product in products if not self._is_fresh(name, product)])
 
-    def _batches_where(self, wildcards: Any, fresh: bool) -> list[str]:
-        figure = getattr(wildcards, "figure", "")
-        paths = self.batches_of_figure(wildcards) if figure else self.batches(wildcards)
-        files = [self.results / wildcards.scene / file for file in (_files(figure) if figure else DATA)]
+    def _batches_of(self, name: str, products: Iterable[str]) -> list[str]:
+        return list(dict.fromkeys(chain.from_iterable(self.batches(name, product) for product in products)))
+
+    def _is_fresh(self, name: str, product: str) -> bool:
         with ending_in_one_sentence():
-            found = {made_of(path) for path in files}
-        return paths if (found == {self._inputs(wildcards.scene, figure)}) == fresh else []
+            return is_fresh(self.results / name, product, self._inputs(name, product))
 
     def _cut_batches(self, name: str, studies: tuple[str, ...] | None) -> list[str]:
         """Return the batches of these studies of a scene, or of all.
@@ -224,7 +200,7 @@ class Scenes:
 
         A job reads a batch only if a product is to be made, and verifies it then.
         """
-        data = self.results / name / "contact.nc"
+        data = self.results / name / DATA
         gathered = data.stat().st_mtime if data.exists() else math.inf
         for batch in sorted(batches):
             path = self.store.folder / f"{batch}.nc"
@@ -265,24 +241,17 @@ class Scenes:
         """Return the marker files of compiled kernels for the method of a batch."""
         return kernels_of(methods_run_by(wildcards.batch.partition("-")[0]))
 
-    def outdated_data(self, wildcards: Any) -> list[str]:
-        """Return an input of the data and claims that makes them outdated if their digest has changed."""
-        return self._outdated(wildcards.scene, "", *DATA)
+    def outdated(self, name: str, products: Iterable[str]) -> list[str]:
+        """Return inputs that are older than products of a scene, or newer than those whose digest has changed."""
+        return list(chain.from_iterable(self._outdated(name, product) for product in products))
 
-    def outdated_figure(self, wildcards: Any) -> list[str]:
-        """Return the same for a figure."""
-        return self._outdated(wildcards.scene, wildcards.figure, *_files(wildcards.figure))
-
-    def outdated_page(self, wildcards: Any) -> list[str]:
-        """Return the same for the page of a scene."""
-        return self._outdated(wildcards.scene, "page.html", "page.html")
-
-    def _outdated(self, name: str, product: str, *files: str) -> list[str]:
-        """Return an input that is older than a product, or newer if the product's digest has changed."""
-        paths = [path for path in (self.results / name / file for file in files) if path.exists()]
+    def _outdated(self, name: str, product: str) -> list[str]:
+        paths = [path for path in (self.results / name / file for file in marked_files_of(product)) if path.exists()]
         with ending_in_one_sentence():
             stale = bool({made_of(path) for path in paths} - {self._inputs(name, product)})
-        marker = self.results / "logs" / name / "inputs" / (product or "contact.nc")
+        marker = self.results / "logs" / name / "inputs" / product
+        if stale:
+            self._report(f"{name}: {product} is outdated")
         if self._runs():
             marker.parent.mkdir(parents=True, exist_ok=True)
             if stale:
@@ -296,11 +265,8 @@ class Scenes:
         return [str(marker)]
 
     def _made_of(self, name: str, product: str) -> str:
-        """Return the digest of the inputs of the data, the page or a figure of a scene."""
-        solutions = self.solutions(name)
-        if product in solutions.scene.figures:
-            return inputs_of_figure(solutions, product)
-        return inputs_of_page(solutions) if product else inputs_of_data(solutions)
+        """Return the digest of the inputs of a product of a scene."""
+        return inputs_of(self.solutions(name), product)
 
     def begin(self) -> None:
         """Clean up after earlier runs, and refuse a folder that another run has locked; do nothing in a dry run."""
@@ -309,7 +275,7 @@ class Scenes:
                 self._check_unlocked()
                 check_writable(self.results)
                 for name in self.names:
-                    check_target(self.results / name / "contact.nc")
+                    check_target(self.results / name / DATA)
                 remove_leftovers(self.results)
                 bring_to_present(self.results, self.config)
             elif self.results.exists() and not os.access(self.results, os.W_OK):
@@ -339,11 +305,6 @@ class Scenes:
                     path.with_suffix(PART).unlink(missing_ok=True)
                     path.unlink()
             self.store = Store(self.store.folder)
-
-
-def _files(figure: str) -> list[str]:
-    """Return the files of a figure in the folder of its scene."""
-    return [f"figures/{figure}.{suffix}" for suffix in FORMATS]
 
 
 def _is_newer(path: Path, other: Path) -> bool:

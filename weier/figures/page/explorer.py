@@ -23,7 +23,6 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
-MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 # Labels that select a case. The last one distinguishes cases by studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
 ENSEMBLE = [name for name in LABELS if name != "phase"]  # Cases that agree in these labels are an ensemble.
