@@ -66,7 +66,7 @@ rule solve:
     benchmark:
         "results/logs/curves/{batch}.tsv"
     conda:
-        "rules/environment.yaml"
+        environment
     resources:
         mem_mb=scenes.batch_memory,
         runtime=scenes.batch_minutes,
@@ -109,7 +109,7 @@ rule data:
     benchmark:
         "results/logs/{scene}/data.tsv"
     conda:
-        "rules/environment.yaml"
+        environment
     resources:
         mem_mb=scenes.memory,
         runtime=scenes.minutes,
@@ -156,7 +156,7 @@ for name in SCENES:
             benchmark:
                 f"results/logs/{name}/{maker}.tsv"
             conda:
-                "rules/environment.yaml"
+                environment
             resources:
                 mem_mb=of_attempts(scenes.memory, name),
                 runtime=of_attempts(scenes.minutes, name),

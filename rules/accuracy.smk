@@ -25,7 +25,7 @@ rule measure_tradeoff:
     log:
         "results/logs/tradeoff/measure.log",
     conda:
-        "environment.yaml"
+        environment
     threads: cores()
     params:
         depends_on=digest_of_code(("weier.accuracy.tradeoff", "")),
@@ -43,7 +43,7 @@ rule measure_convergence:
     log:
         "results/logs/convergence/measure.log",
     conda:
-        "environment.yaml"
+        environment
     params:
         depends_on=digest_of_code(("weier.accuracy.convergence", "")),
     shell:
@@ -59,7 +59,7 @@ rule measure_extremes:
     log:
         "results/logs/extremes/measure.log",
     conda:
-        "environment.yaml"
+        environment
     params:
         depends_on=digest_of_code(("weier.accuracy.extremes", "")),
     shell:
@@ -83,7 +83,7 @@ rule draw:
     wildcard_constraints:
         study="tradeoff|convergence|extremes",
     conda:
-        "environment.yaml"
+        environment
     params:
         depends_on=lambda wildcards: digest_of_code(
             (f"weier.figures.{wildcards.figure}", "draw"), ("weier.figures", "draw")

@@ -5,7 +5,7 @@ from functools import partial
 from types import SimpleNamespace
 
 from snakemake.exceptions import WorkflowError
-from snakemake.settings.types import ExecMode
+from snakemake.settings.types import DeploymentMethod, ExecMode
 
 from weier.digests import digest_of_code, digest_of_sources
 from weier.figures import kinds
@@ -40,6 +40,15 @@ def runs():
         and not workflow.dryrun
         and not workflow.touch
     )
+
+
+ENVIRONMENT = workflow.current_basedir.join("environment.yaml")
+
+
+def environment(wildcards):
+    """The packages of a job with `--sdm conda`; else jobs run beside Snakemake, and `--archive` packs no packages."""
+    methods = workflow.deployment_settings.deployment_method
+    return ENVIRONMENT if DeploymentMethod.CONDA in methods else None
 
 
 settings = workflow.execution_settings

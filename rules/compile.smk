@@ -6,7 +6,7 @@ rule compile:
         "results/logs/compile/{method}.log",
     priority: 3  # first, since it takes longest: what needs no kernels is solved beside it
     conda:
-        "environment.yaml"
+        environment
     message:
         "compile {wildcards.method}"
     shell:

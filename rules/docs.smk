@@ -13,7 +13,7 @@ rule docs:
     log:
         "results/logs/docs.log",
     conda:
-        "environment.yaml"
+        environment
     params:
         depends_on=digest_of_sources(""),
     shell:

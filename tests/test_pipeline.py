@@ -1,5 +1,6 @@
 """The pipeline on a copy of the checkout: what runs, what runs again, and what a killed run leaves."""
 
+import json
 import os
 import re
 import shutil
@@ -383,6 +384,33 @@ def commit(folder):
     author = ["-c", "user.name=someone", "-c", "user.email=someone@example.org"]
     for command in (["init", "-q", "-b", "main"], ["add", "."], [*author, "commit", "-q", "-m", "Begin"]):
         subprocess.run(["git", *command], cwd=folder, check=True)
+
+
+def test_an_archive_has_all_that_another_machine_needs(checkout, tmp_path):
+    """Without conda, which would pack the packages."""
+    repository, copy = tmp_path / "repository", tmp_path / "copy"
+    shutil.copytree(checkout, repository, ignore=shutil.ignore_patterns("results", ".snakemake", "__pycache__"))
+    commit(repository)
+    run(repository, "--archive", "all.tar.gz")
+    shutil.unpack_archive(repository / "all.tar.gz", copy, filter="data")
+    said = run(copy, "results/test/figures/one.png")
+    assert (ran(said), made(said)) == ({"solve": 2, "products": 1}, ["one"])
+
+
+def test_with_conda_the_jobs_run_in_the_environment_of_the_rules(checkout, tmp_path, monkeypatch):
+    """A program that answers as conda does is enough for a plan."""
+    conda = tmp_path / "conda"
+    answers = {
+        "info": {"conda_prefix": "/", "platform": "linux-64"},
+        "config": {"get": {"channel_priority": "strict"}},
+    }
+    cases = "".join(f"{word}) echo '{json.dumps(answer)}';;\n" for word, answer in answers.items())
+    conda.write_text(f"#!/bin/sh\ncase $1 in\n{cases}--version) echo conda 24.7.1;;\nesac\n")
+    conda.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    line = "Conda environment rules/environment.yaml will be created."
+    assert line in run(checkout, "--dry-run", "--forceall", "--sdm", "conda")
+    assert line not in run(checkout, "--dry-run", "--forceall")
 
 
 def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
