@@ -28,7 +28,7 @@ rule measure_tradeoff:
         environment
     threads: cores()
     params:
-        depends_on=digest_of_code(("weier.accuracy.tradeoff", "")),
+        depends_on=digest_of_study("tradeoff"),
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier.accuracy tradeoff --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
 
@@ -45,7 +45,7 @@ rule measure_convergence:
     conda:
         environment
     params:
-        depends_on=digest_of_code(("weier.accuracy.convergence", "")),
+        depends_on=digest_of_study("convergence"),
     shell:
         "python -m weier.accuracy convergence --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
 
@@ -61,7 +61,7 @@ rule measure_extremes:
     conda:
         environment
     params:
-        depends_on=digest_of_code(("weier.accuracy.extremes", "")),
+        depends_on=digest_of_study("extremes"),
     shell:
         "python -m weier.accuracy extremes --output {output.page:q} 2>&1 | tee -i {log:q}"
 

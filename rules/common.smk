@@ -118,6 +118,11 @@ def labels_of_measurement(wildcards):
     return {"figure": wildcards.figure, "caption": kinds()[wildcards.figure].caption}
 
 
+def digest_of_study(study):
+    """The digest of the code of a measurement, which takes half a second, and only its own job needs it."""
+    return lambda wildcards: digest_of_code((f"weier.accuracy.{study}", ""))
+
+
 def figures_of_documentation(wildcards):
     """The figures of the paper; the run ends if packages for the documentation are missing."""
     check_packages("sphinx", "myst_parser", "furo")
