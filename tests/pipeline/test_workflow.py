@@ -66,7 +66,7 @@ def test_the_products_are_data_claims_and_all_figures(folder):
     assert len(made) == 2 + 2 * 4 + 1
 
 
-@pytest.mark.parametrize(("count", "beside"), [(1, 0), (6, 0), (7, 0), (8, 1), (50, 22)])
+@pytest.mark.parametrize(("count", "beside"), [(1, 0), (4, 0), (5, 0), (6, 1), (50, 23)])
 def test_two_jobs_make_each_product_once_and_share_many_figures(folder, count, beside):
     figures = {f"number_{each}": f"  number_{each}: {{draw: profiles, studies: [short]}}\n" for each in range(count)}
     path = folder / "config/scenes/test.yaml"

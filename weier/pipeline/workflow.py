@@ -36,7 +36,7 @@ from weier.scene import Scene
 CONFIG_KEYS = "scenes", "prune"  # What `snakemake --config` takes.
 # The data, claims and explorer of the paper's scene take as long as so many of its figures: Snakemake writes the
 # seconds of both jobs into `results/logs/paper/*.tsv`. Products do not depend on it.
-AS_FIGURES = 6
+AS_FIGURES = 4
 RECORDS = Path(".snakemake")
 LOCKS = RECORDS / "locks"
 READ_ONLY = (
