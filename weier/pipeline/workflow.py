@@ -150,13 +150,13 @@ class Scenes:
         """Return the files that hold the curves of a product of a scene."""
         with ending_in_one_sentence():
             scene = self.scene(name)
-            studies = scene.figure(product).all_studies if "." not in product else tuple(scene.studies)
+            studies = tuple(scene.studies) if product in (DATA, PAGE) else scene.figure(product).all_studies
         return self._batches(name, None if {*studies} == {*scene.studies} else studies)
 
     def settled_batches(self, name: str, products: Iterable[str]) -> list[str]:
         """Return the batches of those products that are fresh, which stay so if a batch is made again.
 
-        A batch of an outdated product, too, is none of them: Snakemake keeps one flag for each file of a job.
+        Those that an outdated product needs, too, are not among them: Snakemake has one flag for a file of a job.
         """
         unsettled = {*self.unsettled_batches(name, products)}
         fresh = self._batches_of(name, [product for product in products if self._is_fresh(name, product)])
