@@ -15,12 +15,16 @@ from weier.theory.halfplane import influence_coefficients
 class DenseSolver:
     """One profile on a grid: each load starts from the contact of the one before."""
 
-    def __init__(self, profile, points, max_residual):
+    def __init__(self, profile, points, max_residual, together):
         self.height, self.max_residual = profile.sampled_height(points), max_residual
         self.matrix = circulant(influence_coefficients(points, profile.period))
         self.contact = np.ones(points, bool)
 
-    def solve_discrete(self, load, with_tangent):
+    def solve_each(self, loads, with_tangent):
+        """The solutions under the loads with their derivatives."""
+        return map(self.solve_discrete, loads)
+
+    def solve_discrete(self, load):
         """The solution under a load with its derivative."""
         solved = solve_load(self.matrix, self.height, self.contact, load, self.max_residual)
         self.contact, pressure, tangent = solved.contact, solved.pressure, solved.tangent_pressure

@@ -23,7 +23,7 @@ class NestedGrids(NamedTuple):
         found = self.grids.solve_discrete(load, with_tangent=self.is_staircase_removed)
         plane = remove_staircase(found).plane if self.is_staircase_removed else found.plane
         converged = found.residual <= self.grids.grid.max_residual
-        return Step(found.pressure, self.grids.work, converged, self.total_amplitude - plane)
+        return Step(found.pressure, found.work, converged, self.total_amplitude - plane)
 
 
 def begin(problem: Problem) -> NestedGrids:

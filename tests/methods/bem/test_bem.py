@@ -188,11 +188,12 @@ def test_beyond_full_contact_everything_is_known():
 
 def test_what_is_not_a_number_is_an_error():
     """max() passes over NaN: a certificate must not."""
-    state = active_set.make_grid_state(8)
+    state = active_set.make_grid_state(8, np.zeros(2, active_set.SEARCH))
     state.contact[:] = True
-    state.deformed[3] = np.nan
+    state.deformed[1, 3] = np.nan
     grid = nested_grids(Profile(1.25, 5, 1), 8, 1e-10)[0]
-    assert active_set.violations(0.0, grid, state) == (np.inf, np.inf)
+    assert active_set.violations(0.0, grid, active_set.row_of(state, 0)) == (0.0, 0.0)
+    assert active_set.violations(0.0, grid, active_set.row_of(state, 1)) == (np.inf, np.inf)
 
 
 def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve():
@@ -202,7 +203,12 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve():
 
 
 def test_a_missed_resistance_is_distinguished_from_a_residual(monkeypatch):
-    monkeypatch.setattr(active_set.NestedSolver, "solve_tangent", lambda *_: np.inf)
+    solved = active_set.NestedSolver.solve_each
+
+    def missed(*arguments):
+        return (solution._replace(resistance=np.inf) for solution in solved(*arguments))
+
+    monkeypatch.setattr(active_set.NestedSolver, "solve_each", missed)
     with pytest.raises(ConvergenceError, match=r"under 0\.1 p_0\* but not its derivative by the load"):
         curve(THREE_WAVES, np.array([0.1]), points=400)
 
@@ -231,6 +237,16 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
     found = []
     for part in (active_set.PART, 1, 3000):
         monkeypatch.setattr(active_set, "PART", part)
-        grid = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10)
-        found.append((grid.solve(load), grid.work, grid.solve_tangent()))
+        solution = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10).solve_discrete(load, True)
+        found.append((solution.plane, solution.work, solution.resistance))
     assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("together", [2, 4])
+def test_a_solution_does_not_depend_on_those_found_together_with_it(together):
+    """Bitwise, though loads take different numbers of steps, and the last ones have fewer at their side."""
+    loads = np.geomspace(0.01, 3, 7)
+    solver, other_solver = (active_set.NestedSolver(THREE_WAVES, 1600, 1e-10, together) for _ in range(2))
+    for load, found in zip(loads, solver.solve_each(loads, True), strict=True):
+        for one, other in zip(found, other_solver.solve_discrete(load, True), strict=True):
+            assert np.array_equal(one, other)

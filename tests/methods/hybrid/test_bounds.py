@@ -39,12 +39,12 @@ def test_bounds_that_take_too_many_points_are_refused_by_the_number_of_terms():
 
 def test_a_load_that_does_not_converge_is_refused_in_terms_of_the_hybrid(monkeypatch):
     """Boundary elements propose another grid, which is not a setting here."""
-    stopped = NestedSolver.solve_discrete
+    stopped = NestedSolver.solve_each
 
-    def stop(self, load, with_tangent):
-        return stopped(self, load, with_tangent)._replace(residual=1e-3)
+    def stop(*arguments):
+        return (solution._replace(residual=1e-3) for solution in stopped(*arguments))
 
-    monkeypatch.setattr(NestedSolver, "solve_discrete", stop)
+    monkeypatch.setattr(NestedSolver, "solve_each", stop)
     with pytest.raises(ConvergenceError, match=r"2 resolved terms stopped at .* resolve fewer terms") as refused:
         hybrid.bounds(Profile(1.25, 5, math.inf), [0.1], 2)
     assert refused.value.residual == 1e-3

@@ -2,21 +2,25 @@
 
 docs/bem.md, "The discrete problem", has the equations; docs/numerics.md, "Fast boundary elements", the measured
 choices. The deformed surface z - A p touches the rigid plane at height H: z - A p = H, p >= 0 in contact; z - A p <=
-H, p = 0 outside; mean(p) = load. On each grid, `solve_load` alternates steps on the active set (`_conjugate_step`)
-with its corrections (`_correct_contact`). A kernel returns after `PART` of the work, so that Ctrl-C works.
+H, p = 0 outside; mean(p) = load.
+
+Several loads are solved together, each in a row of the arrays, since FFTs of four rows take little longer than those
+of one. `advance` repeats two steps: `_multiply` applies A or the preconditioner to one vector of each load, and each
+load then uses its product and sets its next vector. No load depends on the others, bitwise.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices, Records, Spectrum, record_type
 from weier.kernels.jit import in_any_order, kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, restrict_from_gap
-from weier.methods.bem.grids import Grid, Harmonics, add_harmonic, harmonics_of, nested_grids, refine
+from weier.methods.bem.grids import Grid, Harmonics, add_harmonic, copy_values, harmonics_of, nested_grids, refine
 from weier.methods.bem.staircase import EDGE_OFFSET, NodalSolution
 from weier.surface.waves import Waves
 
@@ -27,85 +31,104 @@ MAX_STEPS = 1000  # per load and grid, a safeguard
 # correction. Its cost is in `python -m weier.accuracy tuning`.
 FIRST_PATIENCE = 3
 PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so that Ctrl-C works
+# The vector of a load, which is multiplied next: a pressure or a search direction by A, a residual by A^-1.
+NOTHING, PRESSURE, RESIDUAL, DIRECTION = range(4)
 
 # The progress of a load:
 #
+# vector : what is multiplied next; `NOTHING` if the load is done
 # steps, corrections : of conjugate gradients, and of the contact, on this grid
+# edges : of contact, in the array `edge`
 # work : nodes of all pairs of FFTs
-# limit : of the work, at which a call returns
+# load : mean pressure
 # energy : of the residual before the last step
 # plane, residual, resistance : of the solution so far
 # moved : whether the pressure has changed since the operator was applied afresh
 # kept : whether the last direction is used in the next step, with unchanged contact
 SEARCH = record_type(
-    ("steps corrections work limit", np.int64, ()),
-    ("energy plane residual resistance", np.float64, ()),
+    ("vector steps corrections edges work", np.int64, ()),
+    ("load energy plane residual resistance", np.float64, ()),
     ("moved kept", np.bool_, ()),
 )
 
 
 class GridState(NamedTuple):
-    """The solution on a grid of N nodes, and the arrays of the conjugate gradients.
+    """The solutions on a grid of N nodes, and the arrays of the conjugate gradients; a row for each load.
 
-    pressure : p, shape (N,), in p_0*
-    deformed : deformed surface z - A p, shape (N,), in g_0
-    direction : of the search, shape (N,), in p_0*; 0 outside contact
-    product : preconditioned residual, then A times the direction, shape (N,), in p_0*, then g_0
-    residual : z - A p - H in contact, continued into the gaps, shape (N,), in g_0
-    spectrum : work array for the FFT, shape (N//2 + 1,)
-    contact : whether a node is in contact, shape (N,)
-    edge : space for the edges of contact, shape (N + 2,)
-    search : progress of the load, shape (1,)
+    pressure : p, shape (loads, N), in p_0*
+    deformed : deformed surface z - A p, shape (loads, N), in g_0
+    direction : of the search, shape (loads, N), in p_0*; 0 outside contact
+    vector : what is multiplied next, then its product, shape (loads, N); a residual is continued into the gaps
+    spectrum : work array for the FFT, shape (loads, N//2 + 1)
+    contact : whether a node is in contact, shape (loads, N)
+    edge : space for the edges of contact, shape (loads, N + 2)
+    search : progress of the loads, shape (loads,)
     """
 
     pressure: Array
     deformed: Array
     direction: Array
-    product: Array
-    residual: Array
+    vector: Array
     spectrum: Spectrum
     contact: Flags
     edge: Indices
     search: Records
 
 
-def make_grid_state(points: int) -> GridState:
-    """Return working arrays for grids of up to `points` nodes."""
+def make_grid_state(points: int, search: Records) -> GridState:
+    """Return working arrays for the loads of a search on a grid."""
+    shape = search.size, points
     return GridState(
-        pressure=np.zeros(points),
-        deformed=np.zeros(points),
-        direction=np.zeros(points),
-        product=np.zeros(points),
-        residual=np.zeros(points),
-        spectrum=np.zeros(points // 2 + 1, np.complex128),
-        contact=np.zeros(points, np.bool_),
-        edge=np.zeros(points + 2, np.int64),
-        search=np.zeros(1, SEARCH),
-    )
-
-
-def leading_part(state: GridState, points: int) -> GridState:
-    """Return the state on a grid of `points` nodes, in the leading part of each array."""
-    return GridState(
-        state.pressure[:points],
-        state.deformed[:points],
-        state.direction[:points],
-        state.product[:points],
-        state.residual[:points],
-        state.spectrum[: points // 2 + 1],
-        state.contact[:points],
-        state.edge[: points + 2],
-        state.search,
+        pressure=np.zeros(shape),
+        deformed=np.zeros(shape),
+        direction=np.zeros(shape),
+        vector=np.zeros(shape),
+        spectrum=np.zeros((search.size, points // 2 + 1), np.complex128),
+        contact=np.zeros(shape, np.bool_),
+        edge=np.zeros((search.size, points + 2), np.int64),
+        search=search,
     )
 
 
 @kernel
-def circulant_product(eigenvalue: Array, x: Array, spectrum: Spectrum, product: Array) -> None:
-    """Multiply x by the symmetric circulant matrix with these eigenvalues: one pair of FFTs."""
-    np.fft.rfft(x, out=spectrum)
-    for k in range(spectrum.size):
-        spectrum[k] *= eigenvalue[k]
-    np.fft.irfft(spectrum, product.size, out=product)
+def row_of(state: GridState, number: int) -> GridState:
+    """Return the state of one load."""
+    return GridState(
+        state.pressure[number],
+        state.deformed[number],
+        state.direction[number],
+        state.vector[number],
+        state.spectrum[number],
+        state.contact[number],
+        state.edge[number],
+        state.search[number : number + 1],
+    )
+
+
+@kernel
+def _multiply(grid: Grid, state: GridState) -> bool:
+    """Multiply the vector of each load by a circulant matrix, all by one pair of FFTs; False if no load is left."""
+    left, points = False, grid.height.size
+    for number in range(state.search.size):
+        left |= state.search[number].vector != NOTHING
+    if not left:
+        return False
+    if state.search.size == 1:  # in two thirds of the time of an array with one row
+        np.fft.rfft(state.vector[0], out=state.spectrum[0])
+    else:
+        np.fft.rfft(state.vector, out=state.spectrum)
+    for number in range(state.search.size):
+        search, spectrum = state.search[number], state.spectrum[number]
+        if search.vector != NOTHING:
+            eigenvalue = grid.inverse if search.vector == RESIDUAL else grid.influence
+            for k in range(spectrum.size):
+                spectrum[k] *= eigenvalue[k]
+            search.work += points
+    if state.search.size == 1:
+        np.fft.irfft(state.spectrum[0], points, out=state.vector[0])
+    else:
+        np.fft.irfft(state.spectrum, points, out=state.vector)
+    return True
 
 
 @in_any_order
@@ -133,17 +156,26 @@ def mean_in_contact(values: Array, contact: Flags) -> float:
 
 
 @kernel
-def _refresh(load: float, grid: Grid, state: GridState) -> None:
-    """Clip tension, rescale the pressure to the load, and apply the operator afresh."""
-    total, points = 0.0, state.pressure.size
+def _set_pressure(state: GridState) -> None:
+    """Clip tension, rescale the pressure to the load, and let the operator be applied to it afresh."""
+    search, total, points = state.search[0], 0.0, state.pressure.size
     for i in range(points):
         state.pressure[i] = max(state.pressure[i], 0.0)
         total += state.pressure[i]
     for i in range(points):
-        state.pressure[i] *= load * points / total
-    circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
-    for i in range(points):
-        state.deformed[i] = grid.height[i] - state.deformed[i]
+        state.pressure[i] *= search.load * points / total
+    copy_values(state.pressure, state.vector)
+    search.vector, search.moved, search.kept = PRESSURE, False, False
+
+
+@kernel
+def _set_residual(state: GridState) -> None:
+    """Let the preconditioner be applied to the residual z - A p - H in contact, continued into the gaps."""
+    search = state.search[0]
+    for i in range(state.vector.size):
+        state.vector[i] = state.deformed[i] - search.plane if state.contact[i] else 0.0
+    extrapolate_into_gap(state.vector, state.edge[: search.edges], state.contact)
+    search.vector = RESIDUAL
 
 
 @kernel
@@ -181,80 +213,90 @@ def _correct_contact(plane: float, state: GridState) -> bool:
 
 @in_any_order
 @kernel
-def _conjugate_step(plane: float, edge: Indices, grid: Grid, state: GridState) -> None:
-    """Take one step of preconditioned conjugate gradients at constant load on the active set: two pairs of FFTs.
+def _set_direction(state: GridState) -> None:
+    """Set the next direction of preconditioned conjugate gradients at constant load on the active set.
 
-    The energy is r.M^-1 r of the residual r before the step, M the preconditioner. The load is preserved by
-    subtracting the mean in contact from M^-1 r. The array `product` contains M^-1 r, then A times the direction.
-    """
-    search, points = state.search[0], state.pressure.size
-    for i in range(points):
-        state.residual[i] = state.deformed[i] - plane if state.contact[i] else 0.0
-    extrapolate_into_gap(state.residual, edge, state.contact)
-    circulant_product(grid.inverse, state.residual, state.spectrum, state.product)
-    restrict_from_gap(state.product, edge, state.contact)
-    shift = mean_in_contact(state.product, state.contact)
-    energy = 0.0
-    for i in range(points):
-        if state.contact[i]:
-            energy += state.residual[i] * (state.product[i] - shift)
-    beta = energy / search.energy if search.kept and search.energy > 0 else 0.0
-    for i in range(points):
-        state.direction[i] = state.product[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
-    circulant_product(grid.influence, state.direction, state.spectrum, state.product)
-    step = energy / dot(state.direction, state.product) if energy > 0 else 0.0  # A single node carries the load.
-    for i in range(points):
-        state.pressure[i] += step * state.direction[i]
-        state.deformed[i] -= step * state.product[i]
-    search.energy, search.moved, search.kept = energy, True, True
-    search.work += 2 * points
-
-
-@kernel
-def _start_from_coarser(coarse: int, carried: int, terms: int, harmonics: Harmonics, state: GridState) -> None:
-    """Carry the pressure from `coarse` nodes to all, add the waves behind those carried, and set the contact."""
-    refine(coarse, state.pressure, state.residual)
-    for wave in range(carried, terms):
-        add_harmonic(wave, harmonics, state.pressure, state.residual)
-    for i in range(state.pressure.size):
-        state.contact[i] = state.pressure[i] > 0
-    state.search[0].corrections = 0
-    state.search[0].moved = state.search[0].kept = False
-
-
-@kernel
-def solve_load(load: float, coarse: int, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> bool:
-    """Continue with the contact under one load on a grid, and return whether it is done.
-
-    It begins with the pressure of a grid of `coarse` nodes, the first of `state`, and so many waves. It has converged
-    if the residual is small on a freshly applied operator, with the pressure free of tension and scaled to the load.
-    After `MAX_STEPS` it is done with a larger residual.
+    The energy is r.M^-1 r of the residual r, M the preconditioner. The load is preserved by subtracting the mean in
+    contact from M^-1 r, the vector.
     """
     search = state.search[0]
-    if search.steps == 0:
-        _start_from_coarser(coarse, carried, grid.terms, harmonics, state)
-    edge = find_edges(state.contact, state.edge)
-    while search.work < search.limit and search.steps < MAX_STEPS:
+    restrict_from_gap(state.vector, state.edge[: search.edges], state.contact)
+    shift = mean_in_contact(state.vector, state.contact)
+    energy = 0.0
+    for i in range(state.vector.size):
+        if state.contact[i]:
+            energy += (state.deformed[i] - search.plane) * (state.vector[i] - shift)
+    beta = energy / search.energy if search.kept and search.energy > 0 else 0.0
+    for i in range(state.vector.size):
+        state.direction[i] = state.vector[i] - shift + beta * state.direction[i] if state.contact[i] else 0.0
+    copy_values(state.direction, state.vector)
+    search.energy, search.vector = energy, DIRECTION
+
+
+@in_any_order
+@kernel
+def _take_step(state: GridState) -> None:
+    """Take a step of conjugate gradients; the vector is A times the direction."""
+    search = state.search[0]
+    step = (
+        search.energy / dot(state.direction, state.vector) if search.energy > 0 else 0.0
+    )  # A single node has the load.
+    for i in range(state.pressure.size):
+        state.pressure[i] += step * state.direction[i]
+        state.deformed[i] -= step * state.vector[i]
+    search.moved = search.kept = True
+
+
+@kernel
+def begin_loads(coarse: Array, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> None:
+    """Carry the pressures of a coarser grid to this one, add the waves behind those carried, and set the contact."""
+    for number in range(state.search.size):
+        own = row_of(state, number)
+        search = own.search[0]
+        refine(coarse[number], own.pressure)
+        for wave in range(carried, grid.terms):
+            add_harmonic(wave, harmonics, own.pressure, own.vector)
+        for i in range(own.pressure.size):
+            own.contact[i] = own.pressure[i] > 0
+        search.edges = find_edges(own.contact, own.edge).size
+        search.steps = search.corrections = 0
+        _set_pressure(own)
+
+
+@kernel
+def _judge(flatness: float, grid: Grid, state: GridState) -> None:
+    """Set the next vector of a load, after corrections of its contact.
+
+    A load is done if the residual is small on a freshly applied operator, with the pressure free of tension and
+    scaled to the load. The contact is corrected when its violations exceed the error on it by a factor that grows
+    with each correction. A tangent pressure q, of resistance q.A q/N, is done if A q is constant in contact. Both end
+    after `MAX_STEPS`.
+    """
+    search, of_tangent = state.search[0], flatness > 0
+    while search.steps < MAX_STEPS:
         search.steps += 1
-        if not search.moved:
-            _refresh(load, grid, state)
-            search.work += state.pressure.size
-        plane = mean_in_contact(state.deformed, state.contact)
-        contact_gap, violation = violations(plane, grid, state)
-        search.plane, search.residual = plane, max(contact_gap, violation)
-        solved = search.residual <= grid.max_residual
-        if solved and not search.moved:
-            return True
-        # The contact is corrected when its violations exceed the error on it by a factor that grows with each
-        # correction.
-        if search.moved and (solved or violation > (FIRST_PATIENCE + search.corrections) * contact_gap):
-            search.moved = not (_correct_contact(plane, state) or solved)
-            edge = find_edges(state.contact, state.edge)
-            search.corrections += 1
-            search.kept = False
+        search.plane = mean_in_contact(state.deformed, state.contact)
+        contact_gap, violation = violations(search.plane, grid, state)
+        if of_tangent:
+            search.resistance = -dot(state.pressure, state.deformed) / state.pressure.size
+            solved = contact_gap <= flatness * max(search.resistance, MIN_RESISTANCE)
         else:
-            _conjugate_step(plane, edge, grid, state)
-    return search.steps == MAX_STEPS
+            search.residual = max(contact_gap, violation)
+            solved = search.residual <= grid.max_residual
+        if solved and (of_tangent or not search.moved):
+            break
+        is_wrong = solved or violation > (FIRST_PATIENCE + search.corrections) * contact_gap
+        if of_tangent or not (search.moved and is_wrong):
+            _set_residual(state)
+            return
+        released = _correct_contact(search.plane, state)
+        search.edges = find_edges(state.contact, state.edge).size
+        search.corrections += 1
+        search.kept = False
+        if released or solved:
+            _set_pressure(state)
+            return
+    search.vector = NOTHING
 
 
 @kernel
@@ -274,87 +316,92 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def solve_tangent(flatness: float, grid: Grid, state: GridState) -> bool:
-    """Continue with the tangent pressure on the contact as it stands; return whether it is done.
+def begin_tangents(max_residual: float, state: GridState) -> None:
+    """Set the pressures to those of flat punches on the contacts of each load, of mean 1, if it has been solved.
 
-    It overwrites the pressure in `state`. A q is constant in contact within `flatness` times the resistance, the
-    energy q.A q/N; otherwise the resistance is inf. The initial guess, flat punches on the contact of this load,
-    makes the result independent of other loads.
+    This guess makes the tangent pressure independent of other loads.
     """
-    search, points = state.search[0], state.pressure.size
-    edge = find_edges(state.contact, state.edge)
-    if search.steps == 0:
-        punch_shape(edge, state.contact, state.pressure)
-        total = 0.0
-        for i in range(points):
-            total += state.pressure[i]
-        for i in range(points):
-            state.pressure[i] *= points / total
-        circulant_product(grid.influence, state.pressure, state.spectrum, state.deformed)
-        for i in range(points):
-            state.deformed[i] = -state.deformed[i]
-        search.work += points
-        search.steps, search.kept = 1, False
-    while search.work < search.limit and search.steps < MAX_STEPS:
-        search.steps += 1
-        plane = mean_in_contact(state.deformed, state.contact)
-        search.resistance = -dot(state.pressure, state.deformed) / points
-        if violations(plane, grid, state)[0] <= flatness * max(search.resistance, MIN_RESISTANCE):
+    for number in range(state.search.size):
+        own = row_of(state, number)
+        search = own.search[0]
+        if search.residual <= max_residual:
+            punch_shape(own.edge[: search.edges], own.contact, own.pressure)
+            search.load, search.steps = 1.0, 0
+            _set_pressure(own)
+
+
+@kernel
+def advance(flatness: float, pairs: int, grid: Grid, state: GridState) -> bool:
+    """Continue with all loads for a number of pairs of FFTs; return whether they are done.
+
+    flatness : for tangent pressures, on a flat surface, the accepted variation of A q in contact over R; otherwise 0
+    """
+    for _ in range(pairs):
+        if not _multiply(grid, state):
             return True
-        _conjugate_step(plane, edge, grid, state)
-    if search.steps == MAX_STEPS:
-        search.resistance = np.inf
-    return search.steps == MAX_STEPS
+        for number in range(state.search.size):
+            own = row_of(state, number)
+            given = own.search[0].vector
+            if given == RESIDUAL:
+                _set_direction(own)
+            elif given != NOTHING:
+                if given == DIRECTION:
+                    _take_step(own)
+                else:
+                    for i in range(own.deformed.size):
+                        own.deformed[i] = grid.height[i] - own.vector[i]
+                _judge(flatness, grid, own)
+    return False
 
 
 class NestedSolver:
     """One profile on nested grids; the solution under a load depends on no other load."""
 
-    def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
-        """Make the grids, and the arrays for a solution on the finest."""
+    def __init__(self, profile: Waves, points: int, max_residual: float, together: int = 1) -> None:
+        """Make the grids, and the arrays for loads that are solved together."""
         self.grids, self.harmonics = nested_grids(profile, points, max_residual), harmonics_of(profile)
-        self.grid, self.state = self.grids[-1], make_grid_state(points)
-        self.states = [leading_part(self.state, grid.height.size) for grid in self.grids]
+        self.grid, self.together, search = self.grids[-1], together, np.zeros(together, SEARCH)
+        self._states = [make_grid_state(grid.height.size, search) for grid in self.grids]
+        self._flat = self.grid._replace(height=np.zeros(points))  # the surface of the tangent problem
 
-    def solve(self, load: float) -> float:
-        """Return the plane under a load, from the mean on the coarsest grid."""
-        self.state.search["work"], coarse, carried = 0, self.grids[0].height.size, 0
-        self.states[0].pressure[:] = load
-        for grid, state in zip(self.grids, self.states, strict=True):
-            self._in_parts(solve_load, load, coarse, carried, self.harmonics, grid, state)
-            coarse, carried = grid.height.size, grid.terms
-        return float(self.state.search["plane"][0])
+    def solve_each(
+        self, loads: Array, with_tangent: bool, flatness: float = TANGENT_TOLERANCE
+    ) -> Iterator[NodalSolution]:
+        """Yield the solution under each load; `with_tangent`, also its derivative, at about twice the cost.
 
-    def solve_tangent(self, flatness: float = TANGENT_TOLERANCE) -> float:
-        """Return the resistance on the last contact of `solve`, or inf."""
-        self._in_parts(solve_tangent, flatness, self.grid, self.state)
-        return float(self.state.search["resistance"][0])
-
-    def _in_parts(self, search: Callable[..., bool], *arguments: Any) -> None:
-        """Call a kernel on a grid until it is done, for `PART` of the work at a time."""
-        done, progress = False, self.state.search
-        progress["steps"] = 0
-        while not done:
-            progress["limit"] = progress["work"] + PART
-            done = search(*arguments)
-
-    @property
-    def residual(self) -> float:
-        """The residual of the load, in g_0."""
-        return float(self.state.search["residual"][0])
-
-    @property
-    def work(self) -> float:
-        """Pairs of FFTs of the load, those of coarser grids by their size."""
-        return float(self.state.search["work"][0] / self.grid.height.size)
+        The tangent pressures of a solution are overwritten by later ones.
+        """
+        for first in range(0, loads.size, self.together):
+            some = loads[first : first + self.together]
+            # FFTs of one row round differently from those of several: a last single load is solved in two rows.
+            rows = np.repeat(some, 2) if some.size == 1 < self.together else some
+            yield from islice(self._solve_together(rows, with_tangent, flatness), some.size)
 
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
-        """Return the solution under a load; `with_tangent`, also its derivative, at about twice the cost."""
-        plane, state = self.solve(load), self.state
-        pressure, gap = state.pressure.copy(), plane - state.deformed
-        R = np.nan
-        if with_tangent and self.residual <= self.grid.max_residual:
-            R = self.solve_tangent(flatness)
-        return NodalSolution(
-            plane, R, pressure, gap, state.pressure, -state.deformed, state.contact, self.residual, self.work
-        )
+        """Return the solution under one load, as `solve_each`."""
+        return next(self.solve_each(np.array([load]), with_tangent, flatness))
+
+    def _solve_together(self, loads: Array, with_tangent: bool, flatness: float) -> Iterator[NodalSolution]:
+        states = [GridState._make(array[: loads.size] for array in state) for state in self._states]
+        search, coarse, carried = states[0].search, states[0].pressure, 0
+        search["work"], search["load"], coarse[:] = 0, loads, loads[:, None]
+        for grid, state in zip(self.grids, states, strict=True):
+            begin_loads(coarse, carried, self.harmonics, grid, state)
+            _run(0.0, grid, state)
+            coarse, carried = state.pressure, grid.terms
+        plane, pressure, search["resistance"] = search["plane"].copy(), state.pressure.copy(), np.nan
+        gap = plane[:, None] - state.deformed
+        if with_tangent:
+            begin_tangents(self.grid.max_residual, state)
+            _run(flatness, self._flat, state)
+        for i, one in enumerate(search):
+            R = np.inf if one.steps == MAX_STEPS else float(one.resistance)
+            work = float(one.work / self.grid.height.size)  # those of coarser grids count by their size
+            fields = pressure[i], gap[i], state.pressure[i], -state.deformed[i], state.contact[i]
+            yield NodalSolution(float(plane[i]), R, *fields, float(one.residual), work)
+
+
+def _run(flatness: float, grid: Grid, state: GridState) -> None:
+    """Advance until all loads are done, `PART` of the work at a time."""
+    while not advance(flatness, max(PART // state.vector.size, 1), grid, state):
+        pass

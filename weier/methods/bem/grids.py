@@ -135,13 +135,15 @@ def copy_values(source: Array, target: Array) -> None:
 
 
 @kernel
-def refine(coarse: int, p: Array, finer: Array) -> None:
-    """Carry the pressure from `coarse` nodes, the first of p, to all nodes of p; `finer` is a working array."""
+def refine(coarse: Array, p: Array) -> None:
+    """Set the pressure p on a grid from that on a coarser one, or on the same."""
+    points, i, rest = coarse.size, 0, 0  # i + rest/N nodes of the coarser grid lie before the node
     for node in range(p.size):
-        i, rest = node * coarse // p.size, node * coarse % p.size
-        before, here, after, later = p[(i - 1) % coarse], p[i], p[(i + 1) % coarse], p[(i + 2) % coarse]
-        finer[node] = _between(before, here, after, later, rest / p.size) if rest else here
-    copy_values(finer, p)
+        before, here, after, later = coarse[i - 1], coarse[i], coarse[(i + 1) % points], coarse[(i + 2) % points]
+        p[node] = _between(before, here, after, later, rest / p.size) if rest else here
+        rest += points
+        if rest >= p.size:
+            i, rest = i + 1, rest - p.size
 
 
 @kernel
