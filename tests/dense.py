@@ -32,7 +32,7 @@ class DenseSolver:
         unbalanced = abs(pressure.mean() - load) * self.matrix[0, 0]
         residual = max(np.abs(gap[solved.contact]).max(), -gap.min(), unbalanced)
         fields = pressure, gap, tangent, self.matrix @ tangent, solved.contact
-        return NodalSolution(solved.plane, solved.resistance, *fields, residual, float(solved.rounds))
+        return NodalSolution(solved.plane, solved.resistance, residual, float(solved.rounds), *fields)
 
 
 def dense_curve(*arguments, **settings):

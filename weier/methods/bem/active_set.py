@@ -248,19 +248,17 @@ def _take_step(state: GridState) -> None:
 
 
 @kernel
-def begin_loads(coarse: Array, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> None:
-    """Carry the pressures of a coarser grid to this one, add the waves behind those carried, and set the contact."""
-    for number in range(state.search.size):
-        own = row_of(state, number)
-        search = own.search[0]
-        refine(coarse[number], own.pressure)
-        for wave in range(carried, grid.terms):
-            add_harmonic(wave, harmonics, own.pressure, own.vector)
-        for i in range(own.pressure.size):
-            own.contact[i] = own.pressure[i] > 0
-        search.edges = find_edges(own.contact, own.edge).size
-        search.steps = search.corrections = 0
-        _set_pressure(own)
+def _begin_load(coarse: Array, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> None:
+    """Carry the pressure of a coarser grid to this one, add the waves behind those carried, and set the contact."""
+    search = state.search[0]
+    refine(coarse, state.pressure)
+    for wave in range(carried, grid.terms):
+        add_harmonic(wave, harmonics, state.pressure, state.vector)
+    for i in range(state.pressure.size):
+        state.contact[i] = state.pressure[i] > 0
+    search.edges = find_edges(state.contact, state.edge).size
+    search.steps = search.corrections = 0
+    _set_pressure(state)
 
 
 @kernel
@@ -316,26 +314,39 @@ def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
 
 
 @kernel
-def begin_tangents(max_residual: float, state: GridState) -> None:
-    """Set the pressures to those of flat punches on the contacts of each load, of mean 1, if it has been solved.
+def _begin_tangent(max_residual: float, state: GridState) -> None:
+    """Set the pressure to that of flat punches on the contact, of mean 1, if the load has been solved.
 
     This guess makes the tangent pressure independent of other loads.
     """
-    for number in range(state.search.size):
-        own = row_of(state, number)
-        search = own.search[0]
-        if search.residual <= max_residual:
-            punch_shape(own.edge[: search.edges], own.contact, own.pressure)
-            search.load, search.steps = 1.0, 0
-            _set_pressure(own)
+    search = state.search[0]
+    if search.residual <= max_residual:
+        punch_shape(state.edge[: search.edges], state.contact, state.pressure)
+        search.load, search.steps = 1.0, 0
+        _set_pressure(state)
 
 
 @kernel
-def advance(flatness: float, pairs: int, grid: Grid, state: GridState) -> bool:
-    """Continue with all loads for a number of pairs of FFTs; return whether they are done.
+def advance(
+    begins: bool,
+    pairs: int,
+    flatness: float,
+    coarse: Array,
+    carried: int,
+    harmonics: Harmonics,
+    grid: Grid,
+    state: GridState,
+) -> bool:
+    """Begin or continue with all loads on a grid, for a number of pairs of FFTs; return whether they are done.
 
     flatness : for tangent pressures, on a flat surface, the accepted variation of A q in contact over R; otherwise 0
+    coarse, carried : pressures of the coarser grid, shape (loads, nodes), and its number of waves
     """
+    for number in range(state.search.size if begins else 0):
+        if flatness > 0:
+            _begin_tangent(grid.max_residual, row_of(state, number))
+        else:
+            _begin_load(coarse[number], carried, harmonics, grid, row_of(state, number))
     for _ in range(pairs):
         if not _multiply(grid, state):
             return True
@@ -382,26 +393,28 @@ class NestedSolver:
         return next(self.solve_each(np.array([load]), with_tangent, flatness))
 
     def _solve_together(self, loads: Array, with_tangent: bool, flatness: float) -> Iterator[NodalSolution]:
-        states = [GridState._make(array[: loads.size] for array in state) for state in self._states]
+        states = self._states
+        if loads.size < self.together:
+            states = [GridState._make(array[: loads.size] for array in state) for state in states]
         search, coarse, carried = states[0].search, states[0].pressure, 0
         search["work"], search["load"], coarse[:] = 0, loads, loads[:, None]
         for grid, state in zip(self.grids, states, strict=True):
-            begin_loads(coarse, carried, self.harmonics, grid, state)
-            _run(0.0, grid, state)
+            self._run(0.0, coarse, carried, grid, state)
             coarse, carried = state.pressure, grid.terms
         plane, pressure, search["resistance"] = search["plane"].copy(), state.pressure.copy(), np.nan
         gap = plane[:, None] - state.deformed
         if with_tangent:
-            begin_tangents(self.grid.max_residual, state)
-            _run(flatness, self._flat, state)
-        for i, one in enumerate(search):
-            R = np.inf if one.steps == MAX_STEPS else float(one.resistance)
-            work = float(one.work / self.grid.height.size)  # those of coarser grids count by their size
-            fields = pressure[i], gap[i], state.pressure[i], -state.deformed[i], state.contact[i]
-            yield NodalSolution(float(plane[i]), R, *fields, float(one.residual), work)
+            self._run(flatness, coarse, carried, self._flat, state)
+        R = np.where(search["steps"] == MAX_STEPS, np.inf, search["resistance"])
+        work = search["work"] / self.grid.height.size  # those of coarser grids count by their size
+        scalars = plane.tolist(), R.tolist(), search["residual"].tolist(), work.tolist()
+        fields = pressure, gap, state.pressure, -state.deformed, state.contact
+        for of_load in zip(*scalars, *fields, strict=True):
+            yield NodalSolution(*of_load)
 
-
-def _run(flatness: float, grid: Grid, state: GridState) -> None:
-    """Advance until all loads are done, `PART` of the work at a time."""
-    while not advance(flatness, max(PART // state.vector.size, 1), grid, state):
-        pass
+    def _run(self, flatness: float, coarse: Array, carried: int, grid: Grid, state: GridState) -> None:
+        """Advance until all loads are done, `PART` of the work at a time."""
+        problem = max(PART // state.vector.size, 1), flatness, coarse, carried, self.harmonics, grid, state
+        is_done = advance(True, *problem)
+        while not is_done:
+            is_done = advance(False, *problem)

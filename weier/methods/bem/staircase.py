@@ -25,24 +25,24 @@ class NodalSolution(NamedTuple):
 
     plane : mean gap d, in g_0
     resistance : R = -dd/dp at fixed active set, in g_0/p_0*; NaN where it was not computed
+    residual : largest violation of a contact condition, in g_0
+    work : cost in the solver's own unit
     pressure : nodal p, shape (N,), in p_0*
     gap : nodal g, shape (N,), in g_0
     tangent_pressure : q = dp/d(mean pressure), of mean 1, shape (N,); meaningless where R is NaN
     tangent_displacement : A q, equal to R in contact, shape (N,), in g_0/p_0*; meaningless where R is NaN
     contact : active set, shape (N,)
-    residual : largest violation of a contact condition, in g_0
-    work : cost in the solver's own unit
     """
 
     plane: float
     resistance: float
+    residual: float
+    work: float
     pressure: Array
     gap: Array
     tangent_pressure: Array
     tangent_displacement: Array
     contact: Flags
-    residual: float
-    work: float
 
 
 class ContactPoint(NamedTuple):
