@@ -203,8 +203,10 @@ print(value, sum(some_kernels.product.compiled.stats.cache_hits.values()))
 
 
 @compiled
+@pytest.mark.parametrize("level", ["1", "3"])  # of the command, and of numba
 @pytest.mark.parametrize("name", ["scalar_product", "norm"])
-def test_sums_in_any_order_take_several_terms_at_once(cache, load, name):
+def test_sums_in_any_order_take_several_terms_at_once(cache, load, monkeypatch, name, level):
+    monkeypatch.setenv("NUMBA_OPT", level)
     module = load()
     assert call(module, name) == (3 if name == "scalar_product" else 4)
     (code,) = getattr(module, name).compiled.inspect_llvm().values()
@@ -410,6 +412,17 @@ def test_settings_of_numba_that_the_user_has_imported_stay_as_they_are(cache, lo
     call(load())
     assert str(tmp_path / "of the user") == numba.config.CACHE_DIR
     assert not (tmp_path / "of the user").exists()
+
+
+@pytest.mark.parametrize("level", [None, "3"])
+def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, level):
+    monkeypatch.delenv("NUMBA_OPT", raising=False)
+    if level:
+        monkeypatch.setenv("NUMBA_OPT", level)
+    told = "atexit.register(lambda: print(os.environ['NUMBA_OPT']))"
+    program = f"import atexit, os; from weier.__main__ import run; {told}; run()"
+    done = subprocess.run([sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == (level or "1")
 
 
 @compiled
