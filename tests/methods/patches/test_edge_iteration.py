@@ -224,8 +224,9 @@ def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_with
     first, gap, force = np.array([0, 1, 2]), np.array([0.1, 3.0]), np.ones(2)
     both, closed = np.array([[0.0, 0.051], [0.051, 0.0]]), np.zeros(2, bool)
     for outward, merges in ((both, True), (both * [[1, 1], [0, 1]], False), (both * [[1, 1], [-1, 1]], False)):
-        vanishing, merging = _changes(first, gap, force, outward, closed)
+        vanishing, merging, changes = _changes(first, gap, force, outward, closed)
         assert merging.tolist() == [merges, False]
+        assert changes == merges
         assert not np.any(vanishing)
-    vanishing, merging = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
-    assert (vanishing.tolist(), merging.tolist()) == ([False, True], [False, False])
+    vanishing, merging, changes = _changes(first, gap, np.array([1.0, -1.0]), both, np.array([True, False]))
+    assert (vanishing.tolist(), merging.tolist(), changes) == ([False, True], [False, False], True)

@@ -260,15 +260,16 @@ def _changes_of_edges(
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
     outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
-    vanishing, merging = _changes(first_node, gap, force, outward, closed)
-    settled = relative < SETTLED_MOVE and not (np.any(vanishing) or np.any(merging))
-    return a, outward, relative, vanishing, merging, singular, settled
+    vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
+    return a, outward, relative, vanishing, merging, singular, relative < SETTLED_MOVE and not changes
 
 
 @kernel
-def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags) -> tuple[Flags, Flags]:
-    """Return whether each contact vanishes, having no force, and whether it merges over the gap on its right."""
-    n, strongest, most = gap.size, 0, -np.inf
+def _changes(
+    first_node: Indices, gap: Array, force: Array, outward: Sides, closed: Flags
+) -> tuple[Flags, Flags, bool]:
+    """Return which contacts vanish without force, which merge over the gap on their right, and whether any do."""
+    n, strongest, most, changes = gap.size, 0, -np.inf, False
     vanishing, merging = np.empty(n, np.bool_), np.empty(n, np.bool_)
     for j in range(n):
         carried = 0.0
@@ -282,7 +283,8 @@ def _changes(first_node: Indices, gap: Array, force: Array, outward: Sides, clos
         k = (j + 1) % n
         is_closed = closed[j] or gap[j] <= outward[j, 1] + outward[k, 0]
         merging[j] = is_closed and not (vanishing[j] or vanishing[k])
-    return vanishing, merging
+        changes = changes or vanishing[j] or merging[j]
+    return vanishing, merging, changes
 
 
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
@@ -291,7 +293,7 @@ def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node
     shift, growth = _shift_and_growth(step.moves.outward)
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
-        b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+        b, _ = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
@@ -308,7 +310,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     """
     punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
     old, (shift, growth) = punches.segments, _shift_and_growth(outward)
-    b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
     moved = make_punches(segments, punches.period, punches.dual, MAX_NODES * gap.size)
     force = transfer_forces(old, b, np.arange(gap.size), moved)
@@ -316,7 +318,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
     left = 2 * step.moves.relative**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
     forces, moves = step.forces._replace(force=force), step.moves._replace(outward=left)
-    return step._replace(punches=moved, forces=forces, b=b, a=regular_part(old.first_node, b), moves=moves)
+    return step._replace(punches=moved, forces=forces, b=b, a=a, moves=moves)
 
 
 def _shift_and_growth(outward: Sides) -> tuple[Array, Array]:

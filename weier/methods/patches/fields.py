@@ -172,10 +172,10 @@ def _near_field(
             total += r * (log_integral(a, t - image * period / r) + np.log(r) * 0.5 * np.pi * a[0])
         else:
             total += cauchy_integral(a, t - image * period / r) * period / np.pi
-    factor, square, series = POLE_FREE_SERIES[images, int(is_slope)], np.empty(a.size), np.zeros(a.size)
+    factor, square, series = POLE_FREE_SERIES[images, 1 if is_slope else 0], np.empty(a.size), np.zeros(a.size)
     for q in range(a.size):
         square[q] = (r / period * (t - node[q])) ** 2
-    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), factor.size)
+    terms = min(3 + LN_ROUNDING / (-2 * np.log(largest_u / (1 + images))), 1.0 * factor.size)
     for k in range(np.int64(terms) - 1, -1, -1):
         term = factor[k]
         for q in range(a.size):

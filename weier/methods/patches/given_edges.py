@@ -130,7 +130,7 @@ def _equations(
         for a in range(first[i], first[i + 1]):
             for j in range(i, first.size - 1):
                 apart = origin[i] - origin[j] + (centre[i] - centre[j])
-                for b in range(max(a, first[j]), first[j + 1]):
+                for b in range(a if i == j else first[j], first[j + 1]):
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
     replace_by_influence(influence, period, dual)
@@ -290,27 +290,31 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 
 
 @kernel
-def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> Array:
+def vanishing_at_edges(first_node: Indices, b: Array, grows: bool) -> tuple[Array, Array]:
     """Return coefficients of psi corrected so that psi, at rounding level at the edges, vanishes there.
 
     Rounding of heights has the same size in all degrees and enters the coefficient of T_k with the factor k. The
     corrections for contacts are therefore proportional to the variance, k^2, and preserve the force; those for gaps
-    are uniform.
+    are uniform. Return the coefficients of the regular part as well.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):
         for parity in range(2):
             at_edge, total = 0.0, 0.0
             for k in range(parity, first_node[j + 1] - first_node[j], 2):
-                at_edge, total = at_edge + b[first_node[j] + k], total + (k**power if k > 0 else 0)
+                at_edge, total = at_edge + b[first_node[j] + k], total + (k * k if grows or k == 0 else 1)
             for k in range(2 - parity, first_node[j + 1] - first_node[j], 2):
-                changed[first_node[j] + k] -= at_edge * k**power / total
-    return changed
+                changed[first_node[j] + k] -= at_edge * (k * k if grows else 1) / total
+    return changed, regular_part(first_node, changed)
 
 
 @kernel
-def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array) -> Array:
+def moved_expansion(
+    first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array
+) -> tuple[Array, Array]:
     """Return the coefficients of psi when segments have moved: to second order the solution, after Newton's step.
+
+    Return those of its regular part as well.
 
     At a point whose coordinate t changes by w = (dc + t dr)/r, psi becomes psi + w [(1-t^2) phi' - t phi], and the
     bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta).
@@ -325,7 +329,7 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
             moved[k - 1] += 0.5 * slope * motion
             if k + 1 < last:
                 moved[k + 1] += 0.5 * slope * motion
-    return moved
+    return moved, regular_part(first_node, moved)
 
 
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:

@@ -72,26 +72,26 @@ def _probe_points(
     In each interval they are closer together at its ends. The crests of the series and the midpoints between them are
     added, to resolve adjacent crests.
     """
-    left, n = origin + (centre + half_width), 2 * crest.size
-    length = distances_between(origin, centre, half_width, period)
-    turning, count, total = np.empty(n), np.empty(left.size, np.int64), n
+    n, length = 2 * crest.size, distances_between(origin, centre, half_width, period)
+    turning, count, total = np.empty(n), np.empty(length.size, np.int64), n
     for k in range(crest.size):
         following = crest[k + 1] if k + 1 < crest.size else crest[0] + period
         turning[2 * k], turning[2 * k + 1] = crest[k], 0.5 * (crest[k] + following)
     per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
     least = np.sqrt(EPS) / per_length  # At closer probes, second differences of a parabola are rounding.
-    for j in range(left.size):
+    for j in range(length.size):
         count[j] = PROBES_PER_WAVE + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
         total += count[j]
     point, interval, last = np.empty(total), np.empty(total, np.int64), -1
-    for j in range(left.size):
-        turns = np.floor((left[j] - crest[0]) / period)
-        i, k = 0, first_from(turning, left[j] - period * turns)
+    for j in range(length.size):
+        left = origin[j] + (centre[j] + half_width[j])
+        turns = np.floor((left - crest[0]) / period)
+        i, k = 0, first_from(turning, left - period * turns)
         while True:
             fraction = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
-            probe, turn = left[j] + fraction * length[j], turning[k % n] + period * (turns + k // n)
+            probe, turn = left + fraction * length[j], turning[k % n] + period * (turns + k // n)
             x = min(probe, turn)
-            if x >= left[j] + length[j]:
+            if x >= left + length[j]:
                 break
             i, k = i + (probe == x), k + (turn == x)
             if last < 0 or interval[last] < j or x - point[last] > least:
@@ -105,10 +105,10 @@ def _edge_factor(
     x: Array, interval: Indices, origin: Array, centre: Array, half_width: Array, period: float, power: float
 ) -> Array:
     """Return (u (1-u))^power at points x, with u from 0 to 1 in the interval of each point between segments."""
-    left, length = origin + (centre + half_width), distances_between(origin, centre, half_width, period)
-    factor = np.empty(x.size)
+    length, factor = distances_between(origin, centre, half_width, period), np.empty(x.size)
     for i in range(x.size):
-        u = (x[i] - left[interval[i]]) / length[interval[i]]
+        j = interval[i]
+        u = (x[i] - (origin[j] + (centre[j] + half_width[j]))) / length[j]
         factor[i] = max(abs(u * (1 - u)), EPS) ** power
     return factor
 
@@ -285,7 +285,13 @@ def _brackets(
     at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
     """
     length, ends = distances_between(origin, centre, r, period), end_sums(first_node, coefficient, 1)
-    at, low, high, count = np.empty(x.size, np.int64), np.empty(x.size), np.empty(x.size), 0
+    low, middle, high, which, count = (
+        np.empty(x.size),
+        np.empty(x.size),
+        np.empty(x.size),
+        np.empty(x.size, np.int64),
+        0,
+    )
     for i in range(x.size):
         j, here, edges = interval[i], value[i] / factor[i], at_edge * length[interval[i]] ** power
         start = origin[j] + (centre[j] + r[j])
@@ -303,9 +309,9 @@ def _brackets(
         if before >= 0 and after >= 0 and before + after < np.inf and left > 0 and right > 0:
             bend = 2 * (after / right + before / left) / (left + right)
             if here < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit / factor[i]:
-                at[count], count = i, count + 1
-    at = at[:count]
-    return low[:count], x[at], high[:count], interval[at]
+                middle[count], which[count] = x[i], j
+                count += 1
+    return low[:count], middle[:count], high[:count], which[:count]
 
 
 def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:

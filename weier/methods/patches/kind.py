@@ -44,7 +44,7 @@ class Kind(NamedTuple):
     strength_factor : strength of the pressure at an edge over that of the density
     residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
         the density
-    rounding_power : rounding changes b_n by n to half this power
+    rounding_grows : rounding changes b_n in proportion to n, else all alike
     close : from the forces for the forcing and for 1 everywhere, and the load, to the forces and the plane
     factor : of sums over all forces, from the period
     invert_punches : from half-widths, middles and period, the inverse of the influence of flat punches, by which
@@ -81,7 +81,7 @@ class Kind(NamedTuple):
     strength_factor: float
     residual_power: float
     residual_strength: float
-    rounding_power: int
+    rounding_grows: bool
     close: Callable[[Array, Array, float, float], tuple[Array, float]]
     factor: Callable[[float], float]
     invert_punches: Callable[[Array, Array, float], Inverse | None]

@@ -55,14 +55,14 @@ class PairMatrix(NamedTuple):
     """The matrix of the kernel between all points, with 0 on its diagonal, in parts.
 
     far, near : unordered pairs of nodes that are far from each other, and of leaves that are not
-    far_block : the kernel between the Chebyshev points of far nodes
+    far_block : the kernel between the Chebyshev points of far nodes, row by row, shape (pairs, ORDER^2)
     near_block, near_start : the kernel between the points of near leaves, row by row, and where each pair begins
     """
 
     tree: Tree
     far: Pairs
     near: Pairs
-    far_block: Blocks
+    far_block: NDArray[np.float64]
     near_block: Array
     near_start: Indices
 
@@ -85,21 +85,21 @@ def _interpolate(t: float, weight: Array) -> None:
 
 
 @kernel
-def points_of_leaf(tree: Tree, node: int) -> tuple[int, int]:
-    """Return the first point of a leaf, and the one after its last."""
-    leaf = node - _first_leaf(tree)
-    return (tree.position.size * leaf) >> tree.depth, (tree.position.size * (leaf + 1)) >> tree.depth
+def points_of_leaf(points: int, depth: int, node: int) -> tuple[int, int]:
+    """Return the first point of a leaf, and the one after its last, in a tree of these points and this depth."""
+    leaf = node - _first_leaf(depth)
+    return (points * leaf) >> depth, (points * (leaf + 1)) >> depth
 
 
 @kernel
-def _first_leaf(tree: Tree) -> int:
-    return (1 << tree.depth) - 1
+def _first_leaf(depth: int) -> int:
+    return (1 << depth) - 1
 
 
 @kernel
-def interval(tree: Tree, node: int) -> tuple[float, float]:
+def interval(low: float, high: float) -> tuple[float, float]:
     """Return middle and half-width of a node."""
-    return 0.5 * (tree.low[node] + tree.high[node]), max(0.5 * (tree.high[node] - tree.low[node]), 1e-300)
+    return 0.5 * (low + high), max(0.5 * (high - low), 1e-300)
 
 
 def make_tree(origin: Array, offset: Array) -> Tree:
@@ -119,24 +119,25 @@ def make_tree(origin: Array, offset: Array) -> Tree:
 @kernel
 def _fill_interpolations(tree: Tree) -> None:
     for node in range(tree.low.size):
-        middle, half = interval(tree, node)
+        middle, half = interval(tree.low[node], tree.high[node])
         if node > 0:
-            parent_middle, parent_half = interval(tree, (node - 1) >> 1)
+            parent = (node - 1) >> 1
+            parent_middle, parent_half = interval(tree.low[parent], tree.high[parent])
             for q in range(ORDER):
                 t = ((middle - parent_middle) + half * POINT[q]) / parent_half
                 _interpolate(t, tree.to_parent[node, q])
-        if node >= _first_leaf(tree):
-            start, end = points_of_leaf(tree, node)
+        if node >= _first_leaf(tree.depth):
+            start, end = points_of_leaf(tree.position.size, tree.depth, node)
             for a in range(start, end):
                 _interpolate((tree.position[a] - middle) / half, tree.at_points[a])
 
 
 @kernel
-def _far_apart(one: Tree, a: int, other: Tree, b: int, period: float) -> bool:
+def _far_apart(low: float, high: float, other_low: float, other_high: float, period: float) -> bool:
     """Return whether the distance of two nodes, in the period, is at least the width of the wider one."""
-    between = max(other.low[b] - one.high[a], one.low[a] - other.high[b])
-    around = min(one.low[a] + period - other.high[b], other.low[b] + period - one.high[a])
-    distance, width = min(between, around), max(one.high[a] - one.low[a], other.high[b] - other.low[b])
+    between = max(other_low - high, low - other_high)
+    around = min(low + period - other_high, other_low + period - high)
+    distance, width = min(between, around), max(high - low, other_high - other_low)
     return distance > 0 and distance >= width
 
 
@@ -152,9 +153,10 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
         stack[0, 0] = stack[0, 1] = far_count = near_count = 0
         while last >= 0:
             a, b = stack[last, 0], stack[last, 1]
-            a_ends, b_ends, is_same = a >= _first_leaf(one), b >= _first_leaf(other), same and a == b
+            a_ends, b_ends, is_same = a >= _first_leaf(one.depth), b >= _first_leaf(other.depth), same and a == b
+            low, high, other_low, other_high = one.low[a], one.high[a], other.low[b], other.high[b]
             last -= 1
-            if not is_same and _far_apart(one, a, other, b, period):
+            if not is_same and _far_apart(low, high, other_low, other_high, period):
                 if is_written:
                     far[far_count, 0], far[far_count, 1] = a, b
                 far_count += 1
@@ -163,7 +165,7 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
                     near[near_count, 0], near[near_count, 1] = a, b
                 near_count += 1
             else:
-                is_wider = not a_ends and one.high[a] - one.low[a] >= other.high[b] - other.low[b]
+                is_wider = not a_ends and high - low >= other_high - other_low
                 divides_a = is_same or b_ends or is_wider
                 for child in range(1, 3):
                     last += 1
@@ -177,32 +179,28 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 @kernel
 def _fill_far_block(
-    one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: NDArray[np.float64]
+    low: float, high: float, other_low: float, other_high: float, period: float, dual: bool, block: Array
 ) -> None:
-    """Compute the kernel between the Chebyshev points of two nodes."""
-    middle, half = interval(one, a)
-    other_middle, other_half = interval(other, b)
+    """Compute the kernel between the Chebyshev points of two nodes, row by row."""
+    middle, half = interval(low, high)
+    other_middle, other_half = interval(other_low, other_high)
     for i in range(ORDER):
         for j in range(ORDER):
-            block[i, j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
-    replace_by_influence(block.reshape(block.size), period, dual)
+            block[i * ORDER + j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
+    replace_by_influence(block, period, dual)
 
 
 @kernel
 def _fill_near_block(
-    one: Tree, a: int, other: Tree, b: int, period: float, dual: bool, block: Array
-) -> tuple[int, int, int, int]:
-    """Return the kernel between the points of two leaves, row by row; the first and last points of both."""
-    start, end = points_of_leaf(one, a)
-    other_start, other_end = points_of_leaf(other, b)
-    width = other_end - other_start
-    origins, offsets = other.origin[other_start:other_end], other.offset[other_start:other_end]
-    for i in range(start, end):
-        origin, offset, row = one.origin[i], one.offset[i], block[(i - start) * width : (i - start + 1) * width]
+    origin: Array, offset: Array, origins: Array, offsets: Array, period: float, dual: bool, block: Array
+) -> None:
+    """Compute the kernel between the points of two leaves, row by row."""
+    width = origins.size
+    for i in range(origin.size):
+        row = block[i * width : (i + 1) * width]
         for j in range(width):  # over whole arrays, so that the compiler vectorises
-            row[j] = (origin - origins[j]) + (offset - offsets[j])
-    replace_by_influence(block[: (end - start) * width], period, dual)
-    return start, end, other_start, other_end
+            row[j] = (origin[i] - origins[j]) + (offset[i] - offsets[j])
+    replace_by_influence(block, period, dual)
 
 
 def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
@@ -213,21 +211,28 @@ def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) ->
 
 
 @kernel
-def _make_blocks(tree: Tree, far: Pairs, near: Pairs, period: float, dual: bool) -> tuple[Blocks, Array, Indices]:
+def _make_blocks(
+    tree: Tree, far: Pairs, near: Pairs, period: float, dual: bool
+) -> tuple[NDArray[np.float64], Array, Indices]:
     """Return the fields of `PairMatrix` behind its pairs."""
-    far_block = np.empty((far.shape[0], ORDER, ORDER))
+    far_block = np.empty((far.shape[0], ORDER**2))
+    low, high, points, depth = tree.low, tree.high, tree.position.size, tree.depth
     for pair in range(far.shape[0]):
-        _fill_far_block(tree, far[pair, 0], tree, far[pair, 1], period, dual, far_block[pair])
+        a, b = far[pair, 0], far[pair, 1]
+        _fill_far_block(low[a], high[a], low[b], high[b], period, dual, far_block[pair])
     near_start = np.empty(near.shape[0] + 1, np.int64)
     near_start[0] = 0
     for pair in range(near.shape[0]):
-        start, end = points_of_leaf(tree, near[pair, 0])
-        other_start, other_end = points_of_leaf(tree, near[pair, 1])
-        near_start[pair + 1] = near_start[pair] + (end - start) * (other_end - other_start)
+        start, end = points_of_leaf(points, depth, near[pair, 0])
+        first, last = points_of_leaf(points, depth, near[pair, 1])
+        near_start[pair + 1] = near_start[pair] + (end - start) * (last - first)
     near_block = np.empty(near_start[-1])
     for pair in range(near.shape[0]):
+        start, end = points_of_leaf(points, depth, near[pair, 0])
+        first, last = points_of_leaf(points, depth, near[pair, 1])
+        origin, offset = tree.origin[start:end], tree.offset[start:end]
         block = near_block[near_start[pair] : near_start[pair + 1]]
-        _fill_near_block(tree, near[pair, 0], tree, near[pair, 1], period, dual, block)
+        _fill_near_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dual, block)
     return far_block, near_block, near_start
 
 
@@ -240,7 +245,7 @@ def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
         for node in range((1 << level) - 1, (1 << (level + 1)) - 1):
             here = moment[node]
             if level == tree.depth:
-                start, end = points_of_leaf(tree, node)
+                start, end = points_of_leaf(tree.position.size, tree.depth, node)
                 for a in range(start, end):
                     for q in range(ORDER):
                         here[q] += tree.at_points[a, q] * f[a]
@@ -262,8 +267,8 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
             for q in range(ORDER):
                 for s in range(ORDER):
                     here[q] += tree.to_parent[node, q, s] * parent[s]
-        if node >= _first_leaf(tree):
-            start, end = points_of_leaf(tree, node)
+        if node >= _first_leaf(tree.depth):
+            start, end = points_of_leaf(tree.position.size, tree.depth, node)
             for a in range(start, end):
                 for q in range(ORDER):
                     total[a] += tree.at_points[a, q] * here[q]
@@ -271,15 +276,14 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
 
 @in_any_order
 @kernel
-def _add_block(
-    block: NDArray[np.float64], f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array
-) -> None:
-    """Add a block times f of its columns to the totals of its rows, and its transpose likewise."""
-    for i in range(block.shape[0]):
-        row_sum = 0.0
-        for j in range(block.shape[1]):
-            row_sum += block[i, j] * f_of_columns[j]
-            to_columns[j] += block[i, j] * f_of_rows[i]
+def _add_block(block: Array, f_of_rows: Array, f_of_columns: Array, to_rows: Array, to_columns: Array) -> None:
+    """Add a block, given row by row, times f of its columns to the totals of its rows, and its transpose likewise."""
+    columns = to_columns.size
+    for i in range(to_rows.size):
+        row, row_sum = block[i * columns : (i + 1) * columns], 0.0
+        for j in range(columns):
+            row_sum += row[j] * f_of_columns[j]
+            to_columns[j] += row[j] * f_of_rows[i]
         to_rows[i] += row_sum
 
 
@@ -293,14 +297,12 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         a, b = matrix.far[pair, 0], matrix.far[pair, 1]
         _add_block(matrix.far_block[pair], moment[a], moment[b], field[a], field[b])
     for pair in range(matrix.near.shape[0]):
-        start, end = points_of_leaf(tree, matrix.near[pair, 0])
-        first, last = points_of_leaf(tree, matrix.near[pair, 1])
+        start, end = points_of_leaf(f.size, tree.depth, matrix.near[pair, 0])
+        first, last = points_of_leaf(f.size, tree.depth, matrix.near[pair, 1])
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
         # The block of a leaf with itself contains each pair twice.
         row_forces = f[start:end] if start != first else none
-        _add_block(
-            block.reshape(end - start, last - first), row_forces, f[first:last], total[start:end], total[first:last]
-        )
+        _add_block(block, row_forces, f[first:last], total[start:end], total[first:last])
     _add_local_fields(tree, field, total)
     return total
 
@@ -314,19 +316,22 @@ def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -
 def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, period: float, dual: bool) -> Array:
     """Return the sums of `potential`, from the pairs of nodes of the target and of the source."""
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
-    block = np.empty((ORDER, ORDER))
+    block = np.empty(ORDER**2)
     for pair in range(far.shape[0]):
-        _fill_far_block(source, far[pair, 1], target, far[pair, 0], period, dual, block)
+        to, of = far[pair, 0], far[pair, 1]
+        _fill_far_block(source.low[of], source.high[of], target.low[to], target.high[to], period, dual, block)
         for j in range(ORDER):
             for i in range(ORDER):
-                field[far[pair, 0], i] += block[j, i] * moment[far[pair, 1], j]
+                field[to, i] += block[j * ORDER + i] * moment[of, j]
     near_block = np.empty((LEAF_POINTS + 1) ** 2)
     for pair in range(near.shape[0]):
-        first, last, start, end = _fill_near_block(
-            source, near[pair, 1], target, near[pair, 0], period, dual, near_block
-        )
+        start, end = points_of_leaf(total.size, target.depth, near[pair, 0])
+        first, last = points_of_leaf(f.size, source.depth, near[pair, 1])
+        block = near_block[: (last - first) * (end - start)]
+        origin, offset = source.origin[first:last], source.offset[first:last]
+        _fill_near_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dual, block)
         for s in range(first, last):
             for a in range(start, end):
-                total[a] += near_block[(s - first) * (end - start) + a - start] * f[s]
+                total[a] += block[(s - first) * (end - start) + a - start] * f[s]
     _add_local_fields(target, field, total)
     return total

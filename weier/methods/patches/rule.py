@@ -147,18 +147,17 @@ def _own_block(K: int, dual: bool, inverse: bool) -> Table:
 @kernel
 def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f: Array, result: Array) -> None:
     """Add the self-influence of each segment, or its inverse, times f."""
-    total = np.empty(np.max(first_node[1:] - first_node[:-1]))
     for j in range(first_node.size - 1):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
-        rows, here = block[start[j] : start[j] + K * K].reshape(K, K), total[:K]
+        total = np.empty(K)
         for i in range(K):
-            here[i] = 0.0
+            total[i] = 0.0
         for k in range(K):  # along the rows of the symmetric matrix, so that the compiler vectorises
-            g = left[first + k] * f[first + k]
+            g, row = left[first + k] * f[first + k], block[start[j] + k * K : start[j] + (k + 1) * K]
             for i in range(K):
-                here[i] += g * rows[k, i]
+                total[i] += g * row[i]
         for i in range(K):
-            result[first + i] += left[first + i] * here[i]
+            result[first + i] += left[first + i] * total[i]
 
 
 @kernel
@@ -222,7 +221,9 @@ def forces_of(
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
         wave = _turn_of_waves(N, dual)
-        count = min(last - first, old_first_node[origin[j] + 1] - old)
+        count = old_first_node[origin[j] + 1] - old
+        if count > last - first:
+            count = last - first
         for i in range(first, last):
             total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift
             for n in range(count):

@@ -33,7 +33,6 @@ from weier.methods.patches.given_edges import (
     MAX_DIRECT,
     Forces,
     expansion,
-    regular_part,
     solve_tangent,
     vanishing_at_edges,
 )
@@ -255,9 +254,10 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) is smaller.
     The last two coefficients are used, since one of them vanishes for an even or odd density.
     """
-    count, short = first_node[1:] - first_node[:-1], np.empty(half_width.size, np.bool_)
+    count, short = np.empty(half_width.size, np.int64), np.empty(half_width.size, np.bool_)
     for j in range(half_width.size):
         last = first_node[j + 1]
+        count[j] = last - first_node[j]
         tail = max(abs(b[last - 1]), abs(b[last - 2]))
         short[j] = 2 * np.pi * half_width[j] * tail / count[j] > target
     return more_nodes(count, short)
@@ -336,10 +336,8 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     Singular parts at edges are distributed over the coefficients as rounding.
     """
     segments = step.punches.segments
-    b = vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
-    return ContactState(
-        problem.dual, problem.load, -step.forces.plane, segments, regular_part(segments.first_node, b)
-    )
+    _, a = vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_grows)
+    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, a)
 
 
 def _certified(found: Converged, series: CosineSeries, limits: Limits, accepted: float) -> ContactState:
