@@ -95,6 +95,10 @@ use rule solve as solve_by_bem with:
 ruleorder: solve_by_patches > solve_by_bem > solve
 
 
+# All rules of products have the same command and parameters: Snakemake would make again what another one has made.
+MAKE = "python -m weier products {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
+
+
 # The data, with the claims, or a figure that the command line names: by itself, from its own curves.
 rule data:
     input:
@@ -115,12 +119,10 @@ rule data:
         runtime=scenes.minutes,
     params:
         scene=scenes.scene_file,
-        product=product_of,
     message:
-        "{wildcards.scene}: make {params.product}"
+        "{wildcards.scene}: make the data and the claims"
     shell:
-        "python -m weier products {params.scene:q} results/curves results/{wildcards.scene} {params.product:q}"
-        " 2>&1 | tee -i {log:q}"
+        MAKE
 
 
 use rule data as figure with:
@@ -133,6 +135,8 @@ use rule data as figure with:
         "results/logs/{scene}/figure/{figure}.log",
     benchmark:
         "results/logs/{scene}/figure/{figure}.tsv"
+    message:
+        "{wildcards.scene}: draw {wildcards.figure}"
 
 
 # Two jobs of a scene make all others, those alone that are missing or outdated: each starts and reads the scene once.
@@ -162,12 +166,10 @@ for name in SCENES:
                 runtime=of_attempts(scenes.minutes, name),
             params:
                 scene=scenes.scene_file(SimpleNamespace(scene=name)),
-                products=made,
             message:
                 f"{name}: make those of {', '.join(made)} that are missing or outdated"
             shell:
-                f"python -m weier products {{params.scene:q}} results/curves results/{name} {{params.products:q}}"
-                " 2>&1 | tee -i {log:q}"
+                MAKE
 
 
 rule all:

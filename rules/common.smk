@@ -93,14 +93,11 @@ def is_named(scene, product):
     return product != PAGE and bool(words.intersection(scenes.files(scene, [product])))
 
 
-def product_of(wildcards):
-    """The product that a rule for a single one makes."""
-    return getattr(wildcards, "figure", DATA)
-
-
 def of_wildcards(function):
-    """A function of a scene and products as an input function of a single product."""
-    return lambda wildcards: function(wildcards.scene, [product_of(wildcards)])
+    """A function of a scene and products as an input function of a figure, or of the data."""
+    return lambda wildcards: function(
+        wildcards.scene, [getattr(wildcards, "figure", DATA)]
+    )
 
 
 def of_scene(function, scene, products):

@@ -244,6 +244,12 @@ def test_nothing_runs_twice_whatever_its_date(finished):
     assert planned(finished) == {}
 
 
+def test_what_is_up_to_date_is_not_made_when_it_is_named(finished):
+    triggers = "--rerun-triggers", "mtime", "params", "code"  # those of the profile
+    for file in ("figures/two.png", "claims.md", "page.html"):
+        assert planned(finished, f"results/test/{file}", *triggers) == {}
+
+
 def test_a_changed_figure_of_a_scene_is_drawn_alone(finished):
     path = finished / "config/scenes/test.yaml"
     path.write_text(SCENE.replace("resistance,", "resistance, x: linear,"))

@@ -125,7 +125,7 @@ def test_the_part_of_another_batch_is_refused(run, description, solved):
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("products", scene_file, tmp_path, tmp_path)
+    done = weier("products", scene_file, tmp_path, tmp_path / "page.html")
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1
@@ -134,7 +134,7 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
 
 def test_an_explorer_without_curves_is_removed_and_named(run, scene_file, tmp_path):
     (tmp_path / "page.html").touch()
-    code, _, err = run("products", scene_file, tmp_path / "none", tmp_path, "page.html")
+    code, _, err = run("products", scene_file, tmp_path / "none", tmp_path / "page.html")
     first, why, last = err.splitlines()
     assert (code, first) == (0, "make test: page.html")
     assert re.match(
@@ -147,7 +147,8 @@ def test_an_explorer_without_curves_is_removed_and_named(run, scene_file, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["products", "test.yaml", "none", "."], 1, "is not solved by demelio in none: run snake"),
+        (["products", "test.yaml", "none", "contact.nc"], 1, "is not solved by demelio in none: run snake"),
+        (["products", "test.yaml", "none", "x/two.png"], 1, "two.png is no file of the scene: choose from cont"),
         (["batch", "test.json", "x.nc"], 1, "test.json does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from the file of `python -m weier.accuracy tradeoff`"),
         (

@@ -104,24 +104,24 @@ def _solve(wanted: Batch, data: Path) -> None:
 @click.command(hidden=True)
 @SCENE
 @click.argument("batches", type=FILE)
-@click.argument("folder", type=FILE)
-@click.argument("names", nargs=-1)
-def products(scene_file: Path, batches: Path, folder: Path, names: Sequence[str]) -> None:
-    """Make those of the products NAMES of a scene, or of all, that are missing or outdated, or all if none is.
+@click.argument("files", nargs=-1, type=FILE, required=True)
+def products(scene_file: Path, batches: Path, files: Sequence[Path]) -> None:
+    """Make the products of a scene with these FILES: those that are missing or outdated, or all if none is.
 
-    The names are contact.nc, which includes the claims, those of figures, and page.html, the explorer. The curves
-    come from the folder BATCHES, and the products go to FOLDER. A figure that cannot be drawn is removed and named at
-    the end; the others are drawn.
+    The files are contact.nc and claims.md, page.html, the explorer, and those of figures. The curves come from the
+    folder BATCHES. A figure that cannot be drawn is removed and named at the end; the others are drawn.
     """
     from weier.figures.products import make_products
     from weier.pipeline.batches import Solutions
+    from weier.pipeline.products import products_with
+
+    solutions = Solutions(weier.load_scene(scene_file), batches)
+    folder, names = products_with(solutions.scene, files)
+
+    def report(name: str) -> None:
+        click.echo(f"make {scene_file.stem}: {name}", err=True)
 
     with job("products", scene_file.stem, *names):
-        solutions = Solutions(weier.load_scene(scene_file), batches)
-
-        def report(name: str) -> None:
-            click.echo(f"make {scene_file.stem}: {name}", err=True)
-
         for line in make_products(solutions, folder, names, report):
             click.echo(f"weier: {line}", err=True)
 

@@ -11,7 +11,7 @@ from weier import figures
 from weier.pipeline import claims
 from weier.pipeline.batches import Solutions
 from weier.pipeline.gather import read_study
-from weier.pipeline.products import CLAIMS, DATA, PAGE, files_of, inputs_of, is_fresh, mark, names_of
+from weier.pipeline.products import CLAIMS, DATA, PAGE, files_of, inputs_of, is_fresh, mark
 from weier.scene import Figure
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def make_products(
     folder : path
         The folder of the products.
     names : sequence of str
-        Some of `names_of(scene)`; all if it is empty.
+        Some of `names_of(scene)`.
     report : callable
         Called with the name of each product that is begun.
 
@@ -39,12 +39,11 @@ def make_products(
     list of str
         The reason why a figure, or the explorer, cannot be drawn. Its files are removed, and all others are made.
     """
-    wanted = list(names) or names_of(solutions.scene)
-    inputs = {name: inputs_of(solutions, name) for name in wanted}
-    outdated = [name for name in wanted if not is_fresh(folder, name, inputs[name])]
+    inputs = {name: inputs_of(solutions, name) for name in names}
+    outdated = [name for name in names if not is_fresh(folder, name, inputs[name])]
     study = cache(partial(read_study, solutions))  # of several figures, it is read once
     failed = []
-    for name in outdated or wanted:
+    for name in outdated or names:
         report(name)
         if name == DATA:
             claims.write(solutions, folder / DATA, folder / CLAIMS)

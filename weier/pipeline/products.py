@@ -7,7 +7,7 @@ the curves that the product reads, their order, the product's entry in the scene
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,20 @@ def marked_files_of(product: str) -> list[str]:
     """Return those of its files that carry the digest of its inputs."""
     of_data = {DATA: [DATA, CLAIMS], PAGE: [PAGE]}
     return of_data.get(product) or [f"figures/{product}.{suffix}" for suffix in FORMATS]
+
+
+def products_with(scene: Scene, files: Sequence[Path]) -> tuple[Path, list[str]]:
+    """Return the folder of a scene and its products, from files of these; ValueError if one is of no product."""
+    product = {Path(file).parts: name for name in names_of(scene) for file in files_of(name)}
+    found: dict[str, Path] = {}
+    for file in files:
+        parts = next((parts for parts in (file.parts[-2:], file.parts[-1:]) if parts in product), None)
+        if parts is None:
+            raise ValueError(
+                f"{file} is no file of the scene: choose from {', '.join('/'.join(each) for each in product)}"
+            )
+        found[product[parts]] = file.parents[len(parts) - 1]
+    return next(iter(found.values())), list(found)
 
 
 def is_fresh(folder: str | Path, product: str, inputs: str) -> bool:
