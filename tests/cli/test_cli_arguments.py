@@ -29,11 +29,10 @@ REQUIRED = {
     "batches": "batches",
     "description": "batch.json",
     "contact": "contact.nc",
-    "folder": "drawn",
+    "files": "drawn/contact.nc",
     "kind": "work_precision",
     "data": "new.nc",
     "path": "new.nc",
-    "table": "new.md",
 }
 # What is no argument, and needed: a profile.
 SERIES = ["-D", "1.25", "--gamma", "2", "-m", "1"]
