@@ -95,7 +95,6 @@ use rule solve as solve_by_bem with:
 ruleorder: solve_by_patches > solve_by_bem > solve
 
 
-# All rules of products have the same command and parameters: Snakemake would make again what another one has made.
 MAKE = "python -m weier products {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
 
 
@@ -165,7 +164,7 @@ for name in SCENES:
                 mem_mb=of_attempts(scenes.memory, name),
                 runtime=of_attempts(scenes.minutes, name),
             params:
-                scene=scenes.scene_file(SimpleNamespace(scene=name)),
+                scene=of_output(scenes.scene_file, name),
             message:
                 f"{name}: make those of {', '.join(made)} that are missing or outdated"
             shell:

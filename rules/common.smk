@@ -19,6 +19,7 @@ from weier.pipeline.workflow import (
     kernels_file,
     kernels_of,
     names_of_scenes,
+    prunes,
 )
 
 SCENES = names_of_scenes(config, CONFIG / "scenes")
@@ -59,7 +60,7 @@ scenes = Scenes(
     cores(),
     runs=runs,
     locks=settings is None or settings.lock,
-    prune=bool(config.get("prune")),
+    prune=prunes(config),
 )
 
 
@@ -103,6 +104,11 @@ def of_wildcards(function):
 def of_scene(function, scene, products):
     """A function of a scene and products as an input function of a rule without wildcards."""
     return lambda wildcards: function(scene, products)
+
+
+def of_output(function, scene):
+    """A function of wildcards and the output as a parameter of a rule without wildcards."""
+    return lambda wildcards, output: function(SimpleNamespace(scene=scene), output)
 
 
 def of_attempts(function, scene):

@@ -17,7 +17,7 @@ from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.pipeline import workflow
 from weier.pipeline.products import mark
-from weier.pipeline.workflow import Scenes, check_packages, ending_in_one_sentence, kernels_file, kernels_of
+from weier.pipeline.workflow import Scenes, check_packages, ending_in_one_sentence, kernels_file, kernels_of, prunes
 
 SCENE = """
 title: test
@@ -276,6 +276,31 @@ def test_unused_batches_are_removed_when_asked(folder, capsys):
     scenes(prune=True).begin()
     assert capsys.readouterr().err == said.format("removed")
     assert sorted(used.parent.iterdir()) == [used.with_suffix(".json"), used]
+
+
+def test_pruning_waits_for_other_runs_and_keeps_curves_of_interrupted_ones(folder):
+    """A run that has begun needs its descriptions, of which there are no curves yet."""
+    curves, locks = folder / "results/curves", folder / ".snakemake/locks"
+    for path in (curves, locks):
+        path.mkdir(parents=True)
+    kept = [curves / f"bem-00000000-000000000000{suffix}" for suffix in (".json", ".part")]
+    for path in (*kept, curves / "bem-00000000-000000000001.json"):
+        path.touch()
+    lock = locks / "0.output.lock"
+    lock.write_text("results/other/contact.nc\n")
+    with pytest.raises(SystemExit, match=r"^weier: another run of snakemake has locked this folder"):
+        scenes(prune=True).begin()
+    assert len(list(curves.iterdir())) == 3
+    lock.unlink()
+    scenes(prune=True).begin()
+    assert sorted(curves.iterdir()) == kept
+
+
+@pytest.mark.parametrize("value", ["no", "off", "false", "", 2, None])
+def test_what_does_not_ask_for_pruning_clearly_is_refused(value):
+    with pytest.raises(SystemExit, match=r"^weier: prune must be 0 or 1, got "):
+        prunes({"prune": value})
+    assert [prunes(config) for config in ({}, {"prune": 0}, {"prune": False}, {"prune": 1})] == [False] * 3 + [True]
 
 
 def test_the_last_batch_of_a_job_is_kept_while_another_one_is_used(folder):

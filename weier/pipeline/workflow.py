@@ -47,6 +47,7 @@ LOCKED = (
     "results/{} is locked by another run of snakemake: wait for it. If no other one runs, since it was killed or the "
     "power was lost, the lock can be removed with the --unlock argument"
 )
+PRUNED_BESIDE = "another run of snakemake has locked this folder, and needs its curves: wait for it before prune=1"
 # megabytes of a process and of each of its cases, above `max_rss` in `results/logs/curves/*.tsv`; minutes in addition
 # to the expected ones, for a busy disk; a job that needs more is run again with twice as much
 BATCH_MB, CASE_MB, BATCH_MINUTES = 500, 0.05, 5
@@ -109,7 +110,9 @@ class Scenes:
         with ending_in_one_sentence():
             return Solutions(scene, self.store)
 
-    def scene_file(self, wildcards: Any) -> str:
+    # Snakemake makes again what was made with other parameters, but not with those of functions of the output: the
+    # place of a checkout and expected seconds change no curve.
+    def scene_file(self, wildcards: Any, output: Any = None) -> str:
         """Return the file of a scene, as jobs read it."""
         return str(self.config / "scenes" / f"{wildcards.scene}.yaml")
 
@@ -207,11 +210,11 @@ class Scenes:
             if sealed_name(path) != batch or path.stat().st_mtime > gathered:
                 check_sealed(path, batch)
 
-    def description(self, wildcards: Any) -> str:
+    def description(self, wildcards: Any, output: Any = None) -> str:
         """Return the description of the last batch of a job, which names the others."""
         return str(self.store.folder / f"{wildcards.batch}.json")
 
-    def batch_label(self, wildcards: Any) -> str:
+    def batch_label(self, wildcards: Any, output: Any = None) -> str:
         """Return the content of a job, and its expected time."""
         with ending_in_one_sentence():
             job = self.store.job(wildcards.batch)
@@ -289,9 +292,11 @@ class Scenes:
         for name in self.names:
             if any(line.startswith(f"{self.results / name}/") for line in held):
                 raise ValueError(LOCKED.format(name))
+        if self._prune and held:
+            raise ValueError(PRUNED_BESIDE)
 
     def _remove_unused(self) -> None:
-        """Remove batches that no scene in the folder of scenes uses, and descriptions that were never solved."""
+        """Remove batches that no scene in the folder of scenes uses, and descriptions of which no curve is solved."""
         names = sorted(path.stem for path in (self.config / "scenes").glob("*.yaml"))
         found = unused(self.store, [Solutions(self.scene(name), Store(self.store.folder)) for name in names])
         size = sum(found.values()) / 1e6
@@ -300,9 +305,9 @@ class Scenes:
         if self._runs():
             solved = self.store.solved
             for path in self.store.folder.glob("*.json"):
-                if path.stem in found or path.stem not in solved:
+                is_begun = path.stem in solved or path.with_suffix(PART).exists()
+                if path.stem in found or not is_begun:
                     path.with_suffix(".nc").unlink(missing_ok=True)
-                    path.with_suffix(PART).unlink(missing_ok=True)
                     path.unlink()
             self.store = Store(self.store.folder)
 
@@ -372,6 +377,14 @@ def names_of_scenes(config: Mapping[str, Any], folder: Path) -> list[str]:
             return meant
         hint = f": quote one of {', '.join(meant)}, as in --config \"scenes='{meant[0]}'\"" if meant else ""
         raise ValueError(f"scenes must name some of {', '.join(known)} in {folder}, got {shown(given)}{hint}")
+
+
+def prunes(config: Mapping[str, Any]) -> bool:
+    """Return whether the configuration asks to remove unused curves; the run ends if that is not clear."""
+    with ending_in_one_sentence():
+        if (given := config.get("prune", 0)) not in (0, 1):
+            raise ValueError(f"prune must be 0 or 1, got {shown(given)}")
+    return bool(given)
 
 
 def _as_snakemake(word: str) -> Any:
