@@ -245,7 +245,7 @@ def test_nothing_runs_twice_whatever_its_date(finished):
 
 
 def test_what_is_up_to_date_is_not_made_when_it_is_named(finished):
-    triggers = "--rerun-triggers", "mtime", "params", "code"  # those of the profile
+    triggers = "--rerun-triggers", "mtime", "params"  # those of the profile
     for file in ("figures/two.png", "claims.md", "page.html"):
         assert planned(finished, f"results/test/{file}", *triggers) == {}
 
@@ -284,6 +284,21 @@ def test_docstrings_comments_and_readers_of_files_run_nothing(finished):
     with (finished / "weier/surface/measured/text.py").open("a") as source:
         source.write("\n\ndef more():\n    return 1\n")
     assert planned(finished) == {}
+
+
+@pytest.mark.parametrize(
+    ("module", "old", "new"),
+    [
+        ("pipeline/task.py", "method.solve(self.profile, self.loads", "method.solve(self.profile, 1 * self.loads"),
+        ("pipeline/batch.py", "np.shape(value))] = value", "np.shape(value))] = 1 * value"),
+    ],
+)
+def test_what_hands_curves_from_a_method_to_a_file_solves_all_again(finished, module, old, new):
+    edit(finished / "weier" / module, old, new)
+    said = run(finished, "--dry-run")
+    edit(finished / "weier" / module, new, old)
+    assert len(re.findall(r"^Job \d+: solve 1 case", said, re.M)) == 4
+    assert "Nothing to be done" in run(finished, "--dry-run")
 
 
 def test_a_changed_solver_runs_its_own_method(finished):

@@ -35,10 +35,13 @@ if TYPE_CHECKING:
 OF_SERIES = (("weier.surface.profile", "Profile"), ("weier.surface.profile", "random_phases"))
 OF_TRACES = (("weier.surface.measured.trace", "Trace"),)
 OF_ALL = (
-    ("weier.theory.bounds", "infinite_series_bounds"),
-    ("weier.theory.bounds", "first_contact"),
+    ("weier.pipeline.task", "CurveTask"),
+    ("weier.pipeline.batch", "describe_case"),
+    ("weier.pipeline.batch", "_bounds"),
     ("weier.kernels.jit", "OPTIONS"),
 )
+# Other methods, and what files say of variables, change no curve.
+NOT_FOLLOWED = ("weier.methods.registry", "weier.data.variables")
 PART = ".part"  # The suffix of the curves of a batch that was interrupted.
 CODE_DIGITS = 12  # of the digest of the code that files state
 
@@ -53,9 +56,10 @@ def numerics(method: str, is_trace: bool) -> dict[str, str]:
         *OF_ALL,
         *(OF_TRACES if is_trace else OF_SERIES),
         # a trace is identified by its heights, not its file
-        stop=[f"weier.surface.measured.{path.stem}" for path in measured],
+        stop=[*NOT_FOLLOWED, *(f"weier.surface.measured.{path.stem}" for path in measured)],
     )
-    return {"code": code[:CODE_DIGITS], "packages": versions()}
+    # Curves of methods without phases are shared.
+    return {"code": digest([code, found.uses_phases])[:CODE_DIGITS], "packages": versions()}
 
 
 class Kind(NamedTuple):
