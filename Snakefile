@@ -95,6 +95,8 @@ use rule solve as solve_by_bem with:
 ruleorder: solve_by_patches > solve_by_bem > solve
 
 
+# One command for all rules of products: where the code of rules triggers, as it does without these profiles, Snakemake
+# would make again what another rule has made.
 MAKE = "python -m weier products {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
 
 

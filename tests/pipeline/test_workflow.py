@@ -207,9 +207,8 @@ def test_products_that_were_made_of_something_else_are_outdated(folder, capsys):
     assert scenes().unsettled_batches("test", PRODUCTS) == scenes().batches("test", "one")
     run = scenes()
     unsettled, settled = run.unsettled_batches("test", PRODUCTS), run.settled_batches("test", PRODUCTS)
-    assert sorted(unsettled + settled) == sorted(
-        run.batches("test")
-    )  # though fresh products have those of the stale one
+    # though fresh products have those of the stale one, too
+    assert sorted(unsettled + settled) == sorted(run.batches("test"))
     assert settled
     (made / "figures/one.svg").unlink()  # Snakemake makes what is missing
     assert outdated() == [False, False, False, False]

@@ -210,7 +210,7 @@ class Scenes:
             if sealed_name(path) != batch or path.stat().st_mtime > gathered:
                 check_sealed(path, batch)
 
-    def description(self, wildcards: Any, output: Any = None) -> str:
+    def description(self, wildcards: Any) -> str:
         """Return the description of the last batch of a job, which names the others."""
         return str(self.store.folder / f"{wildcards.batch}.json")
 
