@@ -17,7 +17,7 @@ def run() -> None:
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)
     os.environ["MPLBACKEND"] = "agg"  # Figures go to files. Jupyter names a backend that this environment may lack.
-    # Kernels are compiled in four fifths of the time of LLVM's level 3, and give the same digits as fast
+    # Kernels are compiled in nine tenths of the time of LLVM's level 3, and give the same digits as fast
     # (docs/compiling.md).
     os.environ.setdefault("NUMBA_OPT", "1")
     try:
