@@ -7,8 +7,8 @@ from typing import Any
 import yaml
 
 from weier import scene
+from weier.api.batch import solve_batch
 from weier.data import dataset
-from weier.pipeline.batch import solve_batch
 from weier.pipeline.batches import Solutions
 from weier.scene import Scene
 

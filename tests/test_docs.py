@@ -18,11 +18,12 @@ import weier
 from tests import plots
 from tests.scenes import scene_in, solve_scene
 from weier import scene
+from weier.api import batch
 from weier.data import variables
 from weier.data.variables import Check
 from weier.figures import kinds
 from weier.methods import registry
-from weier.pipeline import batch, claims
+from weier.pipeline import claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.case import Study
 from weier.pipeline.claims.claim import judge

@@ -12,10 +12,10 @@ import weier
 from tests.scenes import scene_in, solve_scene
 from tests.toy_method import TOY
 from weier import figures
+from weier.api import batch
 from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
-from weier.pipeline import batch
 from weier.pipeline.compile import compile_kernels
 from weier.pipeline.gather import gather
 from weier.scene import Figure

@@ -10,6 +10,11 @@ from typing import TYPE_CHECKING, Any
 from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
+    from weier.api.fields import events as events
+    from weier.api.fields import fields as fields
+    from weier.api.interface import Interface as Interface
+    from weier.api.inverse import find_load as find_load
+    from weier.api.solve import solve as solve
     from weier.data.dataset import open_dataset as open_dataset
     from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
@@ -17,11 +22,6 @@ if TYPE_CHECKING:
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
     from weier.methods.errors import OutOfReachError as OutOfReachError
-    from weier.pipeline.fields import events as events
-    from weier.pipeline.fields import fields as fields
-    from weier.pipeline.interface import Interface as Interface
-    from weier.pipeline.inverse import find_load as find_load
-    from weier.pipeline.solve import solve as solve
     from weier.surface.measured.trace import Trace as Trace
     from weier.surface.profile import Profile as Profile
     from weier.surface.profile import random_phases as random_phases
@@ -31,21 +31,21 @@ __version__ = VERSION
 
 _MODULES = {
     "ConvergenceError": "methods.errors",
-    "Interface": "pipeline.interface",
+    "Interface": "api.interface",
     "NotApplicableError": "methods.errors",
     "OutOfReachError": "methods.errors",
     "Profile": "surface.profile",
     "Trace": "surface.measured.trace",
     "choose": "methods.auto",
-    "events": "pipeline.fields",
-    "fields": "pipeline.fields",
-    "find_load": "pipeline.inverse",
+    "events": "api.fields",
+    "fields": "api.fields",
+    "find_load": "api.inverse",
     "fit": "surface.spectrum",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",
     "profile_of": "data.selection",
     "random_phases": "surface.profile",
-    "solve": "pipeline.solve",
+    "solve": "api.solve",
 }
 __all__ = sorted([*_MODULES, "__version__"])
 

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 from weier import scene
+from weier.api import workers
 from weier.data import dataset, netcdf
-from weier.pipeline import workers
 from weier.pipeline.batches import Solutions
 
 SCENE = """

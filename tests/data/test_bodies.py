@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from weier.api.fields import fields
+from weier.api.solve import solve
 from weier.data.bodies import Bodies
 from weier.methods import westergaard
-from weier.pipeline.fields import fields
-from weier.pipeline.solve import solve
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 from weier.theory.conduction import composite_modulus

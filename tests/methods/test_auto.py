@@ -8,9 +8,9 @@ import pytest
 
 import weier
 from tests.scenes import scene_in
+from weier.api.task import CurveTask
 from weier.methods import auto, bem, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
-from weier.pipeline.task import CurveTask
 from weier.surface.profile import Profile, random_phases
 
 LOADS = np.array([1e-3, 0.03, 0.3, 1.0])

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.scenes import scene_in, solve_scene
-from weier.pipeline import batch
+from weier.api import batch
 
 SCENE = """
 title: test

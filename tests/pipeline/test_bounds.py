@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.scenes import scene_in
 from weier import Profile
+from weier.api import batch
 from weier.methods import patches
-from weier.pipeline import batch
 from weier.pipeline.gather import read_study
 
 BETWEEN_NODES = """

@@ -6,10 +6,11 @@ import pytest
 import xarray as xr
 
 from tests.scenes import scene_in, solve_scene
+from weier.api import batch
 from weier.data import dataset, netcdf
 from weier.data.provenance import run_date
 from weier.data.variables import Status
-from weier.pipeline import batch, claims
+from weier.pipeline import claims
 from weier.pipeline import gather as gathering
 from weier.pipeline.batches import Solutions
 from weier.pipeline.curves import numerics

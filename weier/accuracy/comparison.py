@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from weier.accuracy.variants import Variant
+from weier.api.batch import arrays, describe_case
 from weier.data import dataset, variables
 from weier.data.variables import LABEL, Variable
 from weier.kernels.arrays import Array
-from weier.pipeline.batch import arrays, describe_case
 from weier.scene import Case
 
 DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # describe a case, besides its coordinates

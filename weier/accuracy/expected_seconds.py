@@ -22,12 +22,12 @@ from weier import ConvergenceError, Profile, Trace, random_phases
 from weier.accuracy.report import Page, measurement
 from weier.accuracy.runner import run
 from weier.accuracy.variants import Variant, by_default, variants_of
+from weier.api.batch import solve_batch
 from weier.data import dataset, markdown
 from weier.kernels.arrays import Array
 from weier.methods import bem, hybrid, layer, patches
 from weier.methods.method import Method
 from weier.methods.registry import find_method
-from weier.pipeline.batch import solve_batch
 from weier.pipeline.compile import compile_kernels
 from weier.pipeline.curves import CASE_SECONDS, START_SECONDS
 from weier.scene import Case
@@ -137,7 +137,7 @@ def row_of_fit(measured: list[Measurement]) -> list[str]:
 def seconds_of_start() -> float:
     """Return processor seconds of starting a process of the pipeline."""
     before = os.times()
-    subprocess.run([sys.executable, "-c", "import weier.pipeline.batch"], check=True)
+    subprocess.run([sys.executable, "-c", "import weier.api.batch"], check=True)
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.accuracy.variants import Variant
+from weier.api.task import CurveTask
 from weier.digests import PACKAGE
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.method import Method
 from weier.methods.registry import find_method
-from weier.pipeline.task import CurveTask
 from weier.surface.waves import Waves
 
 # runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others

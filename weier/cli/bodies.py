@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
     import xarray as xr
 
-    from weier.pipeline.interface import Interface
+    from weier.api.interface import Interface
 
 OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error|standard_error)$")  # the ends of columns for a quantity
 INTERFACE = "interface"  # The key of a scene with its bodies.
@@ -28,7 +28,7 @@ def read_bodies(path: Path) -> Interface:
     # each of these imports takes some tenths of a second
     from pydantic import ValidationError
 
-    from weier.pipeline.interface import Interface
+    from weier.api.interface import Interface
     from weier.scene.models import InterfaceKeys
     from weier.scene.part import mistakes_of
 

@@ -76,8 +76,8 @@ def batch(description: Path, data: Path) -> None:
 
 def _solve(wanted: Batch, data: Path) -> None:
     """Solve a batch, or continue with it."""
+    from weier.api.batch import solve_batch
     from weier.data import dataset, netcdf
-    from weier.pipeline.batch import solve_batch
 
     part, known = data.with_suffix(PART), None
     if part.exists():

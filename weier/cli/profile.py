@@ -24,7 +24,7 @@ from weier.scene import Figure
 if TYPE_CHECKING:
     import xarray as xr
 
-    from weier.pipeline.interface import Interface
+    from weier.api.interface import Interface
 
 ERROR = "mean_pressure_error"
 MIN_LOADS = 2  # A line needs two points.
@@ -63,7 +63,8 @@ def _request(
     loads: Array, bodies: Path | None, pressures: Array | None, wanted: Mapping[str, Any], **series: Any
 ) -> Request:
     """Return the profile and its loads, by the options of a command."""
-    from weier.pipeline import inverse, single  # xarray, as in `solve`
+    from weier.api import inverse  # xarray, as in `solve`
+    from weier.pipeline import single
 
     profile, given = profile_or_trace(**series), click.get_current_context().get_parameter_source
     wanted = {name: text for name, text in wanted.items() if text is not None}

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from weier.api.fields import events, fields
+from weier.api.task import CurveTask
 from weier.kernels import jit
 from weier.methods import bem, patches, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
-from weier.pipeline.fields import events, fields
-from weier.pipeline.task import CurveTask
 from weier.surface.profile import Profile
 
 # Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.

@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 OF_SERIES = (("weier.surface.profile", "Profile"), ("weier.surface.profile", "random_phases"))
 OF_TRACES = (("weier.surface.measured.trace", "Trace"),)
 OF_ALL = (
-    ("weier.pipeline.task", "CurveTask"),
-    ("weier.pipeline.batch", "describe_case"),
-    ("weier.pipeline.batch", "_bounds"),
+    ("weier.api.task", "CurveTask"),
+    ("weier.api.batch", "describe_case"),
+    ("weier.api.batch", "_bounds"),
     ("weier.kernels.jit", "OPTIONS"),
 )
 # Other methods, and what files say of variables, change no curve.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from weier.api.progress import LONG
 from weier.data.markdown import significant
 from weier.kernels.arrays import Array
 from weier.methods import auto, registry
 from weier.methods.registry import find_method
 from weier.pipeline.curves import Batch
-from weier.pipeline.progress import LONG
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 

@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from weier.api.batch import solve_batch
+from weier.api.progress import LONG, TERMINAL_SECONDS, Watch, waiting
+from weier.api.solve import settings_by_method
 from weier.checks import readable
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
@@ -18,10 +21,7 @@ from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import reporting_to
 from weier.methods.registry import default_method, find_method
-from weier.pipeline.batch import solve_batch
 from weier.pipeline.forecast import forecast
-from weier.pipeline.progress import LONG, TERMINAL_SECONDS, Watch, waiting
-from weier.pipeline.solve import settings_by_method
 from weier.scene import Case
 from weier.scene.case import trace_parameters
 from weier.scene.yaml import write_yaml

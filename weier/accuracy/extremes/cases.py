@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 
 from weier.accuracy.comparison import Comparison
 from weier.accuracy.variants import Variant, by_default
+from weier.api.fields import events
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
-from weier.pipeline.fields import events
 from weier.scene import Case
 from weier.surface.profile import Profile
 
@@ -73,7 +73,7 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
 
 
 def around_events(case: Case, apart: float = 0.0) -> Array:
-    """Return the loads around the births and merges of contacts, which `weier.pipeline.fields.events` finds.
+    """Return the loads around the births and merges of contacts, which `weier.api.fields.events` finds.
 
     The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
     `apart`, in rad.

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.scenes import scene_in
+from weier.api import batch
 from weier.methods import registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import solver
 from weier.methods.registry import find_method
-from weier.pipeline import batch
 
 
 def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):

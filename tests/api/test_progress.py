@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
+from weier.api import progress
+from weier.api.progress import ERASE, Loads, Progress, waiting
 from weier.methods.progress import count_load, reporting_to
 from weier.methods.registry import find_method
-from weier.pipeline import progress
-from weier.pipeline.progress import ERASE, Loads, Progress, waiting
 from weier.surface.profile import Profile
 
 LOADS = np.array([0.1, 0.3, 1.0])

@@ -10,6 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from weier.api.progress import watching
+from weier.api.task import CurveTask, distinct
 from weier.checks import checked_flag, checked_number, checked_workers, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
@@ -17,8 +19,6 @@ from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
-from weier.pipeline.progress import watching
-from weier.pipeline.task import CurveTask, distinct
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
 from weier.surface.waves import Waves, checked_surface
 from weier.units import PASCAL
@@ -186,7 +186,7 @@ def _solve_all(
     edges: bool,
     workers: int,
 ) -> xr.Dataset:
-    from weier.pipeline.batch import solve_batch  # scenes, which one curve does not need
+    from weier.api.batch import solve_batch  # scenes, which one curve does not need
     from weier.scene.case import Case
 
     cases = tuple(Case.of(surface, tuple(methods), settings) for surface in profiles)

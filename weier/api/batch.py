@@ -12,6 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from weier.api.progress import LOG_SECONDS
+from weier.api.task import CurveTask
+from weier.api.workers import Outcome, solve_curves
 from weier.data import dataset
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
@@ -19,9 +22,6 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
-from weier.pipeline.progress import LOG_SECONDS
-from weier.pipeline.task import CurveTask
-from weier.pipeline.workers import Outcome, solve_curves
 from weier.scene.case import Case
 from weier.scene.cases import layout_of
 from weier.surface.limits import resolvable

@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from weier.api.progress import clock
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
-from weier.pipeline.progress import clock
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves
 

@@ -9,10 +9,10 @@ import xarray as xr
 
 import weier
 from tests.scenes import scene_in
+from weier.api.batch import solve_batch
 from weier.data import provenance
 from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
-from weier.pipeline.batch import solve_batch
 
 LOADS = [0.01, 0.1, 1.0]
 SMOOTH = weier.Profile(1.25, 5, 2, (0.0, 1.0))

@@ -15,10 +15,10 @@ from multiprocessing import current_process, get_context, parent_process
 from threading import Thread
 from typing import Any
 
+from weier.api.progress import Loads, Progress
+from weier.api.task import CurveTask
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.progress import reporting_to
-from weier.pipeline.progress import Loads, Progress
-from weier.pipeline.task import CurveTask
 
 # The message where the pool of processes breaks.
 LOST = (

@@ -10,12 +10,12 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
+from weier.api.inverse import Wanted, checked_wanted, loads_for
+from weier.api.solve import in_order, solve_under
 from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.pipeline.inverse import Wanted, checked_wanted, loads_for
-from weier.pipeline.solve import in_order, solve_under
 from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves, checked_surface
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import weier
+from weier.api import progress
 from weier.methods import layer
-from weier.pipeline import progress
 from weier.pipeline.single import solve_one
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)

@@ -15,9 +15,9 @@ import xarray as xr
 
 import weier
 from weier import checks
+from weier.api.task import CurveTask
+from weier.api.workers import LOST, solve_curves
 from weier.data.variables import Status
-from weier.pipeline.task import CurveTask
-from weier.pipeline.workers import LOST, solve_curves
 
 LOADS = np.array([0.01, 0.1, 1.0])
 LONG_PERIOD = weier.Profile(1.5, "6/5", 4, 1.0)  # rounding is above 1e-13 g_0 at heavy loads

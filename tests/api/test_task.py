@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weier
-from weier.pipeline.task import CurveTask, distinct
+from weier.api.task import CurveTask, distinct
 
 LOADS = np.array([0.01, 0.1, 1.0])
 SERIES = [weier.Profile(1.25, 5, 2, seed=seed) for seed in (1, 2, 1)]

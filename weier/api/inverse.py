@@ -17,6 +17,8 @@ import scipy  # Its submodules are loaded on first use.
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from weier.api.solve import solve
+from weier.api.task import CurveTask
 from weier.checks import checked_numbers, checked_word
 from weier.data import variables
 from weier.data.variables import VARIABLES
@@ -25,8 +27,6 @@ from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.solver import MIN_LOAD
 from weier.methods.patches.start import TOLERANCE
-from weier.pipeline.solve import solve
-from weier.pipeline.task import CurveTask
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact

@@ -1,0 +1,1 @@
+"""The calls of programs: `solve`, `fields`, `events`, `find_load` and `Interface`."""
