@@ -1,8 +1,12 @@
-"""config -> solve -> claims and figures. The rules call commands of weier and define their dependencies."""
+"""Scenes -> curves -> data, claims and figures. The rules call commands of weier and define their dependencies."""
 
 import os
 import sys
 from pathlib import Path
+
+from snakemake.utils import min_version
+
+min_version("9.0")
 
 VERSION = "0.1.0"  # of this workflow, and of the package that its jobs run
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
@@ -13,7 +17,14 @@ if (CHECKOUT / "weier").is_dir():
     elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
     os.environ.update(PYTHONPATH=os.pathsep.join([str(CHECKOUT), *elsewhere]))
 
-from weier.data.provenance import VERSION as INSTALLED
+try:
+    from weier.data.provenance import VERSION as INSTALLED
+    import weier.pipeline.workflow
+except ModuleNotFoundError as error:
+    raise SystemExit(
+        f"weier: Snakemake needs {error.name} in its own environment: pip install 'weier[pipeline]', or "
+        f"pip install --require-hashes -r requirements/run.txt of a checkout"
+    )
 
 if INSTALLED != VERSION:
     raise SystemExit(
@@ -35,147 +46,155 @@ configfile: configured("config.yaml")
 
 
 include: "rules/common.smk"
-include: "rules/compile.smk"
 include: "rules/accuracy.smk"
-include: "rules/docs.smk"
 
 
 wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
-    batch=r"[a-z_]+-[0-9a-f]{8}-[0-9a-f]{12}",
     method=r"[a-z_]+",
 
 
 localrules:
     all,
-
-
-# Ctrl-C reaches all programs of a job; `tee -i` ignores it and writes the last messages of the others.
-# A job solves batches that need the same kernels. Its last batch stands for all of them, as long as it is there.
-# The name of a batch is a digest of all that its curves depend on, and products carry the digest of what they were made
-# of. So dates make nothing out of date: inputs are ancient. Of products, one input has the date: it is newer than a
-# product that was made of something else.
-rule solve:
-    input:
-        kernels=ancient(scenes.kernels),
-    output:
-        "results/curves/{batch}.nc",
-    log:
-        "results/logs/curves/{batch}.log",
-    benchmark:
-        "results/logs/curves/{batch}.tsv"
-    conda:
-        environment
-    resources:
-        mem_mb=scenes.batch_memory,
-        runtime=scenes.batch_minutes,
-    params:
-        description=scenes.description,
-        label=scenes.batch_label,
-    message:
-        "solve {params.label}"
-    shell:
-        "python -m weier batch {params.description:q} {output:q} 2>&1 | tee -i {log:q}"
-
-
-# What takes longest goes first, so that no core waits for it at the end.
-use rule solve as solve_by_patches with:
-    output:
-        "results/curves/{batch,patches-.+}.nc",
-    priority: 2
-
-
-use rule solve as solve_by_bem with:
-    output:
-        "results/curves/{batch,bem-.+}.nc",
-    priority: 1
-
-
-ruleorder: solve_by_patches > solve_by_bem > solve
-
-
-# One command for all rules of products: where the code of rules triggers, as it does without these profiles, Snakemake
-# would make again what another rule has made.
-MAKE = "python -m weier products {params.scene:q} results/curves {output:q} 2>&1 | tee -i {log:q}"
-
-
-# The data, with the claims, or a figure that the command line names: by itself, from its own curves.
-rule data:
-    input:
-        settled=ancient(of_wildcards(scenes.settled_batches)),
-        unsettled=of_wildcards(scenes.unsettled_batches),
-        outdated=of_wildcards(scenes.outdated),
-    output:
-        data=update("results/{scene}/contact.nc"),
-        table=in_report("results/{scene}/claims.md"),
-    log:
-        "results/logs/{scene}/data.log",
-    benchmark:
-        "results/logs/{scene}/data.tsv"
-    conda:
-        environment
-    resources:
-        mem_mb=scenes.memory,
-        runtime=scenes.minutes,
-    params:
-        scene=scenes.scene_file,
-    message:
-        "{wildcards.scene}: make the data and the claims"
-    shell:
-        MAKE
-
-
-use rule data as figure with:
-    output:
-        pdf="results/{scene}/figures/{figure}.pdf",
-        svg="results/{scene}/figures/{figure}.svg",
-        png=in_report("results/{scene}/figures/{figure}.png"),
-        csv="results/{scene}/figures/{figure}.csv",
-    log:
-        "results/logs/{scene}/figure/{figure}.log",
-    benchmark:
-        "results/logs/{scene}/figure/{figure}.tsv"
-    message:
-        "{wildcards.scene}: draw {wildcards.figure}"
-
-
-# Two jobs of a scene make all others, those alone that are missing or outdated: each starts and reads the scene once.
-# Their rules have no wildcards, since outputs have the names of figures, so that they go first.
-for name in SCENES:
-    for maker, made in scenes.makers(name).items():
-        made = [each for each in made if not is_named(name, each)]
-
-        rule:
-            name:
-                maker
-            input:
-                settled=ancient(of_scene(scenes.settled_batches, name, made)),
-                unsettled=of_scene(scenes.unsettled_batches, name, made),
-                outdated=of_scene(scenes.outdated, name, made),
-            output:
-                # else Snakemake removes those that are fresh
-                [update(in_report(path)) for path in scenes.files(name, made)],
-            log:
-                f"results/logs/{name}/{maker}.log",
-            benchmark:
-                f"results/logs/{name}/{maker}.tsv"
-            conda:
-                environment
-            resources:
-                mem_mb=of_attempts(scenes.memory, name),
-                runtime=of_attempts(scenes.minutes, name),
-            params:
-                scene=of_output(scenes.scene_file, name),
-            message:
-                f"{name}: make those of {', '.join(made)} that are missing or outdated"
-            shell:
-                MAKE
+    made_of,
 
 
 rule all:
     default_target: True
     input:
-        scenes.products,
+        plan.all_files,
     message:
         f"everything of {', '.join(SCENES)}"
+
+
+# A job for each method, so that methods are compiled in parallel, before the jobs that need them.
+rule compile:
+    output:
+        touch(kernels_file("{method}")),
+    log:
+        "results/logs/compile/{method}.log",
+    priority: 3  # first, since it takes longest: what needs no kernels is solved beside it
+    conda:
+        "rules/environment.yaml"
+    message:
+        "compile {wildcards.method}"
+    shell:
+        "{RUN} compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
+
+
+# A job solves its share of what the store lacks, and appends it to the store every few seconds. The name of its marker
+# is a digest of what was missing; the job looks again. Ctrl-C reaches all programs of a job; `tee -i` ignores it and
+# writes the last messages of the others.
+rule solve:
+    input:
+        kernels=ancient(plan.kernels),
+    output:
+        temp(
+            touch(
+                "results/curves/.solved/{what}/{numerics}/{missing}/{group}.{number}-of-{jobs}"
+            )
+        ),
+    log:
+        "results/logs/curves/{what}.{missing}.{numerics}.{group}.{number}-of-{jobs}.log",
+    benchmark:
+        "results/logs/curves/{what}.{missing}.{numerics}.{group}.{number}-of-{jobs}.tsv"
+    wildcard_constraints:
+        what=rf"{ALL}|[\w-]+{BETWEEN}[\w.-]+",
+        numerics="[0-9a-f]+",
+        missing="[0-9a-f]+",
+        group="[a-z_]+",
+        number=r"\d+",
+        jobs=r"\d+",
+    priority: 1
+    conda:
+        "rules/environment.yaml"
+    resources:
+        mem_mb=plan.job_memory,
+        runtime=plan.job_minutes,
+    params:
+        scenes=scenes_of,
+    message:
+        "solve {wildcards.what} by {wildcards.group}, {wildcards.number} of {wildcards.jobs}"
+    shell:
+        "{RUN} curves {wildcards.what:q} {wildcards.group} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
+        " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
+
+
+# An empty file whose name says what a product is made of, as soon as its curves are there: a missing file is made, and
+# the product after it. Those that exist are made by no rule.
+rule made_of:
+    input:
+        plan.solved,
+    output:
+        touch("results/{scene}/.made_of/{product}/{digest}"),
+    wildcard_constraints:
+        product=r"[\w.-]+",
+        digest=plan.new_digests,
+    message:
+        "{wildcards.scene}: the curves of {wildcards.product} are solved"
+
+
+rule data:
+    input:
+        made_of=stamp(DATA),
+    output:
+        data="results/{scene}/contact.nc",
+        claims=report(
+            "results/{scene}/claims.md",
+            category="{scene}",
+            subcategory="claims",
+            caption="rules/captions/claims.rst",
+        ),
+    log:
+        "results/logs/{scene}/data.log",
+    benchmark:
+        "results/logs/{scene}/data.tsv"
+    conda:
+        "rules/environment.yaml"
+    resources:
+        mem_mb=plan.memory,
+        runtime=plan.minutes,
+    params:
+        scene=lambda wildcards: scene_file(wildcards.scene),
+    message:
+        "{wildcards.scene}: write the data and judge the claims"
+    shell:
+        "{RUN} product {params.scene:q} {input.made_of:q} results/curves 2>&1 | tee -i {log:q}"
+
+
+use rule data as figure with:
+    input:
+        made_of=stamp("{figure}"),
+    output:
+        report(
+            "results/{scene}/figures/{figure}.png",
+            category="{scene}",
+            subcategory="figures",
+            labels=labels_of_figure,
+        ),
+        multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
+    log:
+        "results/logs/{scene}/figures/{figure}.log",
+    benchmark:
+        "results/logs/{scene}/figures/{figure}.tsv"
+    message:
+        "{wildcards.scene}: draw {wildcards.figure}"
+
+
+use rule data as page with:
+    input:
+        made_of=stamp(PAGE),
+    output:
+        report(
+            "results/{scene}/page.html",
+            category="{scene}",
+            subcategory="curves",
+            labels={"figure": "explorer", "caption": "The curves of the cases"},
+        ),
+    log:
+        "results/logs/{scene}/page.log",
+    benchmark:
+        "results/logs/{scene}/page.tsv"
+    message:
+        "{wildcards.scene}: make the explorer"

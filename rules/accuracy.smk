@@ -1,69 +1,55 @@
 # Measurements of the methods, each with a figure: snakemake --cores 2 tradeoff, convergence or extremes
+FIGURES = {
+    "tradeoff": "work_precision",
+    "convergence": "convergence",
+    "extremes": "extremes",
+}
+SETTINGS = {
+    "tradeoff": "accuracy/tradeoff.yaml",
+    "convergence": "accuracy/infinite.yaml",
+}
+
+
 rule tradeoff:
     input:
-        multiext("results/tradeoff/work_precision", ".pdf", ".svg", ".png"),
+        expand("results/tradeoff/work_precision.{kind}", kind=["png", "pdf", "svg"]),
 
 
 rule convergence:
     input:
-        multiext("results/convergence/convergence", ".pdf", ".svg", ".png"),
+        expand("results/convergence/convergence.{kind}", kind=["png", "pdf", "svg"]),
 
 
 rule extremes:
     input:
-        multiext("results/extremes/extremes", ".pdf", ".svg", ".png"),
+        expand("results/extremes/extremes.{kind}", kind=["png", "pdf", "svg"]),
 
 
-# It takes all cores, since other jobs would disturb the measured times.
-rule measure_tradeoff:
+# The trade takes all cores, since other jobs would disturb the measured times.
+rule measure:
     input:
-        kernels=ancient(kernels_of(METHODS)),
-        scene=configured("accuracy/tradeoff.yaml"),
+        settings=lambda wildcards: [
+            configured(path)
+            for name, path in SETTINGS.items()
+            if name == wildcards.study
+        ],
     output:
-        data="results/tradeoff/tradeoff.nc",
-        page="results/tradeoff/tradeoff.md",
+        data="results/{study}/{study}.nc",
+        page="results/{study}/{study}.md",
     log:
-        "results/logs/tradeoff/measure.log",
+        "results/logs/{study}/measure.log",
+    wildcard_constraints:
+        study="|".join(FIGURES),
     conda:
-        environment
-    threads: cores()
+        "environment.yaml"
+    threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
     params:
-        depends_on=digest_of_study("tradeoff"),
+        code=digest_of_modules("accuracy"),
+        numerics=plan.numerics,
+        scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 python -m weier.accuracy tradeoff --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
-
-
-rule measure_convergence:
-    input:
-        kernels=ancient(kernels_of(METHODS)),
-        scene=configured("accuracy/infinite.yaml"),
-    output:
-        data="results/convergence/convergence.nc",
-        page="results/convergence/convergence.md",
-    log:
-        "results/logs/convergence/measure.log",
-    conda:
-        environment
-    params:
-        depends_on=digest_of_study("convergence"),
-    shell:
-        "python -m weier.accuracy convergence --scene {input.scene:q} --output {output.page:q} 2>&1 | tee -i {log:q}"
-
-
-rule measure_extremes:
-    input:
-        kernels=ancient(kernels_of(METHODS)),
-    output:
-        data="results/extremes/extremes.nc",
-        page="results/extremes/extremes.md",
-    log:
-        "results/logs/extremes/measure.log",
-    conda:
-        environment
-    params:
-        depends_on=digest_of_study("extremes"),
-    shell:
-        "python -m weier.accuracy extremes --output {output.page:q} 2>&1 | tee -i {log:q}"
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {RUN}.accuracy {wildcards.study} {params.scene} "
+        "--output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
 rule draw:
@@ -76,17 +62,37 @@ rule draw:
             "results/{study}/{figure}.png",
             category="methods",
             subcategory="{study}",
-            labels=labels_of_measurement,
+            labels=lambda wildcards: {
+                "figure": wildcards.figure,
+                "caption": kinds()[wildcards.figure].caption,
+            },
         ),
     log:
         "results/logs/{study}/{figure}.log",
     wildcard_constraints:
-        study="tradeoff|convergence|extremes",
+        study="|".join(FIGURES),
     conda:
-        environment
+        "environment.yaml"
     params:
-        depends_on=lambda wildcards: digest_of_code(
-            (f"weier.figures.{wildcards.figure}", "draw"), ("weier.figures", "draw")
-        ),
+        code=digest_of_modules("figures"),
     shell:
-        "python -m weier draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
+        "{RUN} draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
+
+
+# The documentation, with the figures of the paper: snakemake --cores 2 docs
+rule docs:
+    input:
+        figures=figures_of_documentation,
+        pages=[str(path) for path in sorted(CHECKOUT.glob("docs/**/*.*"))],
+    output:
+        "results/docs/index.html",
+    log:
+        "results/logs/docs.log",
+    conda:
+        "environment.yaml"
+    params:
+        code=digest_of_modules("cli", "api", "surface"),
+        folder=str(CHECKOUT / "docs"),
+    shell:
+        "sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
+        ' -D scene_figures="$PWD/results/paper/figures" {params.folder:q} results/docs 2>&1 | tee -i {log:q}'

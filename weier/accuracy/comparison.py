@@ -52,7 +52,8 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     methods = [variant.method for variant in variants.values()]
     loads = np.unique(np.concatenate([comparison.loads for comparison in comparisons]))
     finite = [comparison.case.profile for comparison in comparisons if np.isfinite(comparison.case.profile.m)]
-    data = dataset.blank(len(comparisons), methods, loads, max((profile.terms for profile in finite), default=1))
+    terms = max((profile.terms for profile in finite), default=1)
+    data = dataset.blank(len(comparisons), methods, loads, terms, returned=kept)
     data = data.drop_vars(set(data.data_vars) - {*DESCRIPTION, *kept})
     sizes = {str(dim): size for dim, size in data.sizes.items()}
     data = data.assign({name: variables.blank(name, sizes, own) for name in own})
@@ -71,7 +72,7 @@ def fill(data: xr.Dataset, comparisons: Sequence[Comparison], measure: Measure) 
     names = data["variant"].values.tolist()
     for number, comparison in enumerate(comparisons):
         print(f"case {number + 1}/{len(comparisons)}: {comparison.name}", file=sys.stderr)
-        describe_case(arrays(data), number, comparison.case)
+        describe_case(arrays(data), number, comparison.case, comparison.loads)
         columns = np.searchsorted(data["mean_pressure"].values, comparison.loads)
         for variant in comparison.variants:
             position = number, names.index(variant.name)

@@ -29,7 +29,7 @@ from weier.methods import bem, hybrid, layer, patches
 from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.pipeline.compile import compile_kernels
-from weier.pipeline.curves import CASE_SECONDS, START_SECONDS
+from weier.pipeline.curves import SURFACE_SECONDS
 from weier.scene import Case
 from weier.surface.waves import Waves
 
@@ -173,7 +173,7 @@ def main(most: int, methods: str) -> Page:
         rows += [row(each) for each in solved]
         fits.append(row_of_fit(solved))
     others = (
-        f"Starting a process takes {seconds_of_start():.2g} s (`START_SECONDS` {START_SECONDS:g}), and the closed "
-        f"form of a case {seconds_of_case():.2g} s (`CASE_SECONDS` {CASE_SECONDS:g})."
+        f"Starting a process takes {seconds_of_start():.2g} s, and describing a surface {seconds_of_case():.2g} s "
+        f"(`SURFACE_SECONDS` {SURFACE_SECONDS:g})."
     )
     return Page([markdown.table(HEADER, rows), markdown.table(HEADER_OF_FITS, fits), others])

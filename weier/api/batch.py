@@ -1,32 +1,29 @@
-"""A batch of a scene: many cases, solved into one dataset."""
+"""Many cases, solved into one dataset."""
 
 from __future__ import annotations
 
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from weier.api.progress import LOG_SECONDS
+from weier.api.rows import BOUNDS, curve_row, surface_row
 from weier.api.task import CurveTask
-from weier.api.workers import Outcome, solve_curves
+from weier.api.workers import solve_curves
 from weier.data import dataset
-from weier.data.variables import VARIABLES, Status
+from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.methods.errors import ConvergenceError
-from weier.methods.method import Method
-from weier.methods.registry import find_method
+from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
-from weier.scene.cases import layout_of
 from weier.surface.limits import resolvable
 from weier.surface.loads import LoadsOf
-from weier.theory.bounds import first_contact, infinite_series_bounds
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -35,6 +32,33 @@ Report = Callable[[str], None]
 
 def _report(message: str) -> None:
     print(message, file=sys.stderr)
+
+
+class Layout(NamedTuple):
+    """The sizes and variables of the arrays for some cases.
+
+    methods : of all cases, in order of appearance
+    terms : of the longest finite series
+    edges : the most edges of contact, two for each of the finest waves in a period; 0 if they are not kept
+    optional : variables that not all files have: those that the methods return, and the labels of traces
+    """
+
+    methods: tuple[str, ...]
+    terms: int
+    edges: int
+    optional: frozenset[str] = frozenset()
+
+
+def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
+    """Return the sizes and variables of the arrays for these cases alone."""
+    methods = dict.fromkeys(method for case in cases for method in case.methods)
+    finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
+    resolved = filter(resolvable, finite) if contact_edges else ()
+    edges = max((2 * profile.waves_per_period[-1] for profile in resolved), default=0)
+    returned = [*returned_by(methods), *(BOUNDS if any(find_method(name).numerical for name in methods) else ())]
+    optional = frozenset(returned).union(*(profile.labels for profile in finite))
+    terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
+    return Layout(tuple(methods), terms, edges, optional)
 
 
 def solve_batch(
@@ -46,8 +70,6 @@ def solve_batch(
     pause: float = LOG_SECONDS,
     workers: int = 1,
     loads_of: LoadsOf | None = None,
-    known: xr.Dataset | None = None,
-    keep: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
     """Solve cases under common loads, and report the progress every few seconds.
 
@@ -68,10 +90,6 @@ def solve_batch(
         Number of processes.
     loads_of : callable, optional
         From a surface to its loads in p_0*, for loads in Pa.
-    known : Dataset, optional
-        The result for the first cases, which are not solved again.
-    keep : callable, optional
-        Called with the result for the first cases if Ctrl-C interrupts the solution.
 
     Returns
     -------
@@ -85,43 +103,26 @@ def solve_batch(
     unit = NORMALISED_PRESSURE if loads_of is None else PASCAL
     data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"}, unit)
     rows = arrays(data)
-    first = 0 if known is None else known.sizes["case"]
-    if known is not None:
-        for name in data.data_vars.keys() | data.coords.keys() - data.sizes.keys():
-            rows[str(name)][:first] = known[name].values
-    own = [loads if loads_of is None else loads_of(case.profile) for case in cases[first:]]
+    own = [loads if loads_of is None else loads_of(case.profile) for case in cases]
     curves = [
         CurveTask(case.profile, name, case.settings.get(name, {}), loads)
-        for case, loads in zip(cases[first:], own, strict=True)
+        for case, loads in zip(cases, own, strict=True)
         for name in case.methods
     ]
-    outcomes, number, again = iter(solve_curves(curves, workers, pause, done)), first, 0
-    try:
-        for number, case in enumerate(cases[first:], first):
-            describe_case(rows, number, case)
-            for name in case.methods:
-                found = _found(case, name, next(outcomes), own[number - first], failed)
-                _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
-                again += found.get("second_attempts", 0)
-    except KeyboardInterrupt:
-        if keep is not None and number > first:
-            keep(data.isel(case=slice(number)))
-        raise
+    outcomes, again = zip(curves, solve_curves(curves, workers, pause, done), strict=True), 0
+    for number, case in enumerate(cases):
+        describe_case(rows, number, case, loads)
+        for name in case.methods:
+            curve, outcome = next(outcomes)
+            if isinstance(outcome, Exception):
+                failed(f"{case.profile.describe()}, {name}: {outcome}")
+            found = curve_row(curve, outcome)
+            settings = json.dumps(all_settings(find_method(name), curve.settings), sort_keys=True)
+            _store(rows, {"case": number, "solution_method": methods.index(name)}, found | {"settings": settings})
+            again += found.get("second_attempts", 0)
     if again > 0:
         done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
     return data
-
-
-def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report) -> dict[str, Any]:
-    """Return the stored values of a curve; `failed` is called with the reason if there is none."""
-    method, given = find_method(name), case.settings.get(name, {})
-    found = {"settings": json.dumps(all_settings(method, given), sort_keys=True), "status": Status.solved}
-    if isinstance(outcome, Exception):
-        unconverged = isinstance(outcome, ConvergenceError)
-        failed(f"{case.profile.describe()}, {name}: {outcome}")
-        return found | {"status": Status.not_converged if unconverged else Status.not_applicable}
-    solution, seconds = outcome
-    return found | solution._asdict() | _bounds(case, method, solution, loads) | {"seconds": seconds}
 
 
 def arrays(data: xr.Dataset) -> Arrays:
@@ -129,14 +130,9 @@ def arrays(data: xr.Dataset) -> Arrays:
     return {str(name): variable.values for name, variable in data.variables.items()}
 
 
-def describe_case(values_of: Arrays, number: int, case: Case) -> None:
+def describe_case(values_of: Arrays, number: int, case: Case, loads: Array) -> None:
     """Fill in the coordinates of a case."""
-    profile = case.profile
-    values = profile.labels | {"key": case.key, "phases": profile.listed_phases}
-    values |= {"total_amplitude": profile.total_amplitude, "tail_amplitude": profile.tail_amplitude}
-    if np.isfinite(profile.m) and resolvable(profile):
-        values["first_contact"] = first_contact(profile)
-    _store(values_of, {"case": number}, values)
+    _store(values_of, {"case": number}, surface_row(case.profile) | {"key": case.key(loads)})
 
 
 def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any]) -> None:
@@ -151,14 +147,6 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
             if "edge" in VARIABLES[name].dims:
                 curves[name][_row(name, position)] = np.nan
             curves[name][_row(name, position, np.shape(value))] = value
-
-
-def _bounds(case: Case, method: Method, solution: Any, loads: Array) -> dict[str, Array]:
-    """Return bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
-    profile = case.profile
-    if not method.numerical or math.isinf(profile.m) or math.isnan(profile.tail_amplitude):
-        return {}
-    return infinite_series_bounds(profile, loads, solution.compliance, solution.compliance_error)
 
 
 def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:

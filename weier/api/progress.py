@@ -41,20 +41,20 @@ class Loads:
 
 
 class Progress:
-    """Messages at intervals with the number of loads of all curves that are done."""
+    """Messages at intervals with the number of loads, or of other things, that are done."""
 
-    def __init__(self, total: int, pause: float, say: Callable[[str], None]) -> None:
-        """For `total` loads, with `pause` seconds between two messages to `say`."""
-        self.total, self.pause, self.say, self.done = total, pause, say, 0
+    def __init__(self, total: int, pause: float, say: Callable[[str], None], things: str = "loads") -> None:
+        """For `total` things, with `pause` seconds between two messages to `say`."""
+        self.total, self.pause, self.say, self.things, self.done = total, pause, say, things, 0
         self.start = self.said = perf_counter()
 
     def add(self, number: int) -> None:
-        """Count further loads, and issue a message if the interval has passed."""
+        """Count further ones, and issue a message if the interval has passed."""
         self.done, now = self.done + number, perf_counter()
         if now - self.said > self.pause and 0 < self.done < self.total:
             self.said = now
             left = (now - self.start) * (self.total - self.done) / self.done
-            self.say(f"{self.done} of {self.total} loads, about {left:.0f} s left")
+            self.say(f"{self.done} of {self.total} {self.things}, about {left:.0f} s left")
 
 
 class Watch:

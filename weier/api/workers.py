@@ -13,9 +13,9 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import current_process, get_context, parent_process
 from threading import Thread
-from typing import Any
 
 from weier.api.progress import Loads, Progress
+from weier.api.rows import Outcome
 from weier.api.task import CurveTask
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.progress import reporting_to
@@ -26,10 +26,6 @@ LOST = (
     '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
     "may have been short"
 )
-
-
-# The solution of a method and the seconds that it took, or the error.
-Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
 
 
 class Solver:

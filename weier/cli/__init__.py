@@ -50,8 +50,8 @@ for _command in (
     profile.plot,
     table.table,
     jobs.compile,
-    jobs.batch,
-    jobs.products,
+    jobs.curves,
+    jobs.product,
     jobs.draw,
 ):
     cli.add_command(_command)

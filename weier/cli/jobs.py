@@ -7,17 +7,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import click
 
 import weier
 from weier.cli.options import FILE, output
-from weier.pipeline.curves import PART, Batch, Store, title_of
+from weier.data.provenance import origin
+from weier.digests import numerics
+from weier.pipeline.store import Store
 from weier.scene import Figure
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SCENE = click.argument("scene_file", type=FILE)
 
@@ -56,74 +54,44 @@ def compile(methods: Sequence[str]) -> None:
 
 
 @click.command(hidden=True)
-@click.argument("description", type=FILE)
-@output("data")
-def batch(description: Path, data: Path) -> None:
-    """Solve the batch that the Snakefile has described in the file DESCRIPTION, after the others of its job.
+@click.argument("what")
+@click.argument("group")
+@click.argument("number", type=int)
+@click.argument("count", type=int)
+@click.argument("numerics")
+@click.argument("folder", type=FILE)
+@click.argument("scenes", nargs=-1, type=FILE, required=True)
+def curves(
+    what: str, group: str, number: int, count: int, numerics: str, folder: Path, scenes: Sequence[Path]
+) -> None:
+    """Solve the share NUMBER of COUNT of the curves of SCENES that the store in FOLDER lacks.
 
-    The curves go to DATA, with the seconds that they took, and those of the others to files next to it, unless they
-    are already there. Ctrl-C, or SIGTERM of a cluster, leaves those that are solved in a further file, from which the
-    next run of the job continues.
+    WHAT says of which products, GROUP by which compiled method. NUMERICS is the digest of the code that has planned.
+    Ctrl-C, SIGTERM of a cluster and a kill leave the curves that are in the store by then.
     """
+    from weier.pipeline.curves import Curves, by_group
+    from weier.pipeline.jobs import solve
+    from weier.pipeline.workflow import wanted
+
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    *others, last = Store(description.parent).job(description.stem)
-    with job("solve", title_of([*others, last])):
-        for other in others:
-            if not (path := data.with_name(f"{other.name}.nc")).exists():
-                _solve(other, path)
-        _solve(last, data)
-
-
-def _solve(wanted: Batch, data: Path) -> None:
-    """Solve a batch, or continue with it."""
-    from weier.api.batch import solve_batch
-    from weier.data import dataset, netcdf
-
-    part, known = data.with_suffix(PART), None
-    if part.exists():
-        netcdf.check_sealed(part, wanted.name)
-        known = dataset.read(part)
-
-    def keep(curves: xr.Dataset) -> None:
-        dataset.write(curves, part, wanted.title, "solved", name=wanted.name)
-        click.echo(f"solve {wanted.title}: stopped after {curves.sizes['case']} cases, which {part} keeps", err=True)
-
-    curves = solve_batch(
-        wanted.cases,
-        wanted.kind.loads,
-        wanted.kind.contact_edges,
-        done=lambda far: click.echo(f"solve {wanted.title}: {far}", err=True),
-        loads_of=wanted.kind.loads_of,
-        known=known,
-        keep=keep,
-    )
-    dataset.write(curves.assign_attrs(wanted.kind.numerics), data, wanted.title, "solved", name=wanted.name)
-    part.unlink(missing_ok=True)
+    store, loaded = Store(folder, numerics), {path.stem: Curves(weier.load_scene(path)) for path in scenes}
+    lacking = by_group(store.lacking(wanted(what, list(loaded), loaded.__getitem__))).get(group, [])
+    own = [each.of_job(number, count) for each in lacking]
+    with job("solve", f"{sum(len(each.numbers) for each in own)} curves by {group}"):
+        solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
 
 @click.command(hidden=True)
 @SCENE
-@click.argument("batches", type=FILE)
-@click.argument("files", nargs=-1, type=FILE, required=True)
-def products(scene_file: Path, batches: Path, files: Sequence[Path]) -> None:
-    """Make the products of a scene with these FILES: those that are missing or outdated, or all if none is.
+@click.argument("stamp", type=FILE)
+@click.argument("folder", type=FILE)
+def product(scene_file: Path, stamp: Path, folder: Path) -> None:
+    """Make a product of a scene from the curves in FOLDER, and write the digests of its files into its STAMP."""
+    from weier.figures.make import make_product
+    from weier.pipeline.curves import Curves
 
-    The files are contact.nc and claims.md, page.html, the explorer, and those of figures. The curves come from the
-    folder BATCHES. A figure that cannot be drawn is removed and named at the end; the others are drawn.
-    """
-    from weier.figures.products import make_products
-    from weier.pipeline.batches import Solutions
-    from weier.pipeline.products import products_with
-
-    solutions = Solutions(weier.load_scene(scene_file), batches)
-    folder, names = products_with(solutions.scene, files)
-
-    def report(name: str) -> None:
-        click.echo(f"make {scene_file.stem}: {name}", err=True)
-
-    with job("products", scene_file.stem, *names):
-        for line in make_products(solutions, folder, names, report):
-            click.echo(f"weier: {line}", err=True)
+    with job("make", scene_file.stem, stamp.parent.name):
+        make_product(Curves(weier.load_scene(scene_file)), Store(folder, numerics().name), stamp)
 
 
 @click.command(hidden=True)

@@ -71,20 +71,23 @@ def blank(
         "term": terms,
         "edge": edges,
     }
-    names = variables.of_curves(returned, edges > 0)
-    data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
-    data = data.set_coords([name for name in names if name in COORDINATES])
-    data["status"].values[:] = Status.not_requested
+    values = {name: variables.blank(name, sizes)[1] for name in variables.of_curves(returned, edges > 0)}
+    values["status"][:] = Status.not_requested
+    return over_cases(values, methods, loads, unit)
+
+
+def over_cases(values: Mapping[str, Any], methods: Sequence[str], loads: Array, unit: str) -> xr.Dataset:
+    """Return variables of the table as a dataset over cases, methods and loads, in p_0* or Pa."""
+    data = xr.Dataset({name: (VARIABLES[name].dims, own, variables.attributes(name)) for name, own in values.items()})
+    data = data.set_coords([name for name in values if name in COORDINATES])
     return data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure", unit=unit)),
-        term=("term", np.arange(terms, dtype="i4"), variables.attributes("term")),
+        term=("term", np.arange(data.sizes["term"], dtype="i4"), variables.attributes("term")),
     )
 
 
-def write(
-    data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "", name: str = netcdf.UNNAMED
-) -> None:
+def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
     """Write a netCDF file atomically: under a temporary name in the same folder, then renamed.
 
     Parameters
@@ -99,15 +102,11 @@ def write(
         The step that made the data, for the history of the file.
     scene : str
         The scene file as text.
-    name : str
-        A name in the last line of the file, which says what it was made of.
     """
     data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
-    with replacing(path) as beside:
-        with netCDF4.Dataset(beside, "w") as file:
-            netcdf.create(file, data, {}, netcdf.text_widths(data))
-            netcdf.fill(file, data)
-        netcdf.seal(beside, name)
+    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
+        netcdf.create(file, data, {}, netcdf.text_widths(data))
+        netcdf.fill(file, data)
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -130,8 +129,6 @@ def reading(path: str | Path) -> Iterator[xr.Dataset]:
 
 def open_lazily(path: str | Path) -> xr.Dataset:
     """Return a netCDF file of weier, opened lazily: its values are read on access."""
-    if Path(path).is_file():
-        netcdf.check_intact(path)
     try:
         parts = xr.open_groups(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too

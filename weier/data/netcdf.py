@@ -1,4 +1,4 @@
-"""Datasets as netCDF-4 files, created first and filled block by block, so that a file may be larger than memory.
+"""Datasets as netCDF-4 files, created first and filled one variable at a time, so that it may exceed memory.
 
 Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed
 read in 0.24 s: with chunks of one method and deflate 1 they take 9.2 MB, 0.40 s to write and 0.16 s to read. Chunks
@@ -11,12 +11,9 @@ values has no chunks, and so no index.
 
 from __future__ import annotations
 
-import hashlib
-import os
-import re
 from collections.abc import Container, Hashable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import netCDF4
 import numpy as np
@@ -30,11 +27,6 @@ if TYPE_CHECKING:
 
 CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
 CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
-# The last line of a file: a name, and a digest of all bytes before it.
-SEAL = re.compile(rb"\nweier (?P<name>\S+) sha256:(?P<digest>[0-9a-f]{64})\n\Z")
-UNNAMED = "-"
-BLOCK = 2**20  # bytes, read at a time
-MAX_VERIFIED = 2**26  # Files are digested when they are opened if they are smaller, which takes 0.1 s.
 REMAKE = "delete it and make it again"
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
@@ -65,105 +57,19 @@ def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], wi
     file.setncatts(like.attrs)
 
 
-def fill(file: netCDF4.Dataset, data: xr.Dataset, cases: slice | None = None) -> None:
-    """Write the values of a dataset into a file made by `create`: into these cases, or, if None, into all of it."""
+def fill(file: netCDF4.Dataset, data: xr.Dataset) -> None:
+    """Write the values of a dataset into a file made by `create`."""
     for name, values in data.variables.items():
         stored = _stored_as(file, str(name), values)
-        if (cases is None or "case" in values.dims) and not _missing(stored, values):
-            stored[... if cases is None else cases] = _encoded_for(stored, values)
+        if not _missing(stored, values.values):
+            stored[...] = _encoded_for(stored, values.values)
 
 
-def read(path: str | Path, names: Container[str], cases: slice) -> dict[str, tuple[tuple[str, ...], NDArray[Any]]]:
-    """Return the dimensions and values of variables of a verified file made by `create`, for a range of its cases.
-
-    xarray would take 40 ms to open a file. Equal texts are one object.
-    """
-    found, known = {}, dict[bytes, str]()
-    with netCDF4.Dataset(path) as file:
-        for group in (file, *file.groups.values()):
-            for name, stored in group.variables.items():
-                if name in names:
-                    stored.set_auto_mask(False)
-                    stored.set_auto_chartostring(False)
-                    dims, values = stored.dimensions, stored[cases]
-                    if stored.dtype == "S1":
-                        dims, values = dims[:-1], _decoded(values, known)
-                    found[name] = dims, values
-    return found
-
-
-def seal(path: str | Path, name: str = UNNAMED) -> None:
-    """Append a line with a name and a digest of the file, which HDF5 ignores, and removes when it writes.
-
-    The checksums of HDF5 cover chunks of values only, and not the header or the index of chunks.
-    """
-    with Path(path).open("r+b") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
-        file.seek(0, os.SEEK_END)
-        file.write(f"\nweier {name} sha256:{digest}\n".encode())
-
-
-def sealed_name(path: str | Path) -> str | None:
-    """Return the name in the last line of a file; None if it has no such line, or there is no such file."""
-    try:
-        with Path(path).open("rb") as file:
-            found = SEAL.search(_last_bytes(file))
-    except FileNotFoundError:
-        return None
-    return found["name"].decode() if found else None
-
-
-def check_sealed(path: str | Path, name: str = "") -> None:
-    """Refuse a file that was not written by weier under this name, or that has changed since.
-
-    Raises
-    ------
-    ValueError
-        If the file is not whole, is another one, or was changed by another program or the disk.
-    OSError
-        If it cannot be read.
-    """
-    found = _seal_of(path)
-    if found is None:
-        check_whole(path)
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program: {REMAKE}")
-    if not found.whole:
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
-    if name and found.name != name:
-        raise ValueError(f"{path} is another file than its name says: {REMAKE}")
-
-
-def check_intact(path: str | Path) -> None:
-    """Refuse a file that has changed since it was sealed; larger ones have the checksums of HDF5 alone."""
-    if os.path.getsize(path) < MAX_VERIFIED and (found := _seal_of(path)) and not found.whole:
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
-
-
-class Seal(NamedTuple):
-    """The last line of a file: its name, and whether its digest is that of all before it."""
-
-    name: str
-    whole: bool
-
-
-def _seal_of(path: str | Path) -> Seal | None:
-    try:
-        with Path(path).open("rb") as file:
-            if not (found := SEAL.search(_last_bytes(file))):
-                return None
-            left, actual = os.path.getsize(path) - len(found[0]), hashlib.sha256()
-            file.seek(0)
-            while part := file.read(min(left, BLOCK)):
-                actual.update(part)
-                left -= len(part)
-    except OSError as error:
-        raise _unreadable(path, error) from None
-    return Seal(found["name"].decode(), actual.hexdigest() == found["digest"].decode())
-
-
-def _last_bytes(file: BinaryIO) -> bytes:
-    file.seek(max(0, os.fstat(file.fileno()).st_size - 256))  # The line is shorter.
-    return file.read()
+def fill_column(file: netCDF4.Dataset, name: str, column: int, values: NDArray[Any]) -> None:
+    """Write the values of a variable of curves by one method into a file made by `create`."""
+    stored = file[name]
+    if not _missing(stored, values):
+        stored[:, column] = _encoded_for(stored, values)
 
 
 def check_whole(path: str | Path) -> None:
@@ -192,11 +98,8 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
         with Path(path).open("rb") as file:
             if _is_locked(file):
                 return OSError(f"{path} is locked by another process, which writes it: close it there")
-        found = _seal_of(path)
     except OSError as why:
-        return why if str(path) in str(why) else _unreadable(path, why)
-    if found and found.whole:
-        return OSError(f"{path} is whole, but cannot be opened now ({error}): try again")
+        return _unreadable(path, why)
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, {REMAKE} ({error})")
 
 
@@ -227,18 +130,6 @@ def text_widths(data: xr.Dataset) -> dict[str, int]:
     """Return the bytes of the longest text in each variable of text, which xarray writes again without a warning."""
     texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
     return {name: max(1, _encoded(values.values).itemsize) for name, values in texts.items()}
-
-
-def texts_of_files(paths: Iterable[str | Path]) -> tuple[list[str], dict[str, int]]:
-    """Return the distinct histories of some files, and the most bytes that each variable of text has in them."""
-    histories, widths = dict[str, None](), dict[str, int]()
-    for path in paths:
-        with netCDF4.Dataset(path) as file:
-            histories[getattr(file, "history", "")] = None
-            for name, stored in file.variables.items():
-                if stored.dtype == "S1":
-                    widths[name] = max(widths.get(name, 1), stored.shape[-1])
-    return list(histories), widths
 
 
 def _group(file: netCDF4.Dataset, dims: Iterable[Hashable]) -> netCDF4.Dataset | netCDF4.Group:
@@ -307,17 +198,17 @@ def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
         file.coordinates = " ".join(alone)
 
 
-def _missing(stored: netCDF4.Variable[Any], values: xr.Variable) -> bool:
+def _missing(stored: netCDF4.Variable[Any], values: NDArray[Any]) -> bool:
     """Return whether all values are the fill value, so that nothing has to be written."""
-    return "_FillValue" in stored.ncattrs() and bool(np.isnan(values.values).all())
+    return "_FillValue" in stored.ncattrs() and bool(np.isnan(values).all())
 
 
-def _encoded_for(stored: netCDF4.Variable[Any], values: xr.Variable) -> NDArray[Any]:
+def _encoded_for(stored: netCDF4.Variable[Any], values: NDArray[Any]) -> NDArray[Any]:
     """Return the values as stored in the file: texts are characters along a dimension of their own."""
     if values.dtype.kind not in "UO":
-        return values.values
+        return values
     stored.set_auto_chartostring(False)
-    width, encoded = stored.shape[-1], _encoded(values.values)
+    width, encoded = stored.shape[-1], _encoded(values)
     if encoded.itemsize > width:
         raise ValueError(f"{stored.name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
     return encoded.astype(f"S{width}")[..., None].view("S1")
@@ -330,11 +221,3 @@ def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
     except (TypeError, ValueError):
         wrong = next((text for text in texts.flat if not isinstance(text, str)), texts)
         raise ValueError(f"a variable of text must hold text only, got {wrong!r:.80}") from None
-
-
-def _decoded(characters: NDArray[np.bytes_], known: dict[bytes, str]) -> NDArray[np.object_]:
-    """Return texts from their characters along the last dimension; equal ones are one object, kept in `known`."""
-    texts = np.ascontiguousarray(characters).view(f"S{characters.shape[-1]}")[..., 0]
-    flat = texts.ravel().tolist()
-    known |= {text: text.decode() for text in set(flat) - known.keys()}
-    return np.array([known[text] for text in flat], object).reshape(texts.shape)

@@ -10,10 +10,13 @@ import os
 import platform
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
+from pathlib import Path
 
 from weier.digests import PACKAGE, PACKAGES
+from weier.digests import versions as package_versions
 
 NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
@@ -129,6 +132,23 @@ def versions() -> dict[str, str]:
         **{f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES},
         **({"git_commit": made} if made else {}),
     }
+
+
+@cache
+def origin() -> str:
+    """Return the program, the packages and the processor of this process in one line."""
+    made = commit()
+    program = f"weier {VERSION}" + (f" at {made}" if made else "")
+    return f"{program}, {package_versions()}, Python {platform.python_version()}, {_processor()}"
+
+
+def _processor() -> str:
+    """Return the name of the processor; of the architecture alone where the system does not say."""
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
 
 
 @cache

@@ -23,6 +23,7 @@ CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
+NOTHING = {"f": np.nan, "i": -1}  # Values where there is none, by the kind of a type; "" of texts.
 ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as negative as this.
 # Texts that several comments have in common.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
@@ -115,7 +116,8 @@ _measured = partial(Variable, least=0, content=QUALITY, optional=True)
 
 
 def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
-    return Variable(CURVE, f"{side} bound on the {quantity} of the infinite series", unit, comment=comment, **others)
+    meaning = f"{side} bound on the {quantity} of the infinite series"
+    return Variable(CURVE, meaning, unit, comment=comment, optional=True, **others)
 
 
 # text of fixed width, so that files can be joined, compressed and read by any netCDF library
@@ -132,7 +134,8 @@ VARIABLES = {
         plot="mean pressure p/p_0*",
     ),
     "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
-    "key": _label("name of the case, a digest of its definition", dtype="U12"),
+    "key": _label("digest of the surface, the methods with their settings, and the loads of the case", dtype="U12"),
+    "surface_key": _label("digest of the surface of the case, without methods and loads", dtype="U12", optional=True),
     "D": _label("fractal dimension", symbol="D", least=1, most=2),
     "gamma": _label("ratio of successive wavelengths", symbol="gamma", least=1),
     "m": _label("number of terms of the series", symbol="m", least=1),
@@ -196,6 +199,7 @@ VARIABLES = {
         least=0,
         files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
+        optional=True,
     ),
     "resistance_error": Variable(
         CURVE,
@@ -204,6 +208,7 @@ VARIABLES = {
         least=0,
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
+        optional=True,
     ),
     "compliance_deviation": _measured(CURVE, "deviation of the compliance from the reference", "g_0", files=MEASURED),
     "resistance_deviation": _measured(
@@ -214,9 +219,14 @@ VARIABLES = {
         "compliance, counted from first contact",
         "g_0",
         comment="Negative for estimates whose compliance is below that at first contact.",
+        optional=True,
     ),
-    "contact_fraction": Variable(CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,)),
-    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,)),
+    "contact_fraction": Variable(
+        CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,), optional=True
+    ),
+    "patch_count": Variable(
+        CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,), optional=True
+    ),
     "residual": Variable(
         CURVE,
         "largest violation of a contact condition",
@@ -224,9 +234,12 @@ VARIABLES = {
         least=0,
         content=QUALITY,
         files=(TRADEOFF, CONVERGENCE),
+        optional=True,
     ),
-    "work": Variable(CURVE, "pairs of FFTs or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,)),
-    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED),
+    "work": Variable(
+        CURVE, "pairs of FFTs or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
+    ),
+    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED, optional=True),
     "settings": Variable(
         RUN,
         "settings of the method with defaults, as JSON",
@@ -251,12 +264,12 @@ VARIABLES = {
         "p_0*",
         comment="From the stated error of the requested quantity.",
     ),
-    "numerics": Variable(
+    "origin": Variable(
         RUN,
-        "digest of the code that solved the curve",
-        dtype="U12",
+        "number of the program and the processor that solved the curve",
+        dtype="i2",
         content=AUXILIARY,
-        comment="The versions of numpy, scipy, numba and rocket-fft are attributes of the file.",
+        comment="The attribute origin_N of the file describes origin N; -1 where there is no curve.",
         optional=True,
     ),
     "seconds": Variable(
@@ -289,15 +302,16 @@ def of_curves(returned: Collection[str], edges: bool) -> list[str]:
 
 
 def blank(
-    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
+    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES, views: bool = False
 ) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    """Return dimensions, empty values and attributes of a variable."""
+    """Return dimensions, empty values and attributes of a variable; views of one value take no memory."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
-    nothing = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
+    nothing = NOTHING.get(entry.dtype[0], "")
     # Texts have any length in memory, since an array of fixed width would truncate texts that a file refuses.
-    values = np.full(shape, nothing, object if nothing == "" else entry.dtype)
-    return entry.dims, values, attributes(name, table)
+    one = np.full((), nothing, object if nothing == "" else entry.dtype)
+    values = np.broadcast_to(one, shape)
+    return entry.dims, values if views else values.copy(), attributes(name, table)
 
 
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:

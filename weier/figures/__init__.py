@@ -16,6 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from weier.api.rows import BOUNDS
 from weier.data.files import replacing
 from weier.scene import BY_DEFAULT, Figure
 
@@ -26,19 +27,11 @@ if TYPE_CHECKING:
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 VALUES = "csv"  # a further format, the values of a figure
-MARKS = {"png": "Comment", "pdf": "Keywords", "svg": "Keywords"}  # where a format keeps the mark of a product
 
 # Variables that no figure shows, and further ones that figures of grouped curves do not show: of a hundred thousand
 # cases at 40 loads by four methods, each variable takes 128 MB.
-UNDRAWN = ("indentation", "patch_count", "residual", "work", "points", "settings", "status", "numerics")
-UNGROUPED = (
-    "compliance_lower",
-    "compliance_upper",
-    "resistance_lower",
-    "resistance_upper",
-    "contact_fraction",
-    "contact_edge",
-)
+UNDRAWN = ("indentation", "patch_count", "residual", "work", "points", "settings", "status", "origin")
+UNGROUPED = (*BOUNDS, "contact_fraction", "contact_edge")
 
 
 class FigureKind(NamedTuple):
@@ -90,7 +83,6 @@ def draw(
     studies: Sequence[xr.Dataset],
     path: str | Path,
     formats: Collection[str] = tuple(METADATA),
-    mark: str = "",
 ) -> None:
     """Draw one figure, in several formats.
 
@@ -106,8 +98,6 @@ def draw(
         Path of the files; its suffix is replaced by those of the formats.
     formats : collection of str
         Some of pdf, svg, png, and csv for the values.
-    mark : str
-        A text kept in the metadata of each file.
 
     Raises
     ------
@@ -121,7 +111,7 @@ def draw(
 
     # The reset keeps the user's own matplotlibrc out of the figure.
     with matplotlib.style.context(SHEET, after_reset=True):
-        save(_drawn(wanted, studies), path, formats, mark)
+        save(_drawn(wanted, studies), path, formats)
 
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
@@ -149,7 +139,7 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     return drawn
 
 
-def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA), mark: str = "") -> None:
+def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
     """Save a figure in the current style, in several formats; csv is its values."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -164,5 +154,4 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
             if suffix == VALUES:
                 file.write_text(as_csv(drawn), encoding="utf-8")
                 continue
-            marked = {MARKS[suffix]: mark} if mark else {}
-            drawn.savefig(file, format=suffix, metadata=METADATA[suffix] | marked)
+            drawn.savefig(file, format=suffix, metadata=METADATA[suffix])

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-
 from weier.api.progress import LONG
 from weier.data.markdown import significant
 from weier.kernels.arrays import Array
 from weier.methods import auto, registry
 from weier.methods.registry import find_method
-from weier.pipeline.curves import Batch
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 
@@ -39,24 +36,24 @@ def forecast(case: Case, loads: Array) -> list[str]:
     return lines
 
 
-def forecast_scene(scene: Scene, jobs: Collection[Sequence[Batch]], cores: int) -> tuple[list[str], str]:
-    """Return the expected seconds of jobs as lines of text, and the reason if they must not run.
+def forecast_scene(scene: Scene, seconds: float, count: int, cores: int) -> list[str]:
+    """Return the expected seconds of this number of missing curves as lines of text; none for a short scene.
 
-    There are no lines for a short scene without a limit. A scene that would exceed its limit is refused with the key
-    that raises it.
+    Raises
+    ------
+    ValueError
+        If they would exceed the limit of the scene; the message has the key that raises it.
     """
-    times = [sum(batch.seconds for batch in job) for job in jobs]
-    seconds = max(sum(times) / cores, max(times, default=0.0))
-    if not jobs or (seconds < LONG and scene.max_seconds is None):
-        return [], ""
-    curves = sum(len(batch.surfaces) for job in jobs for batch in job)
-    count, on = f"{curves} curve{'s' * (curves != 1)}", f"{cores} core{'s' * (cores > 1)}"
-    lines = [f"{scene.name}: {count} to solve, in about {significant(seconds, 2)} s on {on}"]
+    if not count or (seconds < LONG and scene.max_seconds is None):
+        return []
+    curves, on = f"{count} curve{'s' * (count != 1)}", f"{cores} core{'s' * (cores > 1)}"
+    line = f"{scene.name}: {curves} to solve, in about {significant(seconds, 2)} s on {on}"
     if scene.max_seconds is None or seconds <= scene.max_seconds:
-        return lines, ""
+        return [line]
     more = f"set max_seconds: {significant(1.2 * seconds, 2)} in the scene"
-    what = f"take longer than {scene.max_seconds:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
-    return lines, f"{scene.name}: it would {what}"
+    raise ValueError(
+        f"{line}, longer than {scene.max_seconds:g} s: {more}, or take a larger tolerance, fewer cases or more cores"
+    )
 
 
 def _cheaper(profile: Waves, loads: Array) -> str:

@@ -1,15 +1,13 @@
-"""Collect curves from batches: of all cases into one file, or of some cases into memory.
+"""Solved curves of a scene as a dataset: of some cases in memory, or of all in a file, one variable at a time.
 
-A file is written in blocks of cases, so that it may be larger than memory. The studies and differing settings of a
-case come from the scene, so that renaming a study solves nothing again.
+The studies and differing settings of a case come from the scene, so that renaming a study solves nothing again.
 """
 
 from __future__ import annotations
 
 import json
-import shutil
-from collections.abc import Collection, Mapping
-from contextlib import suppress
+from collections.abc import Collection, Iterable
+from functools import cached_property
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -19,89 +17,212 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from weier.data import dataset, netcdf, provenance
+from weier.api.rows import BOUNDS
+from weier.data import netcdf, provenance, variables
+from weier.data.bodies import scales_of
+from weier.data.dataset import over_cases
 from weier.data.files import replacing
-from weier.data.variables import LABEL, attributes
-from weier.kernels.arrays import Array, Indices
-from weier.methods.registry import find_method
+from weier.data.variables import CASE, LABEL, NOTHING, VARIABLES, Status
+from weier.kernels.arrays import Indices
+from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
-from weier.pipeline.batches import Solutions
+from weier.pipeline.curves import Curves, Part
+from weier.pipeline.store import ORIGIN, Store
 from weier.scene.case import short_keys
-from weier.scene.cases import Layout, Scene
-from weier.surface.spectrum import fit
+from weier.scene.cases import Scene
 
-Values = tuple[tuple[str, ...], NDArray[Any]]  # dimensions and values of a variable
-DATES_OF_VALUES = ("date_created", "date_modified")
-BLOCK_BYTES = 2**26  # A batch is opened for each block that it reaches into; larger blocks save little time.
+Values = NDArray[Any]
 
 
-def read_study(solutions: Solutions, study: str, without: Collection[str] = ()) -> xr.Dataset:
-    """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
-    scene = solutions.scene
-    cases = scene.cases_of_study(study)
-    return Reader(solutions, scene.layout_of(study), (study,), without).read(cases)
-
-
-def read_cases(solutions: Solutions, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
-    """Return some cases of the file of a scene in memory, by their numbers, without some variables."""
-    scene = solutions.scene
-    curves = in_units_of(scene, Reader(solutions, scene.layout, None, without).read(cases))
-    return curves.merge(case_labels(scene).isel(case=cases))
-
-
-def gather(
-    solutions: Solutions,
-    path: str | Path,
-    step: str = "gathered",
-    more: xr.Dataset | None = None,
-    name: str = netcdf.UNNAMED,
-) -> None:
-    """Write all cases of a scene in their order, with their labels, and further variables.
+class Solved:
+    """Cases of a scene with their solved curves, over case, method and the loads of all of them.
 
     Parameters
     ----------
-    solutions : Solutions
-        The scene with its solved curves.
-    path : path
-        The file, which is written atomically.
-    step : str
-        As in `dataset.write`; it is appended to the history of the batches.
-    more : Dataset, optional
-        Further variables, without the dimension case.
-    name : str
-        As in `dataset.write`.
+    curves : Curves
+        The curves of the scene.
+    store : Store
+        The solved ones.
+    cases : ndarray of int, optional
+        Numbers of the cases; all by default.
     """
-    scene, count = solutions.scene, len(solutions.scene.distinct)
-    layout = scene.layout if provenance.source_date() else scene.layout.having("seconds")
-    reader, labels = Reader(solutions, layout), case_labels(scene)
-    histories, widths = netcdf.texts_of_files(reader.files())
-    first = in_units_of(scene, reader.read(np.arange(1)))
-    header = first.merge(labels.isel(case=slice(1))).merge(more or {})
-    about = provenance.attributes(scene.title, step, scene.text, histories, in_si=scene.in_si)
-    header = header.assign_attrs(about)
-    for text, width in (netcdf.text_widths(header) | netcdf.text_widths(labels)).items():
-        widths[text] = max(width, widths.get(text, 0))
-    size = max(1, BLOCK_BYTES // first.nbytes)
-    with replacing(path) as beside:
-        with netCDF4.Dataset(beside, "w") as file:
-            netcdf.create(file, header, {"case": count}, widths)
-            netcdf.fill(file, header.drop_dims("case"))
-            netcdf.fill(file, labels, slice(0, count))
-            for start in range(0, count, size):
-                block = np.arange(start, min(start + size, count))
-                netcdf.fill(file, in_units_of(scene, reader.read(block)), slice(start, start + len(block)))
-        netcdf.seal(beside, name)
+
+    def __init__(self, curves: Curves, store: Store, cases: Indices | None = None) -> None:
+        self.scene, self._store = curves.scene, store
+        self.cases = np.arange(len(self.scene.distinct)) if cases is None else cases
+        self._surfaces, self._parts = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
+        self.methods = list(dict.fromkeys(part.kind.method for part, *_ in self._parts))
+        loads = {id(part.product): part.product.loads for part, *_ in self._surfaces}
+        self.loads = np.unique(np.concatenate([*loads.values()]))
+
+    def _among(self, parts: Iterable[Part]) -> Iterable[tuple[Part, Indices, Indices]]:
+        """Yield parts with the rows of the dataset that are of theirs, and the numbers of these in the part."""
+        for part in parts:
+            number = self.cases - part.first
+            rows = np.flatnonzero((number >= 0) & (number < len(part.positions)))
+            if rows.size:
+                yield part, rows, number[rows]
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The variables that these cases have, in the order of the table."""
+        numerical = any(find_method(method).numerical for method in self.methods)
+        returned = {"surface_key", "origin", *returned_by(self.methods), *(BOUNDS if numerical else ())}
+        if not provenance.source_date():
+            returned.add("seconds")
+        if any("trace" in part.product.axes for part, *_ in self._surfaces):
+            returned |= {name for name in VARIABLES if name.startswith("trace")}
+        return [
+            name
+            for name in variables.of_curves(returned, self.scene.contact_edges)
+            if name not in ("solution_method", "mean_pressure", "term")
+        ]
+
+    @cached_property
+    def origins(self) -> list[str]:
+        """The programs and processors that solved these curves, in alphabetical order."""
+        read = (self._store.read(part.kind, part.keys[numbers], ORIGIN) for part, _, numbers in self._parts)
+        return sorted({str(origin) for found in read if found is not None for origin in np.unique(found)})
+
+    def of_cases(self, name: str) -> Values:
+        """Return a variable of the cases, shape (cases, ...)."""
+        if name == "key":
+            return np.array(short_keys(self.scene.keys_of_cases[self.cases]), object)
+        if name == "surface_key":
+            return self._joined(name, [(r, np.array(short_keys(p.keys[n]), object)) for p, r, n in self._surfaces])
+        if "edge" in VARIABLES[name].dims:  # a case has the edges of its last method
+            return self._joined(name, [own for method in self.methods for own in self._of_method(name, method)])
+        found = [
+            (rows, self._store.read(part.kind, part.keys[numbers], name)) for part, rows, numbers in self._surfaces
+        ]
+        return self._joined(name, [(rows, values) for rows, values in found if values is not None])
+
+    def of_method(self, name: str, method: str) -> Values:
+        """Return a variable of the curves by a method, shape (cases, ...)."""
+        joined = self._joined(name, self._of_method(name, method))
+        if name == "status":
+            joined[joined < 0] = Status.not_requested
+        return joined
+
+    def _of_method(self, name: str, method: str) -> list[tuple[Indices, Values]]:
+        """Return the rows and values of each part by a method."""
+        found = []
+        for part, rows, numbers in self._parts:
+            if part.kind.method != method:
+                continue
+            if name == "settings":
+                found.append((rows, np.full(len(rows), _settings(part), object)))
+            elif (values := self._store.read(part.kind, part.keys[numbers], name)) is not None:
+                values = np.searchsorted(self.origins, values) if name == ORIGIN else values
+                found.append((rows, self._at_all_loads(name, values, part)))
+        return found
+
+    def _at_all_loads(self, name: str, values: Values, part: Part) -> Values:
+        """Return values at all loads of the dataset from those at the loads of a part."""
+        loads = part.product.loads
+        if "mean_pressure" not in VARIABLES[name].dims or loads.size == self.loads.size:
+            return values
+        spread = np.full((len(values), self.loads.size, *values.shape[2:]), np.nan)
+        spread[:, np.searchsorted(self.loads, loads)] = values
+        return spread
+
+    def _joined(self, name: str, found: Collection[tuple[Indices, Values]]) -> Values:
+        """Return the values of all rows, shape (cases, ...), from those of some."""
+        dtype = VARIABLES[name].dtype
+        sizes = {"mean_pressure": self.loads.size, "term": 1}
+        own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
+        shape = np.max([own, *(values.shape[1:] for _, values in found)], axis=0).astype(int)
+        text = dtype[0] in "UO"
+        joined = np.full((len(self.cases), *shape), "" if text else NOTHING[dtype[0]], object if text else dtype)
+        for rows, values in found:
+            joined[(rows, *map(slice, values.shape[1:]))] = values
+        return joined
+
+    @property
+    def of_curves(self) -> list[str]:
+        """The variables of curves; the others are of cases."""
+        return [name for name in self.names if "solution_method" in VARIABLES[name].dims]
+
+    def of_all_cases(self, without: Collection[str] = ()) -> dict[str, Values]:
+        """Return the variables of cases, in normalised units."""
+        return {name: self.of_cases(name) for name in self.names if name not in {*self.of_curves, *without}}
+
+    def blank_curves(self) -> dict[str, tuple[tuple[str, ...], Values, dict[str, Any]]]:
+        """Return the variables of curves without values, which take no memory."""
+        sizes = {CASE: len(self.cases), "solution_method": len(self.methods), "mean_pressure": self.loads.size}
+        return {name: variables.blank(name, sizes, views=True) for name in self.of_curves}
+
+    @property
+    def widths(self) -> dict[str, int]:
+        """The bytes of the longest text of each variable of curves."""
+        longest = max(len(_settings(part)) for part, *_ in self._parts)
+        texts = [name for name in self.of_curves if VARIABLES[name].dtype[0] == "U"]
+        return {name: int(VARIABLES[name].dtype[1:]) for name in texts} | {"settings": longest}
+
+    def dataset(self, without: Collection[str] = ()) -> xr.Dataset:
+        """Return the cases in memory, in normalised units, without some variables."""
+        found = self.of_all_cases(without)
+        for name in self.of_curves:
+            if name not in without:
+                found[name] = np.stack([self.of_method(name, method) for method in self.methods], axis=1)
+        return over_cases(found, self.methods, self.loads, self.scene.load_unit)
+
+    def labels(self) -> xr.Dataset:
+        """Return the labels of the cases that follow from the scene."""
+        return case_labels(self.scene).isel(case=self.cases)
 
 
-def describe_again(scene: Scene, path: str | Path, step: str, name: str) -> None:
-    """Give a file of `gather` the title and text of a scene that has the same cases, atomically; its values stay."""
-    netcdf.check_sealed(path)
-    with replacing(path) as beside:
-        shutil.copyfile(path, beside)
-        with netCDF4.Dataset(beside, "a") as file:
-            about = provenance.attributes(scene.title, step, scene.text, [file.history], in_si=scene.in_si)
-            file.setncatts({key: value for key, value in about.items() if key not in DATES_OF_VALUES})
-        netcdf.seal(beside, name)
+def _settings(part: Part) -> str:
+    return json.dumps(part.kind.settings, sort_keys=True)
+
+
+def read_study(curves: Curves, store: Store, study: str, without: Collection[str] = ()) -> xr.Dataset:
+    """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
+    return Solved(curves, store, curves.scene.cases_of_study(study)).dataset(without)
+
+
+def read_cases(curves: Curves, store: Store, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
+    """Return some cases of the file of a scene in memory, by their numbers, without some variables."""
+    solved = Solved(curves, store, cases)
+    return in_units_of(curves.scene, solved.dataset(without)).merge(solved.labels())
+
+
+def write(curves: Curves, store: Store, path: str | Path, step: str, more: xr.Dataset) -> None:
+    """Write all cases of a scene in their order, with their labels and further variables, atomically.
+
+    Parameters
+    ----------
+    curves, store : Curves, Store
+        The curves of the scene.
+    path : path
+        The file.
+    step : str
+        The step that made the data, for the history of the file.
+    more : Dataset
+        Further variables, without the dimension case.
+
+    Notes
+    -----
+    A variable is in memory at a time, of one method, so that a file may be larger than memory.
+    """
+    scene, solved = curves.scene, Solved(curves, store)
+    of_cases = over_cases(solved.of_all_cases(), solved.methods, solved.loads, scene.load_unit)
+    about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
+    about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
+    header = in_units_of(scene, of_cases.assign(solved.blank_curves()).isel(case=slice(1)))
+    whole = in_units_of(scene, of_cases).merge(solved.labels()).merge(more)
+    header = header.merge(whole.isel(case=slice(1)), compat="override").assign_attrs(about)
+    scales = scales_of(scene.interface, of_cases) if scene.in_si and scene.interface else {}
+    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
+        netcdf.create(file, header, {"case": whole.sizes["case"]}, solved.widths | netcdf.text_widths(whole))
+        netcdf.fill(file, whole)
+        for name in solved.of_curves:
+            factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0])
+            for column, method in enumerate(solved.methods):
+                values = solved.of_method(name, method)
+                if factor.ndim or factor != 1:
+                    values = values * factor.reshape(-1, *[1] * (values.ndim - 1))
+                netcdf.fill_column(file, name, column, values)
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
@@ -121,8 +242,8 @@ def case_labels(scene: Scene) -> xr.Dataset:
     text where the method is not run, or chooses the setting itself.
     """
     studies = np.array([", ".join(names) for names in scene.studies_of_cases])
-    columns: dict[str, tuple[NDArray[Any], str]] = {"study": (studies, "studies of the case")}
-    for name in scene.layout.methods:
+    columns: dict[str, tuple[Values, str]] = {"study": (studies, "studies of the case")}
+    for name in scene.methods:
         method, run = find_method(name), [name in product.methods for product in scene.products]
         own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
         for setting in defaults(method):
@@ -131,7 +252,11 @@ def case_labels(scene: Scene) -> xr.Dataset:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
                 columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
     flags = {
-        f"study_{name}": ("case", np.array([name in home for home in scene.studies_of_cases], "i1"), _of_study(name))
+        f"study_{name}": (
+            "case",
+            np.array([name in names for names in scene.studies_of_cases], "i1"),
+            _of_study(name),
+        )
         for name in scene.studies
     }
     return xr.Dataset(
@@ -139,137 +264,18 @@ def case_labels(scene: Scene) -> xr.Dataset:
         coords={
             name: ("case", values, {"long_name": meaning, "coverage_content_type": LABEL})
             for name, (values, meaning) in columns.items()
-        }
-        | {name: ("case", values, attributes(name)) for name, values in _fits(scene).items()},
+        },
     )
-
-
-def _fits(scene: Scene) -> dict[str, Array]:
-    """The fit of a series to each trace, with its standard errors; NaN where no series has its spectrum."""
-    if not any("trace" in product.axes for product in scene.products):
-        return {}
-    names = "trace_fit_D", "trace_fit_D_error", "trace_fit_g_0", "trace_fit_g_0_error"
-    found = np.full((len(names), len(scene.distinct)), np.nan)
-    for number, case in enumerate(scene.distinct):
-        if "trace" in case.parameters:
-            with suppress(ValueError):
-                fitted = fit(case.profile)
-                found[:, number] = fitted.D, fitted.D_error, fitted.g_0, fitted.g_0_error
-    return dict(zip(names, found, strict=True))
 
 
 def _of_study(name: str) -> dict[str, Any]:
     """Return the attributes of the flag of a study."""
     meanings = {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "other_study this_study"}
-    return {
-        "long_name": f"whether the case is of study {name}",
-        "coverage_content_type": LABEL,
-        **meanings,
-    }
+    return {"long_name": f"whether the case is of study {name}", "coverage_content_type": LABEL, **meanings}
 
 
-def _column(values: list[Any]) -> NDArray[Any]:
+def _column(values: list[Any]) -> Values:
     """Return numbers or texts, with NaN or "" in place of None."""
     if any(isinstance(value, str | bool) for value in values):
         return np.array([json.dumps(value) if isinstance(value, bool) else value or "" for value in values])
     return np.array(values, float)
-
-
-class Reader:
-    """Reads cases of a scene from its batches, each of which is verified once.
-
-    Parameters
-    ----------
-    solutions : Solutions
-        The scene with its solved curves.
-    layout : Layout
-        Of the arrays to read into.
-    studies : tuple of str, optional
-        The studies whose cases are read; others need not be solved yet. By default, all.
-    without : collection of str, optional
-        Variables that are not read.
-    """
-
-    def __init__(
-        self,
-        solutions: Solutions,
-        layout: Layout,
-        studies: tuple[str, ...] | None = None,
-        without: Collection[str] = (),
-    ) -> None:
-        methods, terms, edges, optional = layout.having("numerics")
-        scene = solutions.scene
-        blank = dataset.blank(1, methods, scene.loads, terms, edges, optional, scene.load_unit)
-        self._blank = blank.drop_vars(without, errors="ignore")
-        self._keys, self._store = scene.keys_of_cases, solutions.store
-        self._places = {method: solutions.places(method, studies) for method in methods}
-        self._verified = set[int]()
-
-    def read(self, cases: Indices) -> xr.Dataset:
-        """Return some cases, by their numbers among all of the scene.
-
-        Method by method: a case has the contact edges of its last method.
-        """
-        one = self._blank
-        found = {str(name): variable.values for name, variable in one.variables.items() if "case" in variable.dims}
-        # Views of the blank case take no memory where there are no values.
-        found = {name: np.broadcast_to(blank[:1], (len(cases), *blank.shape[1:])) for name, blank in found.items()}
-        read = found.keys() - {"key"}  # Keys are those of the scene, and texts take long to decode.
-        of_curves = {name for name in read if {"solution_method", "edge"} & {*one[name].dims}}
-        known = np.zeros(len(cases), bool)
-        for column, places in enumerate(self._places.values()):
-            batches, rows, code = (values[cases] for values in places)
-            if known.all():  # All methods have the same parameters of a case.
-                read = of_curves
-            known |= batches >= 0
-            order = np.argsort(batches, kind="stable")
-            for here in np.split(order, np.flatnonzero(np.diff(batches[order])) + 1):
-                if here.size and (batch := int(batches[here[0]])) >= 0:
-                    start = int(rows[here].min())
-                    part = netcdf.read(self._file(batch), read, slice(start, int(rows[here].max()) + 1))
-                    _copy(found, part, rows[here] - start, here, column)
-            if "numerics" in found:
-                _writable(found, "numerics")[:, column] = code
-        found["key"] = np.array(short_keys(self._keys[cases]), object)
-        filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
-        return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
-
-    def files(self) -> list[Path]:
-        """Return the batches, which are verified."""
-        used = {int(number) for batches, _, _ in self._places.values() for number in np.unique(batches)}
-        return [self._file(batch) for batch in sorted(used) if batch >= 0]
-
-    def _file(self, batch: int) -> Path:
-        file = self._store.batches[batch].with_suffix(".nc")
-        if batch not in self._verified:
-            netcdf.check_sealed(file, file.stem)
-            self._verified.add(batch)
-        return file
-
-
-def _writable(arrays: dict[str, NDArray[Any]], name: str) -> NDArray[Any]:
-    """Return an array to write to, in place of a view of the blank case."""
-    if not arrays[name].flags.writeable:
-        arrays[name] = arrays[name].copy()
-    return arrays[name]
-
-
-def _copy(
-    found: dict[str, NDArray[Any]], part: Mapping[str, Values], there: Indices, rows: Indices, column: int
-) -> None:
-    """Copy curves of a method and the parameters of their cases from rows of a batch to these rows."""
-    for name, (dims, read) in part.items():
-        values, here = read[there], rows
-        if values.dtype.kind == "f" and np.isnan(values).all():
-            continue
-        target = _writable(found, name)
-        if "solution_method" in dims:
-            values = values[:, 0]
-        if "edge" in dims:
-            has = np.isfinite(values).any(axis=(1, 2))
-            values, here = values[has], rows[has]
-            target[here] = np.nan  # The previous method may have found more edges.
-        run = (here, column) if "solution_method" in dims else (here,)
-        rest = zip(values.shape[1:], target.shape[len(run) :], strict=True)  # Sizes differ between batches.
-        within = tuple(slice(min(sizes)) for sizes in rest)
-        target[(*run, *within)] = values[(slice(None), *within)]

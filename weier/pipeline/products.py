@@ -1,35 +1,31 @@
-"""The products of a scene, each with a digest of everything that it was made of.
+"""The products of a scene, and the stamps that say what each was made of.
 
-A product carries this digest, so that an outdated one is detected, also in a copy of the folder. The digest covers
-the curves that the product reads, their order, the product's entry in the scene, and the code that makes it.
+`results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp: its name is the digest of the curves that the product reads, its
+entry in the scene and the code that makes it, so that Snakemake's plain rule, a missing file is made, does
+everything. It is made empty when the curves are there, and the job that makes the product writes the digests of its
+files into it, so that an edited file is found, too.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Sequence
+import hashlib
+import json
 from pathlib import Path
 from typing import Any
 
-from weier.data.netcdf import sealed_name
+from weier.data.files import write_text
 from weier.data.provenance import source_date
-from weier.digests import RESOURCES, Name, digest, digest_of_code, digest_of_sources
-from weier.methods.registry import METHODS
-from weier.pipeline.batches import Solutions
-from weier.scene import Scene
+from weier.digests import DIGITS, digest, digest_of_modules, numerics
+from weier.pipeline.curves import Curves
+from weier.scene.cases import Scene
+from weier.scene.identity import digest_of_keys
 
 # The products of a scene besides its figures, whose names have no dot: the dataset with the claims, and the explorer.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
-FORMATS = ("pdf", "svg", "png")  # Each figure is written in these formats, which carry what it was made of.
-VALUES = "csv"  # format of its values
-
-# Figures and tables depend on names and looks of methods; the names of batches cover the code of methods.
-REGISTRY = "weier.methods.registry"
-# The code of every figure.
-FIGURE = (("weier.figures", "draw"), ("weier.figures", "undrawn"), ("weier.pipeline.gather", "read_study"))
-LOOKS = ("name", "label", "summary", "style", "numerical", "uses_phases")
-HALF = 16  # digits of a digest
-MARK = re.compile(rb"made of weier:([0-9a-f]{32})")
+FORMATS = ("png", "pdf", "svg", "csv")  # of each figure
+STAMPS = ".made_of"
+OF_DATA, OF_FIGURES = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
+TEXTS = (".py", ".css", ".html", ".js", ".mplstyle")  # suffixes of what figures and the explorer are made with
 
 
 def names_of(scene: Scene) -> list[str]:
@@ -39,103 +35,62 @@ def names_of(scene: Scene) -> list[str]:
 
 def files_of(product: str) -> list[str]:
     """Return the files of a product, in the folder of its scene."""
-    return [*marked_files_of(product), *([] if product in (DATA, PAGE) else [f"figures/{product}.{VALUES}"])]
+    if product in (DATA, PAGE):
+        return [DATA, CLAIMS] if product == DATA else [PAGE]
+    return [f"figures/{product}.{suffix}" for suffix in FORMATS]
 
 
-def marked_files_of(product: str) -> list[str]:
-    """Return those of its files that carry the digest of its inputs."""
-    of_data = {DATA: [DATA, CLAIMS], PAGE: [PAGE]}
-    return of_data.get(product) or [f"figures/{product}.{suffix}" for suffix in FORMATS]
+def studies_of(scene: Scene, product: str) -> tuple[str, ...]:
+    """Return the studies that a product reads."""
+    return tuple(scene.studies) if product in (DATA, PAGE) else scene.figure(product).all_studies
 
 
-def products_with(scene: Scene, files: Sequence[Path]) -> tuple[Path, list[str]]:
-    """Return the folder of a scene and its products, from files of these; ValueError if one is of no product."""
-    product = {Path(file).parts: name for name in names_of(scene) for file in files_of(name)}
-    found: dict[str, Path] = {}
-    for file in files:
-        parts = next((parts for parts in (file.parts[-2:], file.parts[-1:]) if parts in product), None)
-        if parts is None:
-            raise ValueError(
-                f"{file} is no file of the scene: choose from {', '.join('/'.join(each) for each in product)}"
-            )
-        found[product[parts]] = file.parents[len(parts) - 1]
-    return next(iter(found.values())), list(found)
+def made_of(curves: Curves, product: str) -> str:
+    """Return the digest of all that a product depends on."""
+    scene = curves.scene
+    studies = studies_of(scene, product)
+    cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]
+    common: list[Any] = [scene.name, product, numerics().name, cases, curves.digest(studies), repr(scene.interface)]
+    if product == DATA:  # with SOURCE_DATE_EPOCH, it has neither the date of the run nor seconds
+        own = [scene.text, source_date(), digest_of_modules(*OF_DATA)]
+    elif product == PAGE:
+        own = [scene.title, digest_of_modules(*OF_FIGURES, suffixes=TEXTS)]
+    else:
+        own = [repr(scene.figure(product)), digest_of_modules(*OF_FIGURES, suffixes=TEXTS)]
+    return digest([*common, *own])[:DIGITS]
 
 
-def is_fresh(folder: str | Path, product: str, inputs: str) -> bool:
-    """Return whether all files of a product are in the folder of its scene, and were made of these inputs."""
-    made = {made_of(Path(folder, file)) for file in marked_files_of(product)}
-    return made == {inputs} and all(Path(folder, file).exists() for file in files_of(product))
+def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
+    """Return the stamp of a product with this digest, and whether the files of the product are as its job left them.
 
-
-def inputs_of(solutions: Solutions, product: str) -> str:
-    """Return the digest of the inputs of a product."""
-    if product == PAGE:
-        return inputs_of_page(solutions)
-    return inputs_of_data(solutions) if product == DATA else inputs_of_figure(solutions, product)
-
-
-def inputs_of_data(solutions: Solutions) -> str:
-    """Return the digest of the inputs of the data and the claims of a scene.
-
-    Its first half is the digest of all that the variables depend on, its second half that of the scene as a text.
+    A product whose files have changed since needs a stamp of another name, which is missing.
     """
-    scene = solutions.scene
-    entry = [
-        list(scene.studies),
-        scene.loads.tolist(),
-        repr(scene.interface),
-        scene.in_si,
-        list(scene.claims.items()),
-        source_date(),  # with it, the data have neither the date of their run nor seconds
-    ]
-    variables = _inputs(solutions, None, entry, [("weier.pipeline.claims", "write")])
-    return variables[:HALF] + digest(scene.text)[:HALF]
+    stamps = folder / STAMPS / product
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(stamps.glob(f"{made_of}*"))}
+    now = _digests(folder, product)
+    for wanted, is_fresh in ((now, True), ("", False)):
+        if found := [path for path, text in texts.items() if text == wanted]:
+            return found[0], is_fresh and bool(now)
+    edited = f".{digest(list(texts.values()))[:DIGITS]}" if texts else ""
+    return stamps / f"{made_of}{edited}", False
 
 
-def has_variables_of(path: str | Path, inputs: str) -> bool:
-    """Return whether the data at a path have the variables of these inputs, and may have other attributes."""
-    return (made_of(path) or "")[:HALF] == inputs[:HALF]
+def fill_stamp(stamp: Path) -> None:
+    """Write the digests of the files of a product into its stamp, and remove its other stamps."""
+    product, folder = stamp.parent.name, stamp.parents[2]
+    write_text(stamp, _digests(folder, product))
+    for other in stamp.parent.iterdir():
+        if other != stamp:
+            other.unlink()
 
 
-def inputs_of_figure(solutions: Solutions, name: str) -> str:
-    """Return the digest of the inputs of a figure."""
-    figure = solutions.scene.figure(name)
-    code = [(f"weier.figures.{figure.draw}", "draw"), *FIGURE]
-    return _inputs(solutions, figure.all_studies, [name, repr(figure)], code, "figures")
-
-
-def inputs_of_page(solutions: Solutions) -> str:
-    """Return the digest of the inputs of the explorer of a scene."""
-    scene = solutions.scene
-    entry = [scene.title, list(scene.studies), scene.loads.tolist(), repr(scene.interface), scene.in_si]
-    return _inputs(solutions, None, entry, [("weier.figures.page", "write")], "figures")
-
-
-def _inputs(
-    solutions: Solutions, studies: Collection[str] | None, entry: Any, code: Collection[Name], *resources: str
-) -> str:
-    """Return the digest of a product that reads these studies, or all."""
-    scene = solutions.scene
-    curves = solutions.digest_of_curves(studies)
-    cases = scene.digest_of_cases(*(scene.studies if studies is None else studies))
-    looks = [[str(getattr(method, name)) for name in LOOKS] for method in METHODS]
-    program = [digest_of_code(*code, stop=[REGISTRY]), digest_of_sources(*resources, suffixes=RESOURCES), looks]
-    return digest([scene.name, entry, curves, cases, program])[:32]
-
-
-def mark(inputs: str) -> str:
-    """Return the text by which a product that is not netCDF carries the digest of its inputs."""
-    return f"made of weier:{inputs}"
-
-
-def made_of(path: str | Path) -> str | None:
-    """Return the digest of the inputs that a product carries; None if it has none, or there is no such file."""
-    path = Path(path)
-    if path.suffix == ".nc":
-        return sealed_name(path)
-    try:
-        found = MARK.search(path.read_bytes())
-    except FileNotFoundError:
-        return None
-    return found[1].decode() if found else None
+def _digests(folder: Path, product: str) -> str:
+    """Return the digests of the files of a product as text; empty if one is missing."""
+    found = {}
+    for file in files_of(product):
+        try:
+            with (folder / file).open("rb") as content:
+                found[file] = hashlib.file_digest(content, "sha256").hexdigest()
+        except FileNotFoundError:
+            return ""
+    return json.dumps(found, indent=1) + "\n"

@@ -5,7 +5,7 @@ Imports data, methods, theory, surface and kernels only, and solves nothing itse
 """
 
 from weier.scene.case import Case
-from weier.scene.cases import Layout, Scene
+from weier.scene.cases import Scene
 from weier.scene.figure import BY_DEFAULT, Axis, Figure, Grouping
 from weier.scene.file import load, load_by_name
 from weier.scene.mistakes import Mistake, SceneError
@@ -16,7 +16,6 @@ __all__ = [
     "Case",
     "Figure",
     "Grouping",
-    "Layout",
     "Mistake",
     "Scene",
     "SceneError",

@@ -58,10 +58,9 @@ class Case:
         """The key of the surface: where the file of a trace is does not change it."""
         return keys_of([name, identity(name, value)] for name, value in self.parameters.items()).sum()
 
-    @cached_property
-    def key(self) -> str:
-        """A digest of all dependencies of the numbers except the loads: a case has the same key in every file."""
-        return short_keys(keys_of([[self.methods, self.settings]]) + self.surface_key)[0]
+    def key(self, loads: Array) -> str:
+        """Return a digest of all that the numbers depend on except code: a case has the same key in every file."""
+        return short_keys(keys_of([[self.methods, self.settings, loads.tolist()]]) + self.surface_key)[0]
 
     @cached_property
     def profile(self) -> Any:

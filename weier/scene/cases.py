@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from weier.data.bodies import Bodies
-from weier.digests import digest
 from weier.kernels.arrays import Array, Indices
-from weier.methods.registry import returned_by
-from weier.scene.case import Case
+from weier.scene.case import Case, short_keys
 from weier.scene.figure import Figure
-from weier.scene.identity import Keys, digest_of_keys, distinct
+from weier.scene.identity import Keys, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
-from weier.surface.limits import resolvable
 from weier.surface.loads import check_range
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
@@ -31,37 +27,6 @@ NAME, NAME_IN_WORDS = (
     rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}",
     f"letters, digits, _ and -, at most {MAX_NAME}",
 )
-MAX_BATCH_CASES = 10_000  # a process that solves and writes them takes 0.5 GB
-
-
-class Layout(NamedTuple):
-    """The sizes and variables of the arrays for some cases.
-
-    methods : of all cases, in order of appearance
-    terms : of the longest finite series
-    edges : the most edges of contact, two for each of the finest waves in a period; 0 if they are not kept
-    optional : variables that not all files have: those that the methods return, and the labels of traces
-    """
-
-    methods: tuple[str, ...]
-    terms: int
-    edges: int
-    optional: frozenset[str] = frozenset()
-
-    def having(self, name: str) -> Layout:
-        """Return the layout with a further variable."""
-        return self._replace(optional=self.optional | {name})
-
-
-def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
-    """Return the sizes and variables of the arrays for these cases alone."""
-    methods = dict.fromkeys(method for case in cases for method in case.methods)
-    finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
-    resolved = filter(resolvable, finite) if contact_edges else ()
-    edges = max((2 * profile.waves_per_period[-1] for profile in resolved), default=0)
-    optional = frozenset(returned_by(tuple(methods))).union(*(profile.labels for profile in finite))
-    terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
-    return Layout(tuple(methods), terms, edges, optional)
 
 
 @dataclass(frozen=True)
@@ -69,10 +34,8 @@ class Scene:
     """A checked scene.
 
     name, title : of the file, and as a heading
-    loads : mean pressures, shape (loads,), in p_0*, or in Pa
-    in_si : whether they are in Pa, and all data in SI units
     studies : cases of each study, in the order of the file
-    batch_size : most cases in one batch
+    in_si : whether loads are in Pa, and all data in SI units
     figures, claims : what is made from the studies
     interface : the two bodies, in SI units; None without them
     max_seconds : the longest expected time of its solution; None without a limit
@@ -82,10 +45,8 @@ class Scene:
 
     name: str
     title: str
-    loads: Array
     studies: Mapping[str, Study]
     in_si: bool = False
-    batch_size: int = MAX_BATCH_CASES
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     interface: Bodies | None = None
@@ -97,6 +58,11 @@ class Scene:
     def products(self) -> tuple[CaseProduct, ...]:
         """The products of all studies, in the order of the file."""
         return tuple(product for study in self.studies.values() for product in study.products)
+
+    @cached_property
+    def loads(self) -> Array:
+        """The loads of all studies, increasing, shape (loads,), in p_0*, or in Pa."""
+        return np.unique(np.concatenate([np.empty(0), *(product.loads for product in self.products)]))
 
     @cached_property
     def _keys(self) -> Keys:
@@ -121,7 +87,7 @@ class Scene:
     @property
     def cases(self) -> dict[str, Case]:
         """Every case by its key, each once, in order of appearance: all of them in memory."""
-        return {case.key: case for case in self.distinct}
+        return dict(zip(short_keys(self.keys_of_cases), self.distinct, strict=True))
 
     @cached_property
     def product_of_cases(self) -> Indices:
@@ -143,9 +109,9 @@ class Scene:
         )
         return self._distinct[1][start : start + len(study)]
 
-    @cached_property
-    def homes(self) -> tuple[list[tuple[str, ...]], Indices]:
-        """The sets of studies that contain cases, and the number of that set for each case, shape (cases,)."""
+    @property
+    def studies_of_cases(self) -> list[tuple[str, ...]]:
+        """The studies that each case belongs to, in order of appearance."""
         member = np.zeros((len(self.distinct), len(self.studies)), bool)
         for column, name in enumerate(self.studies):
             member[self.cases_of_study(name), column] = True
@@ -153,24 +119,13 @@ class Scene:
         for flags in member.T:  # numbers of sets, without a sort of whole rows
             code = np.unique(2 * code + flags, return_inverse=True)[1]
         first = np.unique(code, return_index=True)[1]
-        return [tuple(itertools.compress(self.studies, member[row])) for row in first], code
+        names = [tuple(itertools.compress(self.studies, member[row])) for row in first]
+        return [names[number] for number in code.tolist()]
 
     @property
-    def studies_of_cases(self) -> list[tuple[str, ...]]:
-        """The studies that each case belongs to, in order of appearance."""
-        names, number = self.homes
-        return [names[home] for home in number.tolist()]
-
-    @cached_property
-    def layout(self) -> Layout:
-        """The sizes and variables of the arrays for all cases."""
-        return self.layout_of(*self.studies)
-
-    def layout_of(self, *studies: str) -> Layout:
-        """Return the sizes and variables of the arrays for the cases of some studies."""
-        products = [product for name in studies for product in self.study(name).products]
-        cases = [case for product in products for case in product.of_all_kinds("gamma", "m")]
-        return layout_of(cases, self.contact_edges)
+    def methods(self) -> tuple[str, ...]:
+        """The methods of all cases, in order of appearance."""
+        return tuple(dict.fromkeys(method for product in self.products for method in product.methods))
 
     def study(self, name: str) -> Study:
         """Return the cases of a study; a SceneError if there is no such study."""
@@ -190,13 +145,9 @@ class Scene:
         if self.in_si and self.interface:
             for product in self.products:
                 for case in product.of_all_kinds("trace"):
-                    check_range(self.interface.at(case.profile).normalised_pressure(self.loads))
+                    check_range(self.interface.at(case.profile).normalised_pressure(product.loads))
 
     def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
         if name not in table:
             raise SceneError(f"scene {self.name} has no {kind} {name!r}, only {', '.join(table) or 'none':.300}")
         return table[name]
-
-    def digest_of_cases(self, *studies: str) -> str:
-        """Return a digest of the cases of some studies in their order, and of which study they belong to."""
-        return digest([[digest_of_keys(part.case_keys) for part in self.study(name).products] for name in studies])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -12,12 +11,11 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from weier.checks import checked_file, suggestion
-from weier.data.variables import of_curves
 from weier.methods import auto
 from weier.methods.registry import METHODS, find_method
 from weier.methods.settings import checked_settings, with_tolerance
 from weier.scene.case import trace_files, trace_parameters
-from weier.scene.cases import MAX_BATCH_CASES, NAME, NAME_IN_WORDS, Scene
+from weier.scene.cases import NAME, NAME_IN_WORDS, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import read_yaml
@@ -27,7 +25,6 @@ from weier.units import PASCAL
 if TYPE_CHECKING:
     from weier.scene.models import Loads, SceneKeys, StudyKeys
 
-MAX_BATCH_BYTES = 4 * 2**30  # A batch must fit into the memory of one core of a usual machine.
 # Parts with a mistake are left out by themselves down to this depth below these keys, and others whole.
 DEPTHS = {"studies": 1, "figures": 2, "claims": 1}
 
@@ -123,11 +120,11 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     count = sum(study.count for study in keys.studies.values())
     mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
     wanted = {} if mistakes.within("max_cases") else keys.studies
+    loads = cast("Loads", keys.loads)
     read = {name: _study(name, study, keys, path.parent, mistakes) for name, study in wanted.items()}
     lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
     mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
     bodies = keys.interface.bodies() if keys.interface else None
-    loads = cast("Loads", keys.loads)
     in_si = bool(loads) and loads.unit == PASCAL
     if in_si and bodies is None and not mistakes.within("interface"):
         mistakes.add(
@@ -140,7 +137,6 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     scene = Scene(
         name=path.stem,
         title=keys.title,
-        loads=np.array(loads.values if loads else [], float),
         in_si=in_si,
         studies={name: study for name, study in read.items() if study is not None},
         figures={name: figure.figure(bodies if in_si else None) for name, figure in keys.figures.items()},
@@ -153,7 +149,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     if mistakes:
         return scene
     mistakes.attempt(("loads",), scene.check_loads, None)
-    return replace(scene, batch_size=mistakes.attempt(("batch",), partial(_batch_size, scene, keys.batch), 1))
+    return scene
 
 
 def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes: Mistakes) -> Study | None:
@@ -174,7 +170,17 @@ def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes
     settings = mistakes.attempt(keys, partial(with_tolerance, methods, settings, tolerance), settings)
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
-    products = [CaseProduct(axes, tuple(methods), own) for _, axes in made]
+    loads = cast("Loads", study.loads or scene.loads)
+    if scene.loads and loads.unit != cast("Loads", scene.loads).unit:
+        mistakes.add(
+            [
+                Mistake(
+                    (*keys, "loads"), f"loads of a study must be in the unit of the scene's loads, got {loads.unit}"
+                )
+            ]
+        )
+    pressures = np.array(loads.values if loads else [], float)
+    products = [CaseProduct(axes, tuple(methods), own, pressures) for _, axes in made]
     for (place, _), product in zip(made, products, strict=True):
         mistakes.attempt((*keys, *place), product.check, None)
     mistakes.attempt(keys, partial(_check_methods, products), None)
@@ -214,17 +220,3 @@ def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistak
     mistakes.attempt(keys, lambda: trace_files(trace["file"], folder), None)
     wrong = mistakes.within(*keys[:2])  # in its study
     return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
-
-
-def _batch_size(scene: Scene, wanted: int | None) -> int:
-    """Return the most cases in a batch, which must fit into memory."""
-    methods, _, edges, optional = scene.layout
-    variables = len(of_curves(optional, edges=False))
-    case = 8 * scene.loads.size * (len(methods) * variables + edges)
-    needed = case * int(wanted or 1)
-    if needed > MAX_BATCH_BYTES:
-        raise ValueError(
-            f"a batch must fit into {MAX_BATCH_BYTES >> 30} GB, got {needed >> 30} GB: set a smaller batch, "
-            "fewer loads, or contact_edges: false"
-        )
-    return int(wanted) if wanted else min(MAX_BATCH_CASES, MAX_BATCH_BYTES // case)

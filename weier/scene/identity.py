@@ -36,11 +36,6 @@ def as_text(keys: Keys) -> str:
     return np.ascontiguousarray(keys, WORD).tobytes().hex()
 
 
-def from_text(text: str) -> Keys:
-    """Return the keys that `as_text` has written."""
-    return np.frombuffer(bytes.fromhex(text), WORD)
-
-
 def digest_of_keys(keys: Keys) -> str:
     """Return a digest of keys in their order: a tenth of the time of one of their digits."""
     return hashlib.sha256(np.ascontiguousarray(keys, WORD).data).hexdigest()
@@ -53,15 +48,3 @@ def distinct(keys: Keys) -> tuple[Indices, Indices]:
     rank = np.empty(len(first), int)
     rank[order] = np.arange(len(first))
     return first[order], rank[number]
-
-
-class Lookup:
-    """The positions of keys in a table; where a key occurs several times, its first position."""
-
-    def __init__(self, keys: Keys) -> None:
-        self._keys, self._first = np.unique(keys, return_index=True)
-
-    def find(self, wanted: Keys) -> Indices:
-        """Return the position of each key, or -1 where the table does not have it."""
-        place = np.searchsorted(self._keys, wanted)
-        return np.where(np.append(self._keys, 0)[place] == wanted, np.append(self._first, -1)[place], -1)

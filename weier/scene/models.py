@@ -30,7 +30,7 @@ from weier.data.bodies import Bodies
 from weier.methods import auto
 from weier.methods.registry import find_method, names
 from weier.methods.settings import checked_settings
-from weier.scene.cases import MAX_BATCH_CASES, NAME, NAME_IN_WORDS
+from weier.scene.cases import NAME, NAME_IN_WORDS
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys, Mistake, Mistakes
 from weier.scene.part import LIST, NUMBER, RANGE, OneOf, OneOrMore, Part, Pattern, all_of, as_list, check_once
@@ -327,6 +327,14 @@ Settings = Annotated[
 ]
 
 
+LoadList = Annotated[
+    list[LoadOrRange],
+    Field(min_length=1, title=NUMBERS),
+    OneOrMore(NUMBER_TYPES, NUMBERS),
+    AfterValidator(_loads),
+]
+
+
 class StudyKeys(Part):
     """A set of profiles or measured heights, and how they are solved."""
 
@@ -336,6 +344,7 @@ class StudyKeys(Part):
     product: ProfileKeys = Field(ABSENT, description="Profiles: all combinations of the given values.")
     cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles, one by one.")
     trace: TraceKeys = Field(ABSENT, description="Measured heights.")
+    loads: LoadList = Field(ABSENT, description="Loads of this study, instead of the scene's, in the same unit.")
     methods: Methods = Field(ABSENT, description="Methods of this study, instead of the scene's.")
     settings: Settings = Field(ABSENT, description="Settings of this study, instead of the scene's.")
 
@@ -520,14 +529,6 @@ class FigureKeys(Part):
         )
 
 
-LoadList = Annotated[
-    list[LoadOrRange],
-    Field(min_length=1, title=NUMBERS),
-    OneOrMore(NUMBER_TYPES, NUMBERS),
-    AfterValidator(_loads),
-]
-
-
 def _check_tolerance(value: Any) -> Any:
     return checked_settings(auto.METHOD, {"tolerance": number("tolerance", value)})["tolerance"]
 
@@ -562,10 +563,6 @@ class SceneKeys(Part):
         ABSENT,
         description="The two bodies and the scale of their roughness, as in weier.Interface, for loads in Pa and "
         "figures in SI units. Values may have units, as in 210 GPa.",
-    )
-    batch: Count = Field(
-        ABSENT,
-        description=f"Largest number of cases per job; by default {MAX_BATCH_CASES}, or fewer if memory is short.",
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
         description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, or a "

@@ -8,19 +8,20 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from weier.kernels.arrays import Indices
+from weier.kernels.arrays import Array, Indices
 from weier.scene.case import Case, identity
 from weier.scene.identity import Keys, key_of, keys_of
 from weier.scene.yaml import number
 from weier.surface.profile import random_phases
 
+SEEDS = ("phases", "seed")  # parameters of phases
 MAX_CASES = 10_000  # default limit, since a typing error would take hours
 
 
@@ -34,14 +35,16 @@ def check_number(count: int, most: int) -> None:
 
 @dataclass(frozen=True)
 class CaseProduct:
-    """Every combination of the values of each parameter, under the same methods and settings.
+    """Every combination of the values of each parameter, under the same methods, settings and loads.
 
     axes : the values of each parameter, each once; those of the last one change first
+    loads : mean pressures, increasing, shape (loads,), in the unit of the scene
     """
 
     axes: Mapping[str, Sequence[Any]]
     methods: tuple[str, ...]
     settings: Mapping[str, Mapping[str, Any]]
+    loads: Array
 
     @cached_property
     def count(self) -> int:
@@ -59,21 +62,29 @@ class CaseProduct:
     @cached_property
     def surface_keys(self) -> Keys:
         """The key of the surface of each case."""
+        return self._keys()
+
+    @cached_property
+    def keys_without_phases(self) -> Keys:
+        """The same for methods without phases: equal for surfaces that differ in nothing else."""
+        return self._keys(without=SEEDS)
+
+    def _keys(self, without: Collection[str] = ()) -> Keys:
         total = np.zeros(1, np.uint64)
         for name, values in self.axes.items():
             own = keys_of([name, identity(name, value)] for value in values)
-            total = (total[:, None] + own).ravel()
+            total = (total[:, None] + (own if name not in without else np.zeros_like(own))).ravel()
         return total
 
     @property
     def case_keys(self) -> Keys:
-        """The key of each case, with its methods and settings."""
-        return self.surface_keys + key_of([self.methods, self.settings])
+        """The key of each case, with its methods, settings and loads."""
+        return self.surface_keys + key_of([self.methods, self.settings, self.loads.tolist()])
 
     def of_all_kinds(self, *names: str) -> Iterator[Case]:
         """Return cases with each combination of the values of some parameters; the others have their first value."""
         chosen = {name: values if name in names else values[:1] for name, values in self.axes.items()}
-        product = CaseProduct(chosen, self.methods, self.settings)
+        product = replace(self, axes=chosen)
         return map(product.case, range(product.count))
 
     def check(self) -> None:
@@ -83,7 +94,7 @@ class CaseProduct:
         depend on m alone, and a tolerance is hardest to reach for the largest D. So not every case is made.
         """
         order = {"D": sorted(self.axes["D"], key=partial(number, "D"), reverse=True)} if "D" in self.axes else {}
-        hardest = CaseProduct({**self.axes, **order}, self.methods, self.settings)
+        hardest = replace(self, axes={**self.axes, **order})
         for names in (("D",), ("gamma", "m"), ("phases", "m")):
             for case in hardest.of_all_kinds(*names):
                 case.check()

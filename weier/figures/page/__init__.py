@@ -24,10 +24,11 @@ from weier.data.files import write_text
 from weier.figures import UNDRAWN, UNGROUPED
 from weier.figures.page.explorer import curve_explorer
 from weier.kernels.arrays import Flags, Indices
-from weier.pipeline.batches import SEEDS, Solutions
+from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_cases
+from weier.pipeline.store import Store
 from weier.scene import Scene
-from weier.scene.study import CaseProduct
+from weier.scene.study import SEEDS, CaseProduct
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 EXPLORER_ID = ID("curves-explorer")
@@ -39,22 +40,19 @@ SELECTED = (
 )
 
 
-def write(solutions: Solutions, path: Path, mark: str = "") -> None:
+def write(curves: Curves, store: Store, path: Path) -> None:
     """Write the explorer of a scene atomically.
 
     Parameters
     ----------
-    solutions : Solutions
-        The scene with its solved curves; with an interface, they are shown in SI units.
+    curves, store : Curves, Store
+        The curves of the scene; with an interface, they are shown in SI units.
     path : path
         The HTML file to write.
-    mark : str
-        Digest of its inputs, for a comment at its end.
     """
-    scene, cases = solutions.scene, shown_cases(solutions.scene)
-    data = read_cases(solutions, cases, (*UNDRAWN, *UNGROUPED))
-    text = render(data, scene.title, len(scene.distinct), scene.interface)
-    write_text(path, f"{text}\n<!-- {mark} -->\n")
+    scene = curves.scene
+    data = read_cases(curves, store, shown_cases(scene), (*UNDRAWN, *UNGROUPED))
+    write_text(path, render(data, scene.title, len(scene.distinct), scene.interface))
 
 
 def shown_cases(scene: Scene, most: int = MAX_CASES) -> Indices:

@@ -8,14 +8,15 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from weier.api.rows import BOUNDS
 from weier.checks import suggestion
 from weier.data.files import write_text
-from weier.data.provenance import source_date
-from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.case import Case, Study
 from weier.pipeline.claims.claim import Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
+from weier.pipeline.curves import Curves
+from weier.pipeline.store import Store
 from weier.scene import Mistake, Scene
 
 if TYPE_CHECKING:
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 # Variables that no claim uses, and those that few do: most of the memory of a large study.
-UNUSED = ("indentation", "patch_count", "residual", "work", "settings", "status", "numerics", "contact_edge")
-BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
+UNUSED = ("indentation", "patch_count", "residual", "work", "settings", "status", "origin", "contact_edge")
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
@@ -41,32 +41,28 @@ def unused(names: Iterable[str]) -> tuple[str, ...]:
     return UNUSED + BOUNDS * (not any(CLAIMS[name].bounds for name in names))
 
 
-def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
+def write(curves: Curves, store: Store, path: str | Path, table: str | Path) -> None:
     """Judge the claims of a scene; write its whole dataset with them, and a Markdown text of them.
 
     Parameters
     ----------
-    solutions : Solutions
-        The solved scene, which lists the claims with their studies.
+    curves, store : Curves, Store
+        The curves of the scene, which lists the claims with their studies.
     path, table : path
         The netCDF file and the Markdown file.
 
     """
     # The import of xarray is not needed to check the names of claims.
-    from weier.pipeline.gather import describe_again, gather, read_study
-    from weier.pipeline.products import has_variables_of, inputs_of_data, mark
+    from weier.pipeline import gather
 
     # Only the studies of claims are read into memory, each once.
-    wanted = solutions.scene.claims.items()
-    without = unused(solutions.scene.claims)
-    cases = cache(lambda study: Study.of(read_study(solutions, study, without)).cases)
-    judged = {claim: _judge(claim, chain.from_iterable(map(cases, studies))) for claim, studies in wanted}
-    step, inputs = "checked against the paper" if judged else "gathered", inputs_of_data(solutions)
-    if has_variables_of(path, inputs) and not source_date():
-        describe_again(solutions.scene, path, step, inputs)
-    else:
-        gather(solutions, path, step, report.to_dataset(judged), inputs)
-    write_text(table, f"{report.to_markdown(solutions.scene.title, judged)}\n<!-- {mark(inputs)} -->\n")
+    scene = curves.scene
+    without = unused(scene.claims)
+    cases = cache(lambda study: Study.of(gather.read_study(curves, store, study, without)).cases)
+    judged = {name: _judge(name, chain.from_iterable(map(cases, studies))) for name, studies in scene.claims.items()}
+    step = "checked against the paper" if judged else "gathered"
+    gather.write(curves, store, path, step, report.to_dataset(judged))
+    write_text(table, report.to_markdown(scene.title, judged))
 
 
 def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:

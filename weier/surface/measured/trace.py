@@ -88,7 +88,7 @@ class Trace(Waves):
     lambda_0, g_0 : float
         Units of lengths and heights, in m: the length of the trace and the root mean square of its waves.
     samples, digest : int, str
-        Number of heights, and a digest of heights and processing, twelve letters.
+        Number of heights, and a digest of the heights that are solved and of their processing, twelve letters.
     line : int or None
         Index of the line in a map.
     left_out : tuple of str
@@ -190,7 +190,7 @@ class Trace(Waves):
             source=source,
             line=one.number,
             left_out=one.left_out,
-            digest=hashlib.sha256(contents.encode() + z.tobytes()).hexdigest()[:12],
+            digest=hashlib.sha256(contents.encode() + level.tobytes()).hexdigest()[:12],
             period=period,
             m=waves.size,
             _waves=tuple(waves.tolist()),

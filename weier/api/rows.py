@@ -1,0 +1,50 @@
+"""Rows of files: a curve and a surface as plain values, by the names of variables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from weier.api.task import CurveTask
+from weier.data.variables import Status
+from weier.kernels.arrays import Array
+from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.registry import find_method
+from weier.surface.limits import resolvable
+from weier.surface.waves import Waves
+from weier.theory.bounds import first_contact, infinite_series_bounds
+
+# The solution of a method and the seconds that it took, or the error.
+Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
+BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
+
+
+def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
+    """Return a curve with its status, its seconds and the bounds on the infinite series; of an error the status."""
+    if isinstance(outcome, Exception):
+        unconverged = isinstance(outcome, ConvergenceError)
+        return {"status": Status.not_converged if unconverged else Status.not_applicable}
+    solution, seconds = outcome
+    values = {name: value for name, value in solution._asdict().items() if value is not None}
+    return {"status": Status.solved, "seconds": seconds, **values, **_bounds(curve, solution)}
+
+
+def _bounds(curve: CurveTask, solution: Any) -> Mapping[str, Array]:
+    """Return bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
+    surface: Any = curve.profile
+    if not find_method(curve.method).numerical or math.isinf(surface.m) or math.isnan(surface.tail_amplitude):
+        return {}
+    return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.compliance_error)
+
+
+def surface_row(surface: Waves) -> dict[str, Any]:
+    """Return what describes a surface: its labels, its phases, and its heights that do not depend on a method."""
+    row = surface.labels | {
+        "phases": surface.listed_phases,
+        "total_amplitude": surface.total_amplitude,
+        "tail_amplitude": surface.tail_amplitude,
+    }
+    if math.isfinite(surface.m) and resolvable(surface):
+        row["first_contact"] = first_contact(surface)
+    return row

@@ -1,0 +1,177 @@
+"""Solved curves in append-only segments: files of rows, each with its key.
+
+`results/curves/KIND/NUMERICS/*.npz` are the segments of a kind under one numerics, and `KIND/kind.json` describes the
+kind. A segment is written beside, synced and renamed, and never changed. Where two segments have a key, so that two
+runs have solved the same curve, either serves.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import time
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier.data.files import replacing, write_text
+from weier.kernels.arrays import Flags, Indices
+from weier.pipeline.curves import Kind, Lacking, Part, described
+from weier.scene.identity import Keys, distinct
+
+KEY, ORIGIN = "key", "origin"  # of each row, and of all rows of a segment
+SUFFIX = ".npz"
+ADOPTED = "adopted.json"  # in the folder of new numerics: those whose curves count for them
+DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
+
+
+class Index(NamedTuple):
+    """The rows of a kind: files of segments, sorted keys, and the segment and the row of each key."""
+
+    files: Sequence[Path]
+    keys: Keys
+    segment: Indices
+    row: Indices
+
+    def find(self, keys: Keys) -> tuple[Flags, Indices]:
+        """Return whether there is a row of each key, and its position in the index."""
+        place = np.searchsorted(self.keys, keys)
+        return np.append(self.keys, 0)[place] == keys if self.keys.size else np.zeros(keys.shape, bool), place
+
+
+class Store:
+    """The solved curves of one folder under one numerics.
+
+    Parameters
+    ----------
+    folder : path
+        Such as results/curves.
+    numerics : str
+        The name of the numerics.
+    """
+
+    def __init__(self, folder: str | Path, numerics: str) -> None:
+        self.folder, self.numerics = Path(folder), numerics
+        self._indices: dict[str, Index] = {}
+
+    def lacking(self, wanted: Iterable[tuple[Part, Indices]]) -> list[Lacking]:
+        """Return which of some curves the store lacks, each once."""
+        parts: dict[str, list[tuple[Part, Indices]]] = {}
+        for part, numbers in wanted:
+            parts.setdefault(part.kind.name, []).append((part, numbers))
+        found = []
+        for name, own in parts.items():
+            keys = np.concatenate([part.keys[numbers] for part, numbers in own])
+            known, _ = self.index(name).find(keys)
+            first = distinct(keys)[0]
+            new = np.zeros(len(keys), bool)
+            new[first[~known[first]]] = True
+            ends = np.cumsum([len(numbers) for _, numbers in own])[:-1]
+            for (part, numbers), mine in zip(own, np.split(new, ends), strict=True):
+                if mine.any():
+                    found.append(Lacking(part, numbers[mine]))
+        return found
+
+    def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
+        """Return a value of each curve, shape (keys, ...), NaN or "" where it has none; None if no curve has it.
+
+        Raises
+        ------
+        ValueError
+            If a curve is not solved, or a segment is damaged.
+        """
+        index = self.index(kind.name)
+        known, place = index.find(keys)
+        if not known.all():
+            raise ValueError(f"{(~known).sum()} curves by {kind.method} are not solved: run snakemake again")
+        segment, row = index.segment[place], index.row[place]
+        found: dict[int, NDArray[Any]] = {}
+        for number in np.unique(segment).tolist():
+            with opened(index.files[number]) as columns:
+                if name in columns:
+                    values = columns[name]
+                    found[number] = values if values.ndim else np.full(int(row.max()) + 1, values)
+        if not found:
+            return None
+        shape = np.max([values.shape[1:] for values in found.values()], axis=0).astype(int)
+        joined = _blank((len(keys), *shape), np.result_type(*{values.dtype for values in found.values()}))
+        for number, values in found.items():
+            here = segment == number
+            within = tuple(map(slice, values.shape[1:]))
+            joined[(here, *within)] = values[row[here]]
+        return joined
+
+    def append(self, kind: Kind, keys: Sequence[np.uint64], rows: Sequence[Mapping[str, Any]], origin: str) -> None:
+        """Add curves as a segment: whole or not at all, and on the disk before it has its name."""
+        folder = self.folder / kind.name
+        if not (about := folder / "kind.json").exists():
+            write_text(about, described(kind))
+        names = dict.fromkeys(name for row in rows for name in row)
+        columns = {name: _column([row.get(name) for row in rows]) for name in names}
+        columns |= {KEY: np.array(keys, np.uint64), ORIGIN: np.array(origin)}
+        host = socket.gethostname().partition(".")[0]
+        path = folder / self.numerics / f"{time.time_ns():x}-{host}-{os.getpid()}{SUFFIX}"
+        with replacing(path) as beside, beside.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **columns)
+            file.flush()
+            os.fsync(file.fileno())
+        self._indices.pop(kind.name, None)
+
+    def index(self, kind: str) -> Index:
+        """Return the rows of a kind, those of adopted numerics among them."""
+        if kind not in self._indices:
+            files = [file for folder in self._folders(kind) for file in sorted(folder.glob(f"[!.]*{SUFFIX}"))]
+            keys = []
+            for file in files:
+                with opened(file) as columns:
+                    keys.append(columns[KEY])
+            every = np.concatenate([np.empty(0, np.uint64), *keys])
+            order = np.argsort(every, kind="stable")
+            sizes = [len(own) for own in keys]
+            segment = np.repeat(np.arange(len(files)), sizes)
+            row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)])
+            self._indices[kind] = Index(files, every[order], segment[order], row[order])
+        return self._indices[kind]
+
+    def _folders(self, kind: str) -> Iterator[Path]:
+        """Yield the folders of a kind that count for these numerics."""
+        name: str | None = self.numerics
+        while name:
+            folder = self.folder / kind / name
+            yield folder
+            adopted = folder / ADOPTED
+            name = json.loads(adopted.read_text(encoding="utf-8"))["curves"] if adopted.exists() else None
+
+
+@contextmanager
+def opened(file: Path) -> Iterator[Mapping[str, NDArray[Any]]]:
+    """Yield the columns of a segment, which are read on access; a damaged file is a ValueError with advice."""
+    try:
+        with np.load(file) as columns:
+            yield columns
+    except (zipfile.BadZipFile, EOFError, ValueError, KeyError) as error:
+        raise ValueError(DAMAGED.format(file, error)) from None
+
+
+def _column(values: Sequence[Any]) -> NDArray[Any]:
+    """Return values of rows as an array, shape (rows, ...): shorter ones end in NaN, missing ones are NaN or ""."""
+    arrays = [np.asarray(value) for value in values if value is not None]
+    shape = np.max([array.shape for array in arrays], axis=0).astype(int)
+    column = _blank((len(values), *shape), np.result_type(*{array.dtype for array in arrays}))
+    for row, value in enumerate(values):
+        if value is not None:
+            column[row, ...][tuple(map(slice, np.shape(value)))] = value
+    return column
+
+
+def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Return an array of values that are missing; integers become floats."""
+    if dtype.kind == "U":
+        return np.zeros(shape, dtype)
+    return np.full(shape, np.nan)
