@@ -7,9 +7,10 @@ from typing import Any
 import yaml
 
 from weier import scene
-from weier.api.batch import solve_batch
-from weier.data import dataset
-from weier.pipeline.batches import Solutions
+from weier.digests import numerics
+from weier.pipeline.curves import Curves
+from weier.pipeline.jobs import solve
+from weier.pipeline.store import Store
 from weier.scene import Scene
 
 
@@ -20,14 +21,15 @@ def scene_in(folder: Path, content: str | Mapping[str, Any], load: Callable[[Pat
     return load(path)
 
 
-def solve_scene(scene: Scene, folder: Path, cores: int = 1) -> Solutions:
-    """Solve what is missing of a scene in a folder of batches, cut for so many cores."""
-    solutions = Solutions(scene, folder)
-    for path in solutions.files(cores=cores):
-        for batch in [] if path.exists() else solutions.store.job(path.stem):
-            curves = solve_batch(
-                batch.cases, batch.kind.loads, batch.kind.contact_edges, loads_of=batch.kind.loads_of
-            )
-            dataset.write(curves, path.with_name(f"{batch.name}.nc"), batch.title, "solved", name=batch.name)
-    solutions.store.write()
-    return Solutions(scene, folder)
+def curves_in(scene: Scene, folder: Path) -> Curves:
+    """The curves of a scene in a store."""
+    return Curves(scene, Store(folder, numerics().name))
+
+
+def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
+    """Solve what a store lacks of a scene, by this number of jobs."""
+    curves = curves_in(scene, folder)
+    lacking = curves.store.lacking(curves.of_studies(None))
+    for number in range(jobs):
+        solve([each.of_job(number, jobs) for each in lacking], curves.store, "test", lambda line: None)
+    return curves_in(scene, folder)

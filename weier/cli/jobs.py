@@ -74,7 +74,8 @@ def curves(
     from weier.pipeline.workflow import wanted
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    store, loaded = Store(folder, numerics), {path.stem: Curves(weier.load_scene(path)) for path in scenes}
+    store = Store(folder, numerics)
+    loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
     lacking = by_group(store.lacking(wanted(what, list(loaded), loaded.__getitem__))).get(group, [])
     own = [each.of_job(number, count) for each in lacking]
     with job("solve", f"{sum(len(each.numbers) for each in own)} curves by {group}"):
@@ -91,7 +92,7 @@ def product(scene_file: Path, stamp: Path, folder: Path) -> None:
     from weier.pipeline.curves import Curves
 
     with job("make", scene_file.stem, stamp.parent.name):
-        make_product(Curves(weier.load_scene(scene_file)), Store(folder, numerics().name), stamp)
+        make_product(Curves(weier.load_scene(scene_file), Store(folder, numerics().name)), stamp)
 
 
 @click.command(hidden=True)

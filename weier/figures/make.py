@@ -9,10 +9,9 @@ from weier.data.files import remove_leftovers
 from weier.pipeline import claims
 from weier.pipeline.curves import Curves
 from weier.pipeline.products import CLAIMS, DATA, PAGE, fill_stamp, made_of
-from weier.pipeline.store import Store
 
 
-def make_product(curves: Curves, store: Store, stamp: Path) -> None:
+def make_product(curves: Curves, stamp: Path) -> None:
     """Make the product that a stamp is of, next to the stamp, and fill the stamp.
 
     Raises
@@ -25,7 +24,7 @@ def make_product(curves: Curves, store: Store, stamp: Path) -> None:
     try:
         if not stamp.name.startswith(made_of(curves, name)):
             raise ValueError(f"{curves.scene.name} or weier has changed since the plan: run snakemake again")
-        _make(curves, store, folder, name)
+        _make(curves, folder, name)
     except ValueError:
         stamp.unlink(missing_ok=True)
         raise
@@ -33,17 +32,17 @@ def make_product(curves: Curves, store: Store, stamp: Path) -> None:
     remove_leftovers(folder)
 
 
-def _make(curves: Curves, store: Store, folder: Path, name: str) -> None:
+def _make(curves: Curves, folder: Path, name: str) -> None:
     if name == DATA:
-        claims.write(curves, store, folder / DATA, folder / CLAIMS)
+        claims.write(curves, folder / DATA, folder / CLAIMS)
     elif name == PAGE:
         from weier.figures import page  # bokeh takes half a second, and is in an extra
 
-        page.write(curves, store, folder / PAGE)
+        page.write(curves, folder / PAGE)
     else:
         from weier.pipeline.gather import read_study  # xarray, which claims import late, too
 
         figure = curves.scene.figure(name)
         unread = figures.undrawn(figure.draw)
-        studies = [read_study(curves, store, study, unread) for study in figure.all_studies]
+        studies = [read_study(curves, study, unread) for study in figure.all_studies]
         figures.draw(figure, studies, folder / "figures" / name, (*figures.METADATA, figures.VALUES))

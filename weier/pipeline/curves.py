@@ -27,6 +27,7 @@ from weier.scene.study import SEEDS, CaseProduct
 from weier.theory.conduction import full_contact_pressure
 
 if TYPE_CHECKING:
+    from weier.pipeline.store import Store
     from weier.surface.measured.trace import Trace
     from weier.surface.waves import Waves
 
@@ -131,7 +132,7 @@ class Part:
 
 
 class Curves:
-    """The curves of a scene.
+    """The curves of a scene, and the store that has the solved ones.
 
     Attributes
     ----------
@@ -141,8 +142,9 @@ class Curves:
         What describes the surfaces, by product.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene, self.parts, self.surfaces = scene, list[Part](), list[Part]()
+    def __init__(self, scene: Scene, store: Store) -> None:
+        self.scene, self.store = scene, store
+        self.parts, self.surfaces = list[Part](), list[Part]()
         starts = np.searchsorted(scene.product_of_cases, np.arange(len(scene.products) + 1))
         for product, start, end in zip(scene.products, starts.tolist(), starts[1:].tolist(), strict=False):
             if end > start:

@@ -27,7 +27,7 @@ from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
 from weier.pipeline.curves import Curves, Part
-from weier.pipeline.store import ORIGIN, Store
+from weier.pipeline.store import ORIGIN
 from weier.scene.case import short_keys
 from weier.scene.cases import Scene
 
@@ -40,15 +40,13 @@ class Solved:
     Parameters
     ----------
     curves : Curves
-        The curves of the scene.
-    store : Store
-        The solved ones.
+        The curves of the scene, with their store.
     cases : ndarray of int, optional
         Numbers of the cases; all by default.
     """
 
-    def __init__(self, curves: Curves, store: Store, cases: Indices | None = None) -> None:
-        self.scene, self._store = curves.scene, store
+    def __init__(self, curves: Curves, cases: Indices | None = None) -> None:
+        self.scene, self._store = curves.scene, curves.store
         self.cases = np.arange(len(self.scene.distinct)) if cases is None else cases
         self._surfaces, self._parts = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
         self.methods = list(dict.fromkeys(part.kind.method for part, *_ in self._parts))
@@ -135,7 +133,8 @@ class Solved:
         text = dtype[0] in "UO"
         joined = np.full((len(self.cases), *shape), "" if text else NOTHING[dtype[0]], object if text else dtype)
         for rows, values in found:
-            joined[(rows, *map(slice, values.shape[1:]))] = values
+            within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
+            joined[within] = values
         return joined
 
     @property
@@ -176,24 +175,24 @@ def _settings(part: Part) -> str:
     return json.dumps(part.kind.settings, sort_keys=True)
 
 
-def read_study(curves: Curves, store: Store, study: str, without: Collection[str] = ()) -> xr.Dataset:
+def read_study(curves: Curves, study: str, without: Collection[str] = ()) -> xr.Dataset:
     """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
-    return Solved(curves, store, curves.scene.cases_of_study(study)).dataset(without)
+    return Solved(curves, curves.scene.cases_of_study(study)).dataset(without)
 
 
-def read_cases(curves: Curves, store: Store, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
+def read_cases(curves: Curves, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
     """Return some cases of the file of a scene in memory, by their numbers, without some variables."""
-    solved = Solved(curves, store, cases)
+    solved = Solved(curves, cases)
     return in_units_of(curves.scene, solved.dataset(without)).merge(solved.labels())
 
 
-def write(curves: Curves, store: Store, path: str | Path, step: str, more: xr.Dataset) -> None:
+def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None:
     """Write all cases of a scene in their order, with their labels and further variables, atomically.
 
     Parameters
     ----------
-    curves, store : Curves, Store
-        The curves of the scene.
+    curves : Curves
+        The curves of the scene, with their store.
     path : path
         The file.
     step : str
@@ -205,7 +204,7 @@ def write(curves: Curves, store: Store, path: str | Path, step: str, more: xr.Da
     -----
     A variable is in memory at a time, of one method, so that a file may be larger than memory.
     """
-    scene, solved = curves.scene, Solved(curves, store)
+    scene, solved = curves.scene, Solved(curves)
     of_cases = over_cases(solved.of_all_cases(), solved.methods, solved.loads, scene.load_unit)
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}

@@ -78,7 +78,7 @@ class Plan:
             return self._load(name)
 
     def _curves(self, name: str) -> Curves:
-        return Curves(self.scene(name))
+        return Curves(self.scene(name), self.store)
 
     # --- products ---
 

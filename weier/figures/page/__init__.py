@@ -26,7 +26,6 @@ from weier.figures.page.explorer import curve_explorer
 from weier.kernels.arrays import Flags, Indices
 from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_cases
-from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.study import SEEDS, CaseProduct
 
@@ -40,18 +39,18 @@ SELECTED = (
 )
 
 
-def write(curves: Curves, store: Store, path: Path) -> None:
+def write(curves: Curves, path: Path) -> None:
     """Write the explorer of a scene atomically.
 
     Parameters
     ----------
-    curves, store : Curves, Store
+    curves : Curves
         The curves of the scene; with an interface, they are shown in SI units.
     path : path
         The HTML file to write.
     """
     scene = curves.scene
-    data = read_cases(curves, store, shown_cases(scene), (*UNDRAWN, *UNGROUPED))
+    data = read_cases(curves, shown_cases(scene), (*UNDRAWN, *UNGROUPED))
     write_text(path, render(data, scene.title, len(scene.distinct), scene.interface))
 
 

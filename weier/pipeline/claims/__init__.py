@@ -16,7 +16,6 @@ from weier.pipeline.claims.case import Case, Study
 from weier.pipeline.claims.claim import Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.pipeline.curves import Curves
-from weier.pipeline.store import Store
 from weier.scene import Mistake, Scene
 
 if TYPE_CHECKING:
@@ -41,12 +40,12 @@ def unused(names: Iterable[str]) -> tuple[str, ...]:
     return UNUSED + BOUNDS * (not any(CLAIMS[name].bounds for name in names))
 
 
-def write(curves: Curves, store: Store, path: str | Path, table: str | Path) -> None:
+def write(curves: Curves, path: str | Path, table: str | Path) -> None:
     """Judge the claims of a scene; write its whole dataset with them, and a Markdown text of them.
 
     Parameters
     ----------
-    curves, store : Curves, Store
+    curves : Curves
         The curves of the scene, which lists the claims with their studies.
     path, table : path
         The netCDF file and the Markdown file.
@@ -58,10 +57,10 @@ def write(curves: Curves, store: Store, path: str | Path, table: str | Path) -> 
     # Only the studies of claims are read into memory, each once.
     scene = curves.scene
     without = unused(scene.claims)
-    cases = cache(lambda study: Study.of(gather.read_study(curves, store, study, without)).cases)
+    cases = cache(lambda study: Study.of(gather.read_study(curves, study, without)).cases)
     judged = {name: _judge(name, chain.from_iterable(map(cases, studies))) for name, studies in scene.claims.items()}
     step = "checked against the paper" if judged else "gathered"
-    gather.write(curves, store, path, step, report.to_dataset(judged))
+    gather.write(curves, path, step, report.to_dataset(judged))
     write_text(table, report.to_markdown(scene.title, judged))
 
 
