@@ -50,6 +50,7 @@ for _command in (
     profile.plot,
     table.table,
     jobs.compile,
+    jobs.adopt,
     jobs.curves,
     jobs.product,
     jobs.draw,

@@ -95,6 +95,25 @@ def product(scene_file: Path, stamp: Path, folder: Path) -> None:
         make_product(Curves(weier.load_scene(scene_file), Store(folder, numerics().name)), stamp)
 
 
+@click.command()
+@click.argument("scenes", nargs=-1, type=FILE, required=True)
+@click.option("--curves", "folder", type=FILE, default=Path("results/curves"), show_default=True, help="Their store.")
+@click.option("--within-errors", is_flag=True, help="Accept differences within the stated errors, too.")
+def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
+    """Let curves of SCENES that older code has solved count for the present code, if it gives the same numbers.
+
+    Some 50 curves of each kind are solved again and compared to the last bit. The comparison and its verdict are kept
+    next to the curves.
+    """
+    from weier.pipeline.adopt import adopt as adopt_curves
+    from weier.pipeline.curves import Curves
+
+    store = Store(folder, numerics().name)
+    wanted = [Curves(weier.load_scene(path), store) for path in scenes]
+    verdicts = adopt_curves(wanted, store, within_errors, click.echo)
+    click.echo(f"{len(verdicts)} kinds of curves of other code were compared with that of {store.numerics}")
+
+
 @click.command(hidden=True)
 @click.argument("kind")
 @output("path")

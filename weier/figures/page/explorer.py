@@ -63,11 +63,11 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
 
     """
     data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
-    methods, count = data["solution_method"].values.tolist(), data.sizes["mean_pressure"]
+    methods = data["solution_method"].values.tolist()
     labels = {name: _labels(data, name) for name in LABELS}
     curves = data if interface is None or "mu_1" in data.attrs else interface.in_si(data)
-    pressures = np.broadcast_to(curves["mean_pressure"].values, (data.sizes["case"], count))
-    values = {name: curves[name].values for name in SHOWN if name in curves}
+    pressures, values = _at_own_loads(curves)
+    count = pressures.shape[1]
     ensembles = _ensembles(labels)
     for members in ensembles:
         for name in LABELS:
@@ -112,6 +112,15 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     document.add_root(parts)
     document.js_on_event("document_ready", choose)
     return parts
+
+
+def _at_own_loads(data: xr.Dataset) -> tuple[Array, dict[str, Array]]:
+    """Return the loads and the values of each case at the loads of its study; what is shorter ends in NaN."""
+    known = np.isfinite(data["compliance"].values).any(axis=1)
+    order = np.argsort(~known, axis=1, kind="stable")[:, : max(known.sum(axis=1))]
+    pressures = np.where(np.take_along_axis(known, order, 1), data["mean_pressure"].values[order], np.nan)
+    shown = {name: data[name].values for name in SHOWN if name in data}
+    return pressures, {name: np.take_along_axis(own, order[:, None], 2) for name, own in shown.items()}
 
 
 def _ensembles(labels: Mapping[str, Sequence[str]]) -> list[list[int]]:
