@@ -13,7 +13,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
@@ -104,9 +103,8 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
         The scene file as text.
     """
     data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
-    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, data, {}, netcdf.text_widths(data))
-        netcdf.fill(file, data)
+    with replacing(path) as beside:
+        netcdf.write(data, beside)
 
 
 def read(path: str | Path) -> xr.Dataset:

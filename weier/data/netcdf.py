@@ -1,75 +1,86 @@
-"""Datasets as netCDF-4 files, created first and filled one variable at a time, so that it may exceed memory.
+"""Datasets as netCDF-4 files, by xarray; curves that may exceed memory are added one variable and method at a time.
 
 Chunks and compression are measured on 4800 cases of 4 methods at 40 loads, 61 MB of ten variables, uncompressed
 read in 0.24 s: with chunks of one method and deflate 1 they take 9.2 MB, 0.40 s to write and 0.16 s to read. Chunks
 of a megabyte hold 16 000 cases at 8 loads, of which docs/cluster.md has the seconds. Deflate 4 saves 4 % and takes
 twice as long to write; a chunk a case takes 23 MB. Fletcher's checksum takes 4 bytes a chunk and no time that could
-be measured, and detects corruption on disk. A variable takes 4 to 6 kB by itself, which is most of a file of one
-case: 3 for the index of its chunks, 1 for its header, and 2 where it has more than six attributes. One without
-values has no chunks, and so no index.
+be measured, and detects corruption on disk.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Hashable, Iterable, Mapping
+from collections.abc import Container, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import netCDF4
 import numpy as np
-from numpy.typing import NDArray
 
 from weier.data.provenance import FIXED
-from weier.data.variables import ancillary
+from weier.data.variables import CURVE, ancillary
+from weier.kernels.arrays import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
 CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
-CACHE_BYTES = 2**22  # For each variable. The default of the library, 16 MB, would dominate the memory.
+PACKED: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 REMAKE = "delete it and make it again"
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
 
 
-def create(file: netCDF4.Dataset, like: xr.Dataset, sizes: Mapping[str, int], widths: Mapping[str, int]) -> None:
-    """Give an empty file the dimensions, variables and attributes of a dataset, without values.
-
-    Parameters
-    ----------
-    file : netCDF4.Dataset
-        Open for writing.
-    like : Dataset
-        Dataset with the dimensions, variables and attributes of the file.
-    sizes : mapping of int
-        Sizes of dimensions that are to be larger than in `like`, such as all cases.
-    widths : mapping of int
-        Bytes of each variable of text: see `text_widths`.
-    """
-    for dim, size in {**{str(dim): size for dim, size in like.sizes.items()}, **sizes}.items():
-        _group(file, [dim]).createDimension(dim, size)
-    for name, values in like.variables.items():
-        _create_variable(file, str(name), values, str(name) in like.coords, widths)
-    _relate_coordinates(file, like)
-    for name in like.data_vars:
-        _stored_as(file, str(name), like[name]).setncatts(ancillary(str(name), like.data_vars))
-    file.setncatts(like.attrs)
+def write(data: xr.Dataset, path: Path) -> None:
+    """Write a dataset into a new file."""
+    data = data.copy()
+    for name in data.data_vars:
+        data[name].attrs |= ancillary(str(name), data.data_vars)
+    grouped = [name for name, values in data.data_vars.items() if {*values.dims} & {*GROUPED}]
+    details = data[grouped].reset_coords(drop=True).drop_attrs(deep=False)
+    root = data.drop_vars(grouped).drop_dims(GROUPED, errors="ignore")
+    root.to_netcdf(path, format="NETCDF4", engine="netcdf4", encoding=_encoding(root))
+    if grouped:
+        details.to_netcdf(path, "a", "NETCDF4", GROUP, "netcdf4", _encoding(details))
 
 
-def fill(file: netCDF4.Dataset, data: xr.Dataset) -> None:
-    """Write the values of a dataset into a file made by `create`."""
+def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
+    """Return how each variable is stored; texts are characters, since netCDF strings are not compressed."""
+    found: dict[Any, dict[str, Any]] = {}
     for name, values in data.variables.items():
-        stored = _stored_as(file, str(name), values)
-        if not _missing(stored, values.values):
-            stored[...] = _encoded_for(stored, values.values)
+        if values.dtype.kind in "UO":
+            longest = max((len(str(text).encode()) for text in np.unique(values.values.astype(str))), default=1)
+            found[name] = PACKED | {"dtype": "S1", "char_dim_name": f"string{max(1, longest)}"}
+        elif values.ndim:
+            found[name] = PACKED | {"chunksizes": _chunks(values.dims, values.shape, values.dtype.itemsize)}
+        else:
+            found[name] = {}
+        if name in data.coords:  # which CF allows no missing values
+            found[name]["_FillValue"] = None
+    return found
 
 
-def fill_column(file: netCDF4.Dataset, name: str, column: int, values: NDArray[Any]) -> None:
-    """Write the values of a variable of curves by one method into a file made by `create`."""
-    stored = file[name]
-    if not _missing(stored, values):
-        stored[:, column] = _encoded_for(stored, values)
+def _chunks(dims: Iterable[Any], shape: Iterable[int], itemsize: int) -> list[int]:
+    """Return chunks of whole cases by one method."""
+    dims = list(dims)
+    chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
+    if dims[0] == "case":
+        chunk[0] = min(chunk[0], max(1, CHUNK_BYTES // (itemsize * int(np.prod(chunk[1:])))))
+    return [max(1, size) for size in chunk]
+
+
+def add_curves(file: netCDF4.Dataset, name: str, attributes: dict[str, Any], labels: str) -> netCDF4.Variable[Any]:
+    """Add a variable of curves without values to a file; `labels` names the coordinates of its cases."""
+    shape = [file.dimensions[dim].size for dim in CURVE]
+    made = file.createVariable(name, "f8", CURVE, fill_value=np.nan, chunksizes=_chunks(CURVE, shape, 8), **PACKED)
+    made.setncatts(attributes | {"coordinates": labels})
+    return made
+
+
+def fill_method(variable: netCDF4.Variable[Any], column: int, values: Array) -> None:
+    """Write the curves by one method, shape (cases, loads); those without values take no space."""
+    if not np.isnan(values).all():
+        variable[:, column] = values
 
 
 def check_whole(path: str | Path) -> None:
@@ -124,100 +135,3 @@ def _is_locked(file: BinaryIO) -> bool:
     except OSError:  # of a disk without locks
         return False
     return False
-
-
-def text_widths(data: xr.Dataset) -> dict[str, int]:
-    """Return the bytes of the longest text in each variable of text, which xarray writes again without a warning."""
-    texts = {str(name): values for name, values in data.variables.items() if values.dtype.kind in "UO"}
-    return {name: max(1, _encoded(values.values).itemsize) for name, values in texts.items()}
-
-
-def _group(file: netCDF4.Dataset, dims: Iterable[Hashable]) -> netCDF4.Dataset | netCDF4.Group:
-    """Return the group of the variables over some dimensions, or the file itself."""
-    return file.createGroup(GROUP) if _grouped(dims) else file
-
-
-def _grouped(dims: Iterable[Hashable]) -> bool:
-    return any(dim in GROUPED for dim in dims)
-
-
-def _stored_as(file: netCDF4.Dataset, name: str, values: xr.Variable | xr.DataArray) -> netCDF4.Variable[Any]:
-    """Return a variable of the file, in its group."""
-    return _group(file, values.dims)[name]
-
-
-def _create_variable(
-    file: netCDF4.Dataset, name: str, values: xr.Variable, coordinate: bool, widths: Mapping[str, int]
-) -> None:
-    text = values.dtype.kind in "UO"
-    dims = [str(dim) for dim in values.dims]
-    group = _group(file, dims)
-    if text:
-        # Characters, not netCDF strings: those are not compressed, and no coordinate of CF.
-        dims.append(f"string{widths[name]}")
-        if dims[-1] not in group.dimensions:
-            group.createDimension(dims[-1], widths[name])
-    dtype: Any = "S1" if text else "i1" if values.dtype.kind == "b" else values.dtype
-    sizes = {**file.dimensions, **group.dimensions}
-    shape = [sizes[dim].size for dim in dims]
-    missing = np.nan if values.dtype.kind == "f" and not coordinate else None
-    made = group.createVariable(
-        name,
-        dtype,
-        dims,
-        fill_value=missing,
-        shuffle=True,
-        complevel=1,  # Higher levels take twice as long to write, as measured above.
-        zlib=True,
-        fletcher32=True,
-        chunksizes=_chunks(dims, shape, np.dtype(dtype).itemsize),
-        chunk_cache=CACHE_BYTES,
-    )
-    made.setncatts(values.attrs | ({"_Encoding": "utf-8"} if text else {}))
-
-
-def _chunks(dims: list[str], shape: list[int], itemsize: int) -> list[int]:
-    chunk = [1 if dim == "solution_method" and len(dims) > 1 else size for dim, size in zip(dims, shape, strict=True)]
-    if dims[0] == "case":
-        row = itemsize * int(np.prod(chunk[1:]))
-        chunk[0] = min(shape[0], max(1, CHUNK_BYTES // row))
-    return chunk
-
-
-def _relate_coordinates(file: netCDF4.Dataset, data: xr.Dataset) -> None:
-    """Write the attribute `coordinates` of variables as in CF, and that of the file for the others as in xarray."""
-    auxiliary = sorted(str(name) for name in data.coords if name not in data.dims)
-    related = set()
-    for name, values in data.data_vars.items():
-        mine = [other for other in auxiliary if set(data[other].dims) <= set(values.dims)]
-        if mine and not _grouped(values.dims):
-            file[str(name)].coordinates = " ".join(mine)
-        related.update(mine)
-    alone = [name for name in auxiliary if name not in related]
-    if alone:
-        file.coordinates = " ".join(alone)
-
-
-def _missing(stored: netCDF4.Variable[Any], values: NDArray[Any]) -> bool:
-    """Return whether all values are the fill value, so that nothing has to be written."""
-    return "_FillValue" in stored.ncattrs() and bool(np.isnan(values).all())
-
-
-def _encoded_for(stored: netCDF4.Variable[Any], values: NDArray[Any]) -> NDArray[Any]:
-    """Return the values as stored in the file: texts are characters along a dimension of their own."""
-    if values.dtype.kind not in "UO":
-        return values
-    stored.set_auto_chartostring(False)
-    width, encoded = stored.shape[-1], _encoded(values)
-    if encoded.itemsize > width:
-        raise ValueError(f"{stored.name} must have at most {width} characters, got {encoded.itemsize}: shorten it")
-    return encoded.astype(f"S{width}")[..., None].view("S1")
-
-
-def _encoded(texts: NDArray[Any]) -> NDArray[np.bytes_]:
-    """Return texts in UTF-8, padded to the length of the longest; ValueError if a value is not a text."""
-    try:
-        return np.array([str.encode(text) for text in texts.ravel().tolist()], "S").reshape(texts.shape)
-    except (TypeError, ValueError):
-        wrong = next((text for text in texts.flat if not isinstance(text, str)), texts)
-        raise ValueError(f"a variable of text must hold text only, got {wrong!r:.80}") from None

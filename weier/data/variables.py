@@ -302,16 +302,15 @@ def of_curves(returned: Collection[str], edges: bool) -> list[str]:
 
 
 def blank(
-    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES, views: bool = False
+    name: str, sizes: Mapping[str, int], table: Mapping[str, Variable] = VARIABLES
 ) -> tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]:
-    """Return dimensions, empty values and attributes of a variable; views of one value take no memory."""
+    """Return dimensions, empty values and attributes of a variable."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
     nothing = NOTHING.get(entry.dtype[0], "")
     # Texts have any length in memory, since an array of fixed width would truncate texts that a file refuses.
-    one = np.full((), nothing, object if nothing == "" else entry.dtype)
-    values = np.broadcast_to(one, shape)
-    return entry.dims, values if views else values.copy(), attributes(name, table)
+    values = np.full(shape, nothing, object if nothing == "" else entry.dtype)
+    return entry.dims, values, attributes(name, table)
 
 
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:

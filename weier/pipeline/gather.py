@@ -22,7 +22,7 @@ from weier.data import netcdf, provenance, variables
 from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
-from weier.data.variables import CASE, LABEL, NOTHING, VARIABLES, Status
+from weier.data.variables import CASE, CURVE, LABEL, NOTHING, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
@@ -138,32 +138,23 @@ class Solved:
         return joined
 
     @property
-    def of_curves(self) -> list[str]:
-        """The variables of curves; the others are of cases."""
-        return [name for name in self.names if "solution_method" in VARIABLES[name].dims]
-
-    def of_all_cases(self, without: Collection[str] = ()) -> dict[str, Values]:
-        """Return the variables of cases, in normalised units."""
-        return {name: self.of_cases(name) for name in self.names if name not in {*self.of_curves, *without}}
+    def over_loads(self) -> list[str]:
+        """The variables of curves that have a value for each load."""
+        return [name for name in self.names if VARIABLES[name].dims == CURVE]
 
     def blank_curves(self) -> dict[str, tuple[tuple[str, ...], Values, dict[str, Any]]]:
-        """Return the variables of curves without values, which take no memory."""
-        sizes = {CASE: len(self.cases), "solution_method": len(self.methods), "mean_pressure": self.loads.size}
-        return {name: variables.blank(name, sizes, views=True) for name in self.of_curves}
-
-    @property
-    def widths(self) -> dict[str, int]:
-        """The bytes of the longest text of each variable of curves."""
-        longest = max(len(_settings(part)) for part, *_ in self._parts)
-        texts = [name for name in self.of_curves if VARIABLES[name].dtype[0] == "U"]
-        return {name: int(VARIABLES[name].dtype[1:]) for name in texts} | {"settings": longest}
+        """Return those variables for one case, without values."""
+        sizes = {CASE: 1, "solution_method": len(self.methods), "mean_pressure": self.loads.size}
+        return {name: variables.blank(name, sizes) for name in self.over_loads}
 
     def dataset(self, without: Collection[str] = ()) -> xr.Dataset:
         """Return the cases in memory, in normalised units, without some variables."""
-        found = self.of_all_cases(without)
-        for name in self.of_curves:
-            if name not in without:
+        found = {}
+        for name in (name for name in self.names if name not in without):
+            if "solution_method" in VARIABLES[name].dims:
                 found[name] = np.stack([self.of_method(name, method) for method in self.methods], axis=1)
+            else:
+                found[name] = self.of_cases(name)
         return over_cases(found, self.methods, self.loads, self.scene.load_unit)
 
     def labels(self) -> xr.Dataset:
@@ -205,23 +196,23 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     A variable is in memory at a time, of one method, so that a file may be larger than memory.
     """
     scene, solved = curves.scene, Solved(curves)
-    of_cases = over_cases(solved.of_all_cases(), solved.methods, solved.loads, scene.load_unit)
+    in_memory = solved.dataset(without=solved.over_loads)
+    scales = scales_of(scene.interface, in_memory) if scene.in_si and scene.interface else {}
+    like = in_memory.isel(case=slice(1)).assign(solved.blank_curves())  # for attributes in the units of the scene
+    described = in_units_of(scene, like).variables
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
-    header = in_units_of(scene, of_cases.assign(solved.blank_curves()).isel(case=slice(1)))
-    whole = in_units_of(scene, of_cases).merge(solved.labels()).merge(more)
-    header = header.merge(whole.isel(case=slice(1)), compat="override").assign_attrs(about)
-    scales = scales_of(scene.interface, of_cases) if scene.in_si and scene.interface else {}
-    with replacing(path) as beside, netCDF4.Dataset(beside, "w") as file:
-        netcdf.create(file, header, {"case": whole.sizes["case"]}, solved.widths | netcdf.text_widths(whole))
-        netcdf.fill(file, whole)
-        for name in solved.of_curves:
-            factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0])
-            for column, method in enumerate(solved.methods):
-                values = solved.of_method(name, method)
-                if factor.ndim or factor != 1:
-                    values = values * factor.reshape(-1, *[1] * (values.ndim - 1))
-                netcdf.fill_column(file, name, column, values)
+    data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
+    labels = " ".join(sorted(str(name) for name, values in data.coords.items() if values.dims == (CASE,)))
+    with replacing(path) as beside:
+        netcdf.write(data, beside)
+        with netCDF4.Dataset(beside, "a") as file:
+            for name in solved.over_loads:
+                related = variables.ancillary(name, solved.names)
+                stored = netcdf.add_curves(file, name, described[name].attrs | related, labels)
+                factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0]).reshape(-1, 1)
+                for column, method in enumerate(solved.methods):
+                    netcdf.fill_method(stored, column, solved.of_method(name, method) * factor)
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
