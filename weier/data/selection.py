@@ -282,7 +282,11 @@ def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
     A trace is named by its file and its digest, which determine all else.
     """
     first = ("study", "trace", *PARAMETERS, "seed", "phases", "trace_digest")
-    others = [name for name in _labels(data) if name not in ("key", "surface_key", "case", *first) and not name.startswith("trace_")]
+    others = [
+        name
+        for name in _labels(data)
+        if name not in ("key", "surface_key", "case", *first) and not name.startswith("trace_")
+    ]
     order = [name for name in (*first, *others) if name in data.coords and name not in but]
     columns = {name: [label_text(value) for value in data[name].values] for name in order}
     return [_case_name({name: texts[row] for name, texts in columns.items()}) for row in range(data.sizes["case"])]
