@@ -294,7 +294,7 @@ def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
 
 @pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda name: name)
 def test_every_setting_of_every_method(method, setting):
-    profile = weier.Profile(1.25, 5, math.inf) if method == "hybrid" else PROFILE
+    profile = PROFILE
     default = defaults(find_method(method))[setting]
 
     @few(25)

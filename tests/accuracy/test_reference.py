@@ -68,7 +68,7 @@ def test_an_estimate_is_held_against_its_own_sum_and_a_solution_against_the_cont
 def test_nothing_is_known_of_what_takes_too_long(monkeypatch):
     monkeypatch.setattr(module, "MAX_REFERENCE_SECONDS", 0.1)
     infinite = Profile(1.5, 5, math.inf)
-    for name, profile in (("hybrid", infinite), ("layer", Profile(1.5, 5, 11)), ("bem", Profile(1.5, 1000, 2))):
+    for name, profile in (("layer", Profile(1.5, 5, 11)), ("bem", Profile(1.5, 1000, 2))):
         found = reference_of(name, profile)
         assert found.source == ""
         assert np.isnan(np.array(found.compliance, float)).all()

@@ -32,7 +32,7 @@ studies:
 
 
 def profile_of(method):
-    return weier.Profile(1.25, 5, 1) if method == "westergaard" else INFINITE if method == "hybrid" else SMOOTH
+    return weier.Profile(1.25, 5, 1) if method == "westergaard" else SMOOTH
 
 
 @pytest.mark.parametrize("method", names())

@@ -22,7 +22,7 @@ import json, sys
 from importlib import import_module
 from math import inf
 from weier import Profile
-from weier.methods import bem, hybrid, layer
+from weier.methods import bem, layer
 
 names, factor = json.loads(sys.argv[1]), float(sys.argv[2])
 for module, limits in names.items():
@@ -33,14 +33,13 @@ for module, limits in names.items():
 loads, few = [1e-4, 0.03, 0.5, 2.0, 30.0], Profile(1.5, 2, 4, (0.0, 1.0, 2.0, 3.0))
 found = {
     "layer": [layer.curve(Profile(*series), loads)[:2] for series in [(1.25, 5, 3), (1.25, 5, inf), (1.8, 2, inf)]],
-    "hybrid": [hybrid.curve(Profile(1.25, 5, inf), loads, 2)[:2]],
     "bem": [bem.curve(few, loads[1:4], 256)[:2]],
 }
 print(json.dumps({method: [[v.tolist() for v in both] for both in curves] for method, curves in found.items()}))
 """
 # Relative differences of h and R: the accuracy of tables and what it leaves of slopes; and the tolerance of tangents,
 # by which boundary elements correct their staircase, far below the errors of any grid
-LARGEST = {"layer": (2 * ACCURACY, 2e-3), "hybrid": (2 * ACCURACY, 2e-3), "bem": (1e-7, 1e-5)}
+LARGEST = {"layer": (2 * ACCURACY, 2e-3), "bem": (1e-7, 1e-5)}
 
 
 def limits() -> dict[str, list[str]]:

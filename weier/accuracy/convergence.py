@@ -21,13 +21,18 @@ from weier.data.markdown import table
 from weier.data.selection import case_names
 from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
+from weier.methods import bem
 from weier.methods.errors import ConvergenceError, OutOfReachError
-from weier.methods.hybrid.solver import MAX_POINTS, POINTS_PER_WAVE, bounds
 from weier.scene import load
 from weier.surface.loads import checked_loads
 from weier.surface.profile import PARAMETERS, Profile
+from weier.theory.bounds import complete_bounds
 
 SCENE = Path("config/accuracy/infinite.yaml")
+MESH_FRACTION = 0.1  # error of the mesh over the amplitude of the tail: bounds are at most a tenth wider for it
+MAX_TOLERANCE = (
+    0.9  # g_0, the largest that boundary elements take: the tail of a gamma close to 1 is many times as high
+)
 HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
@@ -47,13 +52,12 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     Returns
     -------
     Dataset
-        As that of a scene, over resolved_terms instead of methods. If the grid is too large for the estimate, only
-        bounds are given; if it is too large for these as well, see the status.
+        As that of a scene, over resolved_terms instead of methods. Where the grid is too large, see the status.
 
     Raises
     ------
     ValueError
-        If a series is finite, or a load lies outside [1e-6, 1e3].
+        If a load is out of range.
 
     """
     loads = checked_loads(mean_pressure)
@@ -71,26 +75,28 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
 
 def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
     counts = np.arange(1, max_terms + 1)
-    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms)
-    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(variables_of_file(CONVERGENCE))])
+    kept = variables_of_file(CONVERGENCE)
+    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms, returned=kept)
+    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(kept)])
     data = data.rename_dims(solution_method="resolved_terms")
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
 
 
 def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
-    """Return the estimate with its bounds, or the bounds alone if the estimate takes too many points."""
-    points = POINTS_PER_WAVE * profile.truncated(terms).waves_per_period[-1]
+    """Return the bounds from the first terms by boundary elements, and their middle as the estimate."""
+    kept = profile.truncated(terms)
+    tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
     try:
-        if points <= MAX_POINTS:
-            found = run(Variant(f"hybrid {terms}", "hybrid", {"terms": terms}), profile, loads).others
-            return {**found, "points": points, "status": Status.solved}
-        low, high = bounds(profile, loads, terms)
+        solved = run(Variant(f"bem {terms}", bem.METHOD.name, {"tolerance": tolerance}), kept, loads)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
         return {"status": Status.not_converged}
     except OutOfReachError:
         return {"status": Status.not_applicable}
-    return {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}
+    tail, total = kept.tail_amplitude, profile.total_amplitude
+    low, high = complete_bounds(solved.compliance, tail, total, solved.compliance_error)
+    middle = {"compliance": (low + high) / 2, "resistance": solved.resistance, "points": solved.others["points"]}
+    return middle | {"compliance_lower": low, "compliance_upper": high, "status": Status.solved}
 
 
 def table_of(data: xr.Dataset) -> str:
@@ -112,9 +118,8 @@ def main(scene: Path, terms: int) -> Page:
     """Solve infinite series by the number of terms resolved.
 
     Heights are in g_0, at the worst load. The bounds hold for any phases of the terms that are not resolved. The
-    estimate puts the resolved terms on the layer of all others. Its error is the distance from the middle of finer
-    bounds where these have more terms than any estimate, else from the estimate with most terms. Nodes are those of
-    the estimate, of which up to 2^14 are solved; bounds are found with up to 2^21.
+    estimate is their middle, as of the method "auto", and its error the distance from the estimate with most terms.
+    Nodes are those of boundary elements.
     """
     loaded = load(scene)
     data = measure_convergence([case.profile for case in loaded.cases.values()], loaded.loads, terms)

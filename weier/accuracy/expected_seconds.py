@@ -25,7 +25,7 @@ from weier.accuracy.variants import Variant, by_default, variants_of
 from weier.api.batch import solve_batch
 from weier.data import dataset, markdown
 from weier.kernels.arrays import Array
-from weier.methods import bem, hybrid, layer, patches
+from weier.methods import bem, layer, patches
 from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.pipeline.compile import compile_kernels
@@ -40,7 +40,6 @@ TRACES = (100, 400, 1600, 6000, 12_000)  # waves
 FEW_WAVES = 125  # of surfaces with many loads and all variants
 CONSTANTS: dict[str, tuple[float, ...]] = {
     "bem": bem.SECONDS,
-    "hybrid": hybrid.SECONDS,
     "layer": layer.SECONDS,
     "patches": patches.SECONDS,
 }
@@ -102,7 +101,7 @@ def measurements(name: str, profile: Waves, method: Method) -> Iterator[Measurem
 
 def seconds_of(variant: Variant, profile: Waves, loads: Array) -> float:
     """Return processor seconds of a curve, without compiling; NaN if it is not solved."""
-    with suppress(ConvergenceError, ValueError):  # more terms than hybrid can resolve
+    with suppress(ConvergenceError, ValueError):  # more waves than a method can resolve
         return run(variant, profile, loads).seconds
     return math.nan
 

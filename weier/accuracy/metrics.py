@@ -64,16 +64,13 @@ def seconds_per_load(data: xr.Dataset) -> Array:
 def by_resolved_terms(case: xr.Dataset) -> tuple[Array, Array]:
     """Return half-width of the bounds and error of the estimate of h, largest over the loads; NaN where unknown.
 
-    The error is the distance from the middle of the finest bounds where these have more terms than any estimate, else
-    from the last estimate.
+    The error is the distance from the estimate with most terms.
     """
     h, low, high = (case[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
-    width = (high - low).max(axis=1) / 2
-    bounded, estimated = (max(np.flatnonzero(np.isfinite(values).all(axis=1)), default=-1) for values in (low, h))
-    further = bounded > estimated
-    error = np.abs(h - ((low + high)[bounded] / 2 if further else h[estimated])).max(axis=1)
-    error[estimated] = error[estimated] if further else np.nan
-    return width, error
+    last = max(np.flatnonzero(np.isfinite(h).all(axis=1)), default=-1)
+    error = np.abs(h - h[last]).max(axis=1)
+    error[last] = np.nan
+    return (high - low).max(axis=1) / 2, error
 
 
 def pareto(cost: Array, error: Array) -> list[int]:

@@ -77,7 +77,7 @@ def run(variant: Variant, profile: Waves, loads: Array) -> Run:
     seconds, values = process_time() - start, solved._asdict()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
-    solution_error = values.get(STATED[0], getattr(solved, "distance_to_bounds", 0.0))
+    solution_error = values.get(STATED[0], 0.0)
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
     return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, seconds, values)
 

@@ -12,10 +12,9 @@ from weier.methods.settings import TOLERANCE, defaults
 from weier.surface.waves import Waves
 
 TOLERANCES = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # g_0
-# settings compared in addition to tolerances, by method: the grid of the paper, meshes of half a wave, resolved terms
+# settings compared in addition to tolerances, by method: the grid of the paper, meshes of half a wave
 OTHER_SETTINGS: dict[str, tuple[Settings, ...]] = {
     "bem": ({"staircase": "kept", "points_per_wave": 12},),
-    "hybrid": ({"terms": 1}, {"terms": 2}, {"terms": 4}, {"terms": 6}),
     "layer": ({"points": 6}, {"points": 24}),
 }
 MAX_POINTS = 100_000  # Points in a period of boundary elements: a load then takes tens of milliseconds.

@@ -18,8 +18,8 @@ from weier.surface.profile import PARAMETERS
 
 CAPTION = (
     "The infinite series. Bands are bounds for any phases of the unresolved terms; they narrow with the number k of "
-    "resolved terms. The line is the best estimate. Below: half-width of the bounds and error of the estimates, "
-    "relative to the estimate with most terms or the middle of finer bounds."
+    "resolved terms. The line is the middle of the finest. Below: half-width of the bounds, and distance of their "
+    "middle from that with most terms."
 )
 COMMAND = "convergence"
 VARIABLE = "resolved_terms"
@@ -57,8 +57,7 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
     low, high = (case[f"compliance_{side}"].values for side in ("lower", "upper"))
     last = _rows_of_estimates(case)[-1]
     fine, best = lines.compliance_line(loads, h[last], case["resistance"].values[last])
-    bounded = np.flatnonzero(np.isfinite(low).all(axis=1))
-    rows = [*(row for row in bounded[:-1] if terms[row] in BANDS), bounded[-1]]
+    rows = [*(row for row in _rows_of_estimates(case)[:-1] if terms[row] in BANDS), last]
     for row, grey in zip(rows, np.linspace(0.92, 0.45, len(rows)), strict=True):
         lower, upper = (best + np.interp(fine, loads, side[row] - h[last]) for side in (low, high))
         upper = np.minimum(upper, float(case["total_amplitude"]))  # The compliance at full contact is an upper bound.
@@ -71,7 +70,7 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
 
 
 def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
-    """Draw the half-width of the bounds, and the distance of estimates from the last one or from finer bounds."""
+    """Draw the half-width of the bounds, and the distance of estimates from the last one."""
     name, terms = style.describe(case, "gamma"), case["resolved_terms"].values
     width, error = by_resolved_terms(case)
     bounded, compared = np.isfinite(width), np.isfinite(error)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 
 from weier.checks import checked_word
-from weier.methods import archard, auto, bem, demelio, hybrid, layer, patches, persson, westergaard
+from weier.methods import archard, auto, bem, demelio, layer, patches, persson, westergaard
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.surface.profile import Profile
@@ -21,7 +21,6 @@ METHODS: tuple[Method, ...] = (
     demelio.METHOD,
     persson.METHOD,
     layer.METHOD,
-    hybrid.METHOD,
     bem.METHOD,
     patches.METHOD,
     auto.METHOD,

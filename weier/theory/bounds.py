@@ -145,7 +145,7 @@ def infinite_series_bounds(profile: Profile, loads: Array, compliance: Array, er
     """Return bounds on both curves of the infinite series, by the names of their variables.
 
     They follow from the compliance of the terms of a profile, in g_0, and the bound on its error at each load, in
-    g_0. docs/hybrid.md, "Bounds", explains which part of them is proved and which is measured.
+    g_0. Given that bound they are a theorem: docs/closed_forms.md, "Bounds on the terms left out".
     """
     total, tail = profile.total_amplitude, profile.tail_amplitude
     lower, upper = complete_bounds(compliance, tail, total + tail, error)

@@ -19,14 +19,13 @@ def names(profile, loads=USUAL):
 def test_every_method_meets_what_it_applies_to():
     assert {"westergaard", "layer", "bem", "patches", "auto"} <= names(Profile(1.25, 5, 1)).keys()
     assert "westergaard" not in names(Profile(1.25, 5, 3))
-    assert "hybrid" not in names(Profile(1.25, 5, 3))
 
 
 def test_slow_methods_meet_few_loads():
     long = Profile(1.25, 5, 1000)
     assert "layer" not in names(long)
     assert "layer" in names(long, USUAL[:1])
-    infinite, of_infinite = Profile(1.25, 5, math.inf), {"archard", "demelio", "persson", "layer", "hybrid"}
+    infinite, of_infinite = Profile(1.25, 5, math.inf), {"archard", "demelio", "persson", "layer"}
     assert names(infinite).keys() == of_infinite  # by "auto" 15 625 waves, twice under each load
     assert names(infinite, USUAL[:1]).keys() == {*of_infinite, "auto"}
 
