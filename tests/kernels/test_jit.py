@@ -1,27 +1,18 @@
 """The cache of compiled kernels: named by what it was made from."""
 
-import ctypes
-import errno
-import importlib.util
 import os
 import re
 import signal
 import subprocess
 import sys
-from threading import Thread
-from time import perf_counter
-from types import SimpleNamespace
+import time
 
-import numba
 import numpy as np
 import pytest
 
-import weier
 from tests.marks import compiled
 from weier.digests import KERNELS, PACKAGE
-from weier.kernels import jit
-
-PATIENCE = 120  # seconds
+from weier.kernels.jit import in_any_order, kernel
 
 PROGRAM = """
 from weier.kernels.jit import kernel
@@ -30,46 +21,145 @@ from weier.theory import constants
 @kernel
 def value():
     return constants.VALUE
-
-def unused():
-    return 1
 """
+CALL = "from weier.theory import main; print(main.value())"
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the machinery with one kernel."""
+    folder = tmp_path / "one" / "weier"
+    for part in ("", "kernels", "theory"):
+        (folder / part).mkdir(parents=True)
+        (folder / part / "__init__.py").touch()
+    for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
+        (folder / path.relative_to(PACKAGE)).write_text(path.read_text())
+    (folder / "theory/main.py").write_text(PROGRAM)
+    (folder / "theory/constants.py").write_text("VALUE = 1\n")
+    return folder
+
+
+def start(package, program=CALL, **environment):
+    cache = package.parent.parent / "cache"
+    own = {"NUMBA_CACHE_DIR": str(cache), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([sys.executable, "-c", program], cwd=package.parent, env=own, **pipes)
+
+
+def run(package, program=CALL, **environment):
+    """The value of the kernel, and whether it was compiled."""
+    process = start(package, program, **environment)
+    said, errors = process.communicate()
+    assert process.returncode == 0, errors
+    return said.strip(), "compiling theory" in errors
 
 
 @compiled
-def test_kernels_are_compiled_again_for_their_code_alone(tmp_path):
-    """A constant of another module, which numba alone would miss; no docstring, comment or place."""
+def test_kernels_are_compiled_again_for_a_constant_of_another_module(package):
+    """Which numba alone would miss; the code of another folder is kept."""
+    assert [run(package), run(package)] == [("1", True), ("1", False)]
+    (package / "theory/constants.py").write_text("VALUE = 2\n")
+    assert [run(package), run(package)] == [("2", True), ("2", False)]
+    (package / "theory/constants.py").write_text("VALUE = 1\n")
+    assert run(package) == ("1", False)
 
-    def package(name):
-        folder = tmp_path / name / "weier"
-        for part in ("", "kernels", "theory"):
-            (folder / part).mkdir(parents=True)
-            (folder / part / "__init__.py").touch()
-        for path in [PACKAGE / "digests.py", *(PACKAGE / "kernels").glob("[a-z]*.py")]:
-            (folder / path.relative_to(PACKAGE)).write_text(path.read_text())
-        (folder / "theory/main.py").write_text(PROGRAM)
-        (folder / "theory/constants.py").write_text("VALUE = 1\n")
-        return folder
 
-    def run(folder):
-        program = "from weier.theory import main; print(main.value())"
-        environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"}
-        command = [sys.executable, "-c", program]
-        options = {"env": environment, "capture_output": True, "text": True, "check": True}
-        done = subprocess.run(command, cwd=folder.parent, **options)
-        return done.stdout.strip(), "compiling" in done.stderr
+@compiled
+def test_processes_that_compile_at_once_agree(package):
+    processes = [start(package) for _ in range(3)]
+    assert [process.communicate()[0] for process in processes] == ["1\n"] * 3
+    assert run(package) == ("1", False)
 
-    one, other = package("one"), package("other")
-    assert run(one) == ("1", True)
-    assert run(other) == run(one) == ("1", False)
-    main = one / "theory/main.py"
-    main.write_text(
-        '"""What this is."""\n# Why.\n\n' + main.read_text().replace("return 1", '"""One."""\n    return 2')
+
+@compiled
+def test_a_killed_compiler_leaves_a_cache_that_works(package):
+    for pause in (0.3, 0.6, 0.9, 1.2):
+        process = start(package)
+        time.sleep(pause)
+        process.kill()
+        process.communicate()
+    assert run(package)[0] == "1"
+    assert run(package) == ("1", False)
+
+
+@compiled
+@pytest.mark.skipif(os.getuid() == 0, reason="root may write to any folder")
+def test_a_folder_that_is_closed_gives_a_warning(package):
+    cache = package.parent.parent / "cache"
+    cache.mkdir()
+    cache.chmod(0o555)
+    process = start(package)
+    said, errors = process.communicate()
+    assert (process.returncode, said) == (0, "1\n")
+    assert "kernels are compiled for this run alone" in errors
+
+
+@compiled
+def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_cache_beside_the_sources(package):
+    (package.parent.parent / "cache").write_text("a file")
+    process = start(package)
+    said, errors = process.communicate()
+    assert (process.returncode, said) == (0, "1\n")
+    assert "kernels are compiled for this run alone" in errors
+    assert not any(package.rglob("*.nbi"))
+
+
+@pytest.mark.parametrize("by_file", [True, False])
+def test_numbas_own_settings_disable_compiling(package, by_file):
+    """In a file, too, which Python does not see in its environment."""
+    if by_file:
+        (package.parent / ".numba_config.yaml").write_text("DISABLE_JIT: 1\n")
+    value, was_compiled = run(package, **({} if by_file else {"NUMBA_DISABLE_JIT": "1"}))
+    assert (value, was_compiled) == ("1", False)
+
+
+def test_settings_of_numba_of_the_user_stay_as_they_are(package):
+    program = f"import numba; numba.config.CACHE_DIR = 'of the user'; {CALL}; print(numba.config.CACHE_DIR)"
+    assert run(package, program)[0] == "1\nof the user"
+
+
+@compiled
+def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
+    program = (
+        f"{CALL}; from weier.kernels.jit import COMPILING_SECONDS as s; a = s.get(); main.value(); print(a, s.get())"
     )
-    assert run(one) == ("1", False)
-    (one / "theory/constants.py").write_text("VALUE = 2\n")
-    assert run(one) == ("2", True)
-    assert run(other) == ("1", False)
+    first, second = map(float, run(package, program)[0].split()[1:])
+    assert first == second > 0.01
+
+
+@compiled
+def test_ctrl_c_ends_compiling(package):
+    process = start(package, f"import weier.kernels.jit as jit; jit._numba(); print('now', flush=True); {CALL}")
+    process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert run(package)[0] == "1"
+
+
+@in_any_order
+@kernel
+def sum_in_any_order(values):
+    total = 0.0
+    for i in range(values.size):
+        total += values[i]
+    return total
+
+
+@kernel
+def sum_in_order(values):
+    total = 0.0
+    for i in range(values.size):
+        total += values[i]
+    return total
+
+
+@compiled
+def test_sums_keep_their_order_unless_told_otherwise():
+    for function, vectors in ((sum_in_any_order, True), (sum_in_order, False)):
+        assert function(np.ones(3)) == 3
+        (code,) = function.compiled.inspect_llvm().values()
+        assert ("fadd reassoc <" in code) == vectors
 
 
 def test_kernels_are_made_of_the_folders_that_name_the_cache():
@@ -94,326 +184,6 @@ def test_nothing_private_of_numba_is_used():
         assert [name for name in private if name in text] == [], path
 
 
-PROGRAM_OF_KERNELS = """
-from typing import NamedTuple
-import numpy as np
-from weier.kernels.jit import in_any_order, kernel
-
-class Pair(NamedTuple):
-    one: np.ndarray
-    other: np.ndarray
-
-@kernel
-def product(pair):
-    return pair.one @ pair.other + offset(pair)
-
-@kernel
-def offset(pair):
-    return pair.one[0]
-
-@kernel
-def wrong(pair):
-    return pair.neither
-
-@in_any_order
-@kernel
-def scalar_product(pair):
-    total = 0.0
-    for i in range(pair.one.size):
-        total += pair.one[i] * pair.other[i]
-    return total
-
-@kernel
-def norm(pair):
-    return scalar_product(pair) + offset(pair)
-"""
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """An empty cache."""
-    folder = tmp_path / "weier-new"
-    monkeypatch.setattr(jit, "cache_folder", lambda: folder)
-    monkeypatch.setattr(jit, "announce", lambda module: None)
-    return folder
-
-
-@pytest.fixture
-def load(tmp_path, monkeypatch):
-    """The module of kernels, as each program has it anew."""
-    source = tmp_path / "some_kernels.py"
-    source.write_text(PROGRAM_OF_KERNELS)
-
-    def program():
-        spec = importlib.util.spec_from_file_location("some_kernels", source)
-        module = importlib.util.module_from_spec(spec)
-        monkeypatch.setitem(sys.modules, "some_kernels", module)  # where numba looks for the type of a tuple
-        spec.loader.exec_module(module)
-        return module
-
-    return program
-
-
-def call(module, kernel="product"):
-    return getattr(module, kernel)(module.Pair(np.ones(3), np.ones(3)))
-
-
-def hits(kernel):
-    return sum(kernel.compiled.stats.cache_hits.values())
-
-
-@compiled
-def test_seconds_of_compiling_are_those_of_the_thread_that_compiles(cache, load):
-    module, seconds = load(), []
-
-    def measured():
-        before, start = jit.COMPILING_SECONDS.get(), perf_counter()
-        call(module)
-        seconds.append((jit.COMPILING_SECONDS.get() - before, perf_counter() - start))
-
-    elsewhere = Thread(target=measured)
-    elsewhere.start()
-    elsewhere.join()
-    measured()
-    (compiling, whole), (again, _) = seconds
-    assert 0.5 * whole < compiling < whole
-    assert again == 0
-
-
-@compiled
-def test_a_kernel_is_loaded_from_the_cache_with_those_that_it_calls(cache, load):
-    for expected in (0, 1):
-        module = load()
-        assert call(module) == 4.0
-        assert hits(module.product) == expected
-    assert [path.name for path in cache.iterdir()] == ["some_kernels.product"]
-    assert call(module, "offset") == 1.0  # may be called by itself
-
-
-WAITER = """
-import sys
-from pathlib import Path
-from weier.kernels import jit
-
-jit.cache_folder = lambda: Path(sys.argv[1])
-import numpy as np, some_kernels
-value = some_kernels.product(some_kernels.Pair(np.ones(3), np.ones(3)))
-print(value, sum(some_kernels.product.compiled.stats.cache_hits.values()))
-"""
-
-
-@compiled
-@pytest.mark.parametrize("level", ["1", "3"])  # of the command, and of numba
-@pytest.mark.parametrize("name", ["scalar_product", "norm"])
-def test_sums_in_any_order_take_several_terms_at_once(cache, load, monkeypatch, name, level):
-    monkeypatch.setenv("NUMBA_OPT", level)
-    module = load()
-    assert call(module, name) == (3 if name == "scalar_product" else 4)
-    (code,) = getattr(module, name).compiled.inspect_llvm().values()
-    assert "fadd reassoc <" in code  # of vectors
-
-
-@compiled
-def test_other_sums_keep_their_order(cache, load):
-    module = load()
-    call(module)
-    (code,) = module.product.compiled.inspect_llvm().values()
-    assert "reassoc" not in code
-
-
-@compiled
-def test_of_processes_that_need_a_kernel_at_once_one_compiles_it(cache, load):
-    load()
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), str(cache.parent)])}
-    command = [sys.executable, "-c", WAITER, str(cache)]
-    started = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    said = sorted(process.communicate(timeout=PATIENCE)[0] for process in started)
-    assert said == ["4.0 0\n", "4.0 1\n", "4.0 1\n"]
-
-
-@compiled
-def test_compiling_is_announced_for_what_python_calls(cache, load, monkeypatch):
-    said = []
-    monkeypatch.setattr(jit, "announce", said.append)
-    module = load()
-    assert said == []
-    call(module)
-    assert said == ["some_kernels"]  # not for the kernel inside
-    call(module)
-    call(load())
-    assert said == ["some_kernels"]
-
-
-def test_a_method_is_announced_once(capsys):
-    jit._say_once.cache_clear()
-    for module in (
-        "weier.methods.bem.grids",
-        "weier.methods.bem.edges",
-        "weier.methods.chebyshev",
-        "weier.surface.measured.line",
-    ):
-        jit.announce(module)
-    assert capsys.readouterr().err.splitlines() == [
-        "compiling bem, once for all later runs",
-        "compiling common kernels, once for all later runs",
-    ]
-
-
-@compiled
-def test_a_disk_without_locks_has_a_cache_all_the_same(cache, load, monkeypatch, recwarn):
-    def refuse(file, operation):
-        raise OSError(errno.ENOSYS, "Function not implemented")
-
-    monkeypatch.setattr(jit.fcntl, "flock", refuse)
-    for expected in (0, 1):
-        module = load()
-        assert call(module) == 4.0
-        assert hits(module.product) == expected
-    assert not recwarn.list
-
-
-def cut_short(suffix, bytes_left):
-    def damage(cache, load):
-        call(load())
-        for path in cache.rglob(f"*.{suffix}"):
-            path.write_bytes(path.read_bytes()[:bytes_left])
-
-    return damage
-
-
-@compiled
-def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_error(cache, load):
-    cache.touch()
-    with pytest.warns(RuntimeWarning, match="compiled for this run alone"):
-        assert call(load()) == 4.0
-
-
-@compiled
-@pytest.mark.parametrize(
-    "damage", [cut_short("nbi", 0), cut_short("nbi", 60), cut_short("nbc", 0), cut_short("nbc", 1000)]
-)
-def test_what_is_torn_is_made_again(cache, load, damage):
-    damage(cache, load)
-    for expected in (0, 1):
-        module = load()
-        assert call(module) == 4.0
-        assert hits(module.product) == expected
-
-
-@compiled
-def test_a_kernel_is_kept_for_all_types_of_arguments(cache, load):
-    for expected in (0, 2):
-        module = load()
-        assert call(module, "offset") == 1.0
-        assert module.offset(module.Pair(np.ones(3, int), np.ones(3))) == 1
-        assert hits(module.offset) == expected
-
-
-@compiled
-def test_a_cache_on_a_disk_that_cannot_be_written_is_read(cache, load, monkeypatch, recwarn):
-    call(load())
-    files = {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()}
-    monkeypatch.setattr(jit.os, "access", lambda path, mode: False)  # root may write wherever the disk can
-    module = load()
-    assert call(module) == 4.0
-    assert hits(module.product) == 1
-    assert not recwarn.list
-    with pytest.warns(RuntimeWarning, match="compiled for this run alone .*Permission denied"):
-        assert call(module, "offset") == 1.0  # which is not in it
-    assert {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()} == files
-
-
-@compiled
-@pytest.mark.parametrize("error", [TimeoutError("out of time"), ValueError("a signal"), RuntimeError("another")])
-def test_an_exception_that_comes_while_a_kernel_is_compiled_is_raised(cache, load, monkeypatch, recwarn, error):
-    """As that of a signal's handler, at any place: while the cache is locked, read, or written."""
-
-    def interrupted(*arguments, **options):
-        raise error
-
-    for owner, name in ((jit.Path, "mkdir"), (jit, "_compile_for"), (jit.Kernel, "_contents")):
-        with monkeypatch.context() as patched:
-            patched.setattr(owner, name, interrupted)
-            with pytest.raises(type(error), match=str(error)):
-                call(load())
-    assert call(load()) == 4.0
-    assert not recwarn.list
-
-
-@compiled
-def test_without_a_home_directory_it_compiles_for_this_run_and_says_how_to_keep_it(load, monkeypatch):
-    """As in a container that runs for a user whom it does not know."""
-
-    def home():
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(jit.Path, "home", home)
-    monkeypatch.setattr(jit, "cache_folder", jit.cache_folder.__wrapped__)
-    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
-        monkeypatch.delenv(name, raising=False)
-    with pytest.raises(OSError, match="there is no home directory for the cache"):
-        jit.cache_folder()
-    with pytest.warns(
-        RuntimeWarning, match=r"for this run alone \(OSError: there is no home .*NUMBA_CACHE_DIR name a folder"
-    ):
-        assert call(load()) == 4.0
-    monkeypatch.setenv("XDG_CACHE_HOME", "/tmp")
-    assert str(jit.cache_folder()).startswith("/tmp/weier/weier-")
-
-
-@compiled
-def test_an_error_of_a_kernel_is_no_damage_of_the_cache(cache, load, recwarn):
-    with pytest.raises(Exception, match="neither"):
-        call(load(), "wrong")
-    assert not recwarn.list
-
-
-@compiled
-@pytest.mark.usefixtures("ctrl_c")
-def test_what_a_signal_raises_in_a_callback_is_raised(cache, load, monkeypatch):
-    """As where LLVM calls Python: an exception cannot pass through C, and Python reports it and goes on."""
-    reported, callback, happens = [], ctypes.CFUNCTYPE(None), []
-
-    def njit(**options):
-        def decorate(function):
-            def run(*arguments):
-                return function(*arguments)
-
-            run.compile = lambda types: callback(happens[0])()
-            run.stats, run.overloads = SimpleNamespace(cache_hits={}), {}
-            return run
-
-        return decorate
-
-    class Dying:
-        def __del__(self):
-            raise ZeroDivisionError
-
-    def time_out():
-        raise TimeoutError("out of time")
-
-    monkeypatch.setattr(numba, "njit", njit)
-    monkeypatch.setattr(sys, "unraisablehook", lambda failure: reported.append(failure.exc_type))
-    for happening, error in (
-        (lambda: signal.raise_signal(signal.SIGINT), KeyboardInterrupt),
-        (time_out, TimeoutError),
-    ):
-        happens[:] = [happening]
-        with pytest.raises(error):
-            call(load())
-    happens[:] = [lambda: [Dying()].clear()]
-    assert call(load()) == 4.0
-    assert set(reported) == {ZeroDivisionError}
-
-
-@compiled
-def test_settings_of_numba_that_the_user_has_imported_stay_as_they_are(cache, load, tmp_path, monkeypatch):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "of the user"))
-    call(load())
-    assert str(tmp_path / "of the user") == numba.config.CACHE_DIR
-    assert not (tmp_path / "of the user").exists()
-
-
 @pytest.mark.parametrize("level", [None, "3"])
 def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, level):
     monkeypatch.delenv("NUMBA_OPT", raising=False)
@@ -423,16 +193,6 @@ def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, le
     program = f"import atexit, os; from weier.__main__ import run; {told}; run()"
     done = subprocess.run([sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == (level or "1")
-
-
-@compiled
-def test_caches_of_other_states_stay(cache, load):
-    """Another process may use them."""
-    others = [cache.parent / f"weier-{number}" for number in range(6)]
-    for folder in others:
-        folder.mkdir()
-    call(load())
-    assert all(folder.exists() for folder in others)
 
 
 def test_a_program_imports_what_it_uses():
@@ -453,21 +213,3 @@ def test_a_program_imports_what_it_uses():
         code = f"{program}; import sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.splitlines()[-1].split() == expected, program
-
-
-ON_WINDOWS = """
-import sys
-sys.modules["fcntl"] = None  # what Windows does not have
-import weier
-for method in ("demelio", "layer", "bem", "patches"):
-    print(float(weier.solve(weier.Profile(1.25, 5, 2), 0.1, method).compliance.item()))
-"""
-
-
-@compiled
-def test_curves_are_solved_without_locks_of_files():
-    """As on Windows, of which no more can be tested elsewhere."""
-    done = subprocess.run([sys.executable, "-c", ON_WINDOWS], capture_output=True, text=True, check=True)
-    profile = weier.Profile(1.25, 5, 2)
-    expected = [weier.solve(profile, 0.1, name).compliance.item() for name in ("demelio", "layer", "bem", "patches")]
-    assert list(map(float, done.stdout.split())) == expected

@@ -118,7 +118,7 @@ def test_ctrl_c_ends_compiling_at_once(tmp_path):
     """Python alone would see it when LLVM is done with a kernel."""
     command = [sys.executable, "-m", "weier", "compile", "bem"]
     process = subprocess.Popen(command, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
-    while not any(tmp_path.rglob("lock")):
+    while not any(tmp_path.rglob("weier-*")):
         assert process.poll() is None
         time.sleep(0.1)
     process.send_signal(signal.SIGINT)

@@ -11,7 +11,6 @@ import numpy as np
 
 from weier.api.fields import events, fields
 from weier.api.task import CurveTask
-from weier.kernels import jit
 from weier.methods import bem, patches, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
@@ -27,8 +26,6 @@ OF_BEM: list[dict[str, Any]] = [{}, {"staircase": "kept"}]
 
 def compile_kernels(methods: Collection[str] = ()) -> None:
     """Compile the kernels of some methods, or of all and of fields and events, by running them; numba keeps them."""
-    if jit.DISABLED:
-        return
     for method in [find_method(name) for name in methods] or registry.METHODS:
         if method is patches.METHOD:
             patches.run_kernels()

@@ -5,6 +5,7 @@ Planning writes nothing. An invalid scene or folder ends the run with one senten
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import sys
@@ -20,7 +21,7 @@ import numpy as np
 from weier.checks import shown, suggestion
 from weier.data.files import check_target
 from weier.digests import DIGITS, digest, numerics
-from weier.kernels.jit import DISABLED, cache_folder
+from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
 from weier.pipeline.curves import CLOSED, Curves, Lacking, by_group, number_of_jobs
@@ -165,7 +166,7 @@ class Plan:
         Closed forms compile in seconds and need no job of their own. The list is empty if kernels are not compiled or
         the cache is not writable; each job then compiles its own kernels.
         """
-        if DISABLED or wildcards.group == CLOSED:
+        if wildcards.group == CLOSED or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
             return []
         try:
             check_target(cache_folder() / "compiled" / "any")
