@@ -190,4 +190,9 @@ def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch
 
 
 def test_the_numbers_of_status_are_those_in_stored_curves():
-    assert [status.name for status in sorted(Status)] == ["solved", "not_requested", "not_applicable", "not_converged"]
+    assert [status.name for status in sorted(Status)] == [
+        "solved",
+        "not_requested",
+        "not_applicable",
+        "not_converged",
+    ]

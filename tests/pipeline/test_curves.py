@@ -169,7 +169,9 @@ def test_curves_without_phases_are_stored_once_for_all(tmp_path):
 
 def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     """Also one of several groups of kinds, and those of two kinds by different jobs."""
-    full = curves_in(scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves")
+    full = curves_in(
+        scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves"
+    )
     planned = full.store.lacking(full.of_studies(None))
 
     def shares(lacking, count=3):
