@@ -8,6 +8,7 @@ import yaml
 
 from weier import scene
 from weier.digests import numerics
+from weier.pipeline import claims
 from weier.pipeline.curves import Curves
 from weier.pipeline.jobs import solve
 from weier.pipeline.store import Store
@@ -33,3 +34,8 @@ def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
     for number in range(jobs):
         solve([each.of_job(number, jobs) for each in lacking], curves.store, "test", lambda line: None)
     return curves_in(scene, folder)
+
+
+def write_data(curves: Curves, path: Path) -> None:
+    """Write the dataset of a solved scene, and the table of its claims beside it."""
+    claims.write(curves, path, path.with_suffix(".md"))

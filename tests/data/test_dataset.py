@@ -101,13 +101,12 @@ def test_what_variables_say_of_themselves_is_whole_sentences():
 @pytest.mark.parametrize(
     ("owner", "name", "use"),
     [
-        (netcdf.hashlib, "sha256", dataset.read),
         (netcdf.netCDF4, "Dataset", netcdf.check_whole),
         (dataset.xr, "open_groups", dataset.read),
     ],
 )
 def test_a_time_limit_is_no_damaged_file(waves, tmp_path, monkeypatch, owner, name, use):
-    """While the digest of the file, its names or its values are read."""
+    """While its names or its values are read."""
     path = tmp_path / "waves.nc"
     dataset.write(waves, path, "test")
     monkeypatch.setattr(owner, name, Mock(side_effect=TimeoutError("after 10 s")))  # as the handler of a signal

@@ -42,7 +42,7 @@ OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command
 def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     folder = tmp_path_factory.mktemp("scene")
     loaded = scene_in(folder, SCENE)
-    solutions = solve_scene(loaded, folder / "batches")
+    solutions = solve_scene(loaded, folder / "curves")
     return {name: read_study(solutions, name) for name in loaded.studies}
 
 

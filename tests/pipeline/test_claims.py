@@ -12,10 +12,10 @@ from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
-from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import claim, measures, report
 from weier.pipeline.claims.case import Study
 from weier.pipeline.claims.paper import by_phases
+from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_study
 
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -340,7 +340,7 @@ def test_a_case_of_two_studies_counts_once():
 @pytest.fixture
 def solved_with(loaded, solutions):
     """The solved scene, with claims about its studies."""
-    return lambda **names: Solutions(replace(loaded, claims=names), solutions.store.folder)
+    return lambda **names: Curves(replace(loaded, claims=names), solutions.store)
 
 
 def test_a_scene_names_claims_that_there_are(solved_with):

@@ -5,7 +5,7 @@ import pytest
 from tests.scenes import curves_in, scene_in
 from weier import digests
 from weier.pipeline import products
-from weier.pipeline.products import DATA, PAGE, fill_stamp, files_of, made_of, names_of, stamp_of
+from weier.pipeline.products import DATA, PAGE, files_of, fill_stamp, made_of, names_of, stamp_of
 
 PRODUCT = {"D": 1.25, "gamma": 5, "m": [1, 2]}
 BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 1e-7}

@@ -65,7 +65,7 @@ def test_the_schema_of_editors_takes_the_scenes_that_come_with_weier(path):
     validator = jsonschema.Draft202012Validator(json.loads(Path("config/scene.schema.json").read_text()))
     found = parse_yaml(path.read_text(encoding="utf-8"))
     assert [error.message for error in validator.iter_errors(found)] == []
-    for changes in ({"lods": 1}, {"methods": ["bme"]}, {"batch": 0}, {"figures": {"f": {"drew": "compliance"}}}):
+    for changes in ({"lods": 1}, {"methods": ["bme"]}, {"batch": 1}, {"figures": {"f": {"drew": "compliance"}}}):
         assert not validator.is_valid(found | changes)
 
 
