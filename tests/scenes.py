@@ -4,10 +4,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
 import yaml
 
 from weier import scene
+from weier.api.rows import BOUNDS
+from weier.data import dataset
 from weier.digests import numerics
+from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.curves import Curves
 from weier.pipeline.jobs import solve
@@ -39,3 +43,9 @@ def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
 def write_data(curves: Curves, path: Path) -> None:
     """Write the dataset of a solved scene, and the table of its claims beside it."""
     claims.write(curves, path, path.with_suffix(".md"))
+
+
+def blank(*sizes: Any, **options: Any) -> xr.Dataset:
+    """An empty dataset, by default with all that any method returns."""
+    returned = [*registry.returned_by(registry.names()), *BOUNDS]
+    return dataset.blank(*sizes, **{"returned": returned} | options)

@@ -214,7 +214,7 @@ def of_groups(file):
 def test_history_names_every_step_and_no_time(folder):
     with netCDF4.Dataset(folder / "contact.nc") as file:
         steps = [line.split(" by weier ")[0] for line in file.history.splitlines()]
-        assert steps == ["solved", "files against the paper"]
+        assert steps == ["checked against the paper"]
         assert not re.search(r"\d\d:\d\d", file.history)
         assert "doi:10.1016/j.jmps.2003.12.002" in file.references
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.scenes import blank
 from weier.data import dataset, netcdf, variables
 from weier.data.variables import Status
 
@@ -17,7 +18,7 @@ METHODS = ["westergaard", "demelio", "bem"]
 @pytest.fixture
 def waves(tmp_path_factory):
     """Three cases, as if they were solved, read from a file."""
-    data = dataset.blank(3, METHODS, np.array([0.01, 0.1, 1.0]), 2)
+    data = blank(3, METHODS, np.array([0.01, 0.1, 1.0]), 2)
     random = np.random.default_rng(0)
     for name in ("compliance", "resistance", "work", "residual"):
         data[name].values[:] = random.random(data[name].shape)
@@ -58,7 +59,7 @@ def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
 
 
 def test_a_text_of_any_length_is_kept(tmp_path):
-    data = dataset.blank(1, ["bem"], np.array([1.0]), 1)
+    data = blank(1, ["bem"], np.array([1.0]), 1)
     data["settings"].values[:] = "x" * 240
     dataset.write(data, tmp_path / "data.nc", "t")
     with xr.open_dataset(tmp_path / "data.nc") as again:
@@ -67,7 +68,7 @@ def test_a_text_of_any_length_is_kept(tmp_path):
 
 def test_xarray_saves_a_file_again_without_a_warning(tmp_path):
     """It warns where a text has fewer characters than its dimension."""
-    data = dataset.blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
+    data = blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
     data["settings"].values[:], data["trace"].values[:] = "{}", ["a.csv", ""]
     dataset.write(data, tmp_path / "data.nc", "t")
     with warnings.catch_warnings(), xr.open_dataset(tmp_path / "data.nc") as again:

@@ -15,7 +15,7 @@ import xarray as xr
 import yaml
 
 import weier
-from tests.scenes import curves_in
+from tests.scenes import blank, curves_in
 from weier import Profile
 from weier.api.rows import surface_row
 from weier.data import dataset
@@ -36,7 +36,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("opened") / "contact.nc"
-    data = dataset.blank(len(CASES), METHODS, LOADS, 3)
+    data = blank(len(CASES), METHODS, LOADS, 3)
     for row, (D, gamma, m, phase) in enumerate(CASES):
         for name, value in {"key": f"case{row}", "D": D, "gamma": gamma, "m": m}.items():
             data[name].values[row] = value

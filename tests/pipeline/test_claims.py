@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.scenes import blank
 from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
@@ -28,7 +29,7 @@ RELATIVE = NUMERICAL / TOTAL
 
 def case(D=1.25, gamma=5, m=3, phase=1.0, loads=LOADS, **methods):
     """One case with a curve of compliance, or of several variables, for each method."""
-    data = dataset.blank(1, list(methods), loads, 4)
+    data = blank(1, list(methods), loads, 4)
     fraction = np.minimum(loads / 2, 1)
     usual = {"contact_fraction": fraction, "resistance": TOTAL * 1.5 * (1 - fraction) ** 2}
     usual |= {"compliance_error": np.full(loads.size, 1e-3), "resistance_error": 0.01 * usual["resistance"]}

@@ -83,7 +83,7 @@ def test_each_key_of_a_scene_is_above():
     known = {
         f"{part}{key}"
         for part, of in (("", SceneKeys), ("study.", StudyKeys), ("figure.", FigureKeys))
-        for key in of.keys()
+        for key in of.keys()  # noqa: SIM118 - a method of models
     }
     assert known == KEYS.keys()
 
