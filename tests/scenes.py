@@ -4,10 +4,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
 import yaml
 
 from weier import scene
+from weier.api.rows import BOUNDS
+from weier.data import dataset
 from weier.digests import numerics
+from weier.methods import registry
+from weier.pipeline import claims
 from weier.pipeline.curves import Curves
 from weier.pipeline.jobs import solve
 from weier.pipeline.store import Store
@@ -33,3 +38,14 @@ def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
     for number in range(jobs):
         solve([each.of_job(number, jobs) for each in lacking], curves.store, "test", lambda line: None)
     return curves_in(scene, folder)
+
+
+def write_data(curves: Curves, path: Path) -> None:
+    """Write the dataset of a solved scene, and the table of its claims beside it."""
+    claims.write(curves, path, path.with_suffix(".md"))
+
+
+def blank(*sizes: Any, **options: Any) -> xr.Dataset:
+    """An empty dataset, by default with all that any method returns."""
+    returned = [*registry.returned_by(registry.names()), *BOUNDS]
+    return dataset.blank(*sizes, **{"returned": returned} | options)

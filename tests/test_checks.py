@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import weier
 from tests.marks import examples, few
-from weier.data import dataset
+from tests.scenes import blank
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
@@ -35,7 +35,7 @@ TRACE = weier.Trace(HEIGHTS, 1e-3, unit="m")
 
 def contact():
     """Curves of a file: one case, two methods."""
-    data = dataset.blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
+    data = blank(1, ["demelio", "bem"], np.array([0.1, 1.0]), 2)
     for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("phases", [0, 1.0])):
         data[name].values[0] = value
     return data

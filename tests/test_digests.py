@@ -1,40 +1,35 @@
-"""Digests of code: the definitions that a function reaches, whatever stands beside them."""
+"""Digests of whole modules, and whether the modules in that of curves are all that solving them runs."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from weier import digests
-from weier.digests import digest_of_code, digest_of_kernels
+from weier.data.variables import Status
+from weier.digests import CURVES, digest_of_kernels, digest_of_modules, is_in, numerics
 
 MODULES = {
-    "__init__": "",
-    "one": '''
+    "kernels/sums": '''
 """A module."""
-from __future__ import annotations
-from typing import TYPE_CHECKING
-from weier import two
-from weier.three import LIMIT, table as lookup
+class Sum:
+    """A class."""
+    limit: int = 1
 
-if TYPE_CHECKING:
-    from weier.four import Type
-
-def function(x: Type) -> float:
+def late(x: int, *more: int, y: float = 2.0) -> float:
     """Return a number."""
-    from weier.four import late
-    return min(x, LIMIT) + two.more(x) + lookup[x] + late(x)
-
-def unused(x):
-    return x
+    # A comment.
+    def inner():
+        """Return nothing."""
+    return x + y
 ''',
-    "two": "def more(x):\n    return 2 * x\n",
-    "three": "LIMIT = 1\ntable = {}\ntable[1] = 2\nOTHER = 3\n",
-    "four": "class Type:\n    size = 1\n\ndef late(x):\n    return x\n",
-    "kernels/__init__": "",
-    "kernels/jit": "def kernel(function):\n    return function\n\ndef in_any_order(function):\n    return function\n",
-    "kernels/sums": "from weier.kernels.jit import in_any_order, kernel\nfrom weier.three import LIMIT\n\n"
-    "@in_any_order\n@kernel\ndef add(x):\n"
-    "    return x + LIMIT\n\ndef drive(x):\n    return add(x)\n",
+    "methods/bem": "LIMIT = 1\n",
+    "methods/bem/other": "",
+    "surface/measured/trace": "TAPER = 1\n",
+    "surface/measured/text": "COMMA = 1\n",
+    "data/bodies": "HALF = 2\n",
+    "figures/page": "",
 }
 
 
@@ -50,83 +45,66 @@ def package(tmp_path, monkeypatch):
     return folder
 
 
-def forget():
-    for function in (digests._source, digests._definitions, digests.digest_of_sources, digest_of_kernels):
-        function.cache_clear()
-
-
-def of_function():
-    forget()
-    return digest_of_code(("weier.one", "function"))
-
-
-def of_kernels():
-    forget()
-    return digest_of_kernels()
-
-
-@pytest.fixture(autouse=True)
-def unchanged():
-    yield
-    forget()
-
-
-NOTHING = [
-    ("one", '"""A module."""', "# Another.\n\n"),
-    ("one", '"""Return a number."""', '"""Return\n\n    something else."""'),
-    ("one", "    from weier.four import late\n", "\n    # Late.\n\n    from weier.four import late\n"),
-    ("one", "x: Type) -> float", "x)"),
-    ("one", "    return x\n", "    return -x\n"),
-    ("three", "OTHER = 3", "OTHER = 4"),
-    ("four", "size = 1", "size = 2"),
-]
-SOMETHING = [
-    ("one", "min(x", "max(x"),
-    ("two", "2 * x", "3 * x"),
-    ("three", "LIMIT = 1", "LIMIT = 2"),
-    ("three", "table[1] = 2", "table[1] = 3"),
-    ("four", "    return x", "    return -x"),
-]
-
-
-@pytest.mark.parametrize(
-    ("module", "old", "new", "changes"), [(*case, False) for case in NOTHING] + [(*case, True) for case in SOMETHING]
-)
-def test_a_digest_changes_with_what_a_function_runs_alone(package, module, old, new, changes):
-    before = of_function()
-    path = package / f"{module}.py"
-    text = path.read_text()
-    assert text.count(old) == 1
-    path.write_text(text.replace(old, new))
-    assert (of_function() != before) == changes
-    path.write_text(text)
-    assert of_function() == before
-
-
 @pytest.mark.parametrize(
     ("module", "old", "new", "changes"),
     [
-        ("kernels/sums", "x + LIMIT", "x - LIMIT", True),
-        ("kernels/sums", "@in_any_order\n", "", True),
-        ("three", "LIMIT = 1", "LIMIT = 2", True),
-        ("kernels/sums", "return add(x)", "return -add(x)", False),
-        ("kernels/jit", "return function", "return  function  # as it is", False),
-        ("kernels/jit", "return function", "return print(function)", False),
+        ("kernels/sums", '"""A module."""', "# Another.\n\n", False),
+        ("kernels/sums", '"""A class."""', '"""Another\n\n    class."""', False),
+        ("kernels/sums", '    """Return a number."""\n', "", False),
+        ("kernels/sums", '"""Return nothing."""', '"""Return None."""', False),
+        ("kernels/sums", "# A comment.", "", False),
+        ("kernels/sums", "x: int, *more: int, y: float = 2.0) -> float", "x, *more, y: int = (2.0))", False),
+        ("kernels/sums", "limit: int", "limit: float", False),
+        ("kernels/sums", "limit: int = 1", "limit: int = 2", True),
+        ("kernels/sums", "y: float = 2.0", "y: float = 2", True),
+        ("kernels/sums", "x + y", "y + x", True),
+        ("methods/bem", "LIMIT = 1", "LIMIT = 2", True),
+        ("methods/bem/other", "", "pass", True),
+        ("surface/measured/trace", "1", "2", True),
+        ("surface/measured/text", "1", "2", False),
+        ("data/bodies", "2", "3", False),
+        ("figures/page", "", "pass", False),
     ],
 )
-def test_kernels_depend_on_their_code_and_constants(package, module, old, new, changes):
-    before = of_kernels()
-    path = package / f"{module}.py"
-    path.write_text(path.read_text().replace(old, new))
-    assert (of_kernels() != before) == changes
+def test_numerics_change_with_code_of_curves_and_not_with_words(package, module, old, new, changes):
+    before, path = numerics(), package / f"{module}.py"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    assert (numerics().name != before.name) == changes
+    path.write_text(text)
+    assert numerics() == before
+
+
+def test_numerics_change_with_new_lost_and_renamed_modules_and_with_versions(package, monkeypatch):
+    found = {numerics().name}
+    (package / "theory").mkdir()
+    (package / "theory/new.py").touch()
+    found.add(numerics().name)
+    (package / "theory/new.py").rename(package / "theory/newer.py")
+    found.add(numerics().name)
+    (package / "methods/bem.py").unlink()
+    found.add(numerics().name)
+    monkeypatch.setattr(digests, "versions", lambda: "numpy 9.9.9")
+    found.add(numerics().name)
+    assert len(found) == 5
+
+
+def test_texts_count_where_they_are_asked_for(package):
+    def both():
+        return digest_of_modules("figures"), digest_of_modules("figures", suffixes=(".py", ".css"))
+
+    before = both()
+    (package / "figures/page.css").write_text("a {}")
+    assert [old == new for old, new in zip(before, both(), strict=True)] == [True, False]
 
 
 def test_where_nothing_can_be_kept_the_digest_is_the_same(package, tmp_path, monkeypatch):
-    before = of_kernels()
+    before = digest_of_kernels()
     assert len(list((tmp_path / "cache/digests").iterdir())) == 1
     (closed := tmp_path / "closed").touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(closed))
-    assert of_kernels() == before
+    assert digest_of_kernels() == before
 
 
 @pytest.mark.parametrize("name", ["read_text", "write_text"])
@@ -140,16 +118,81 @@ def test_an_alarm_while_a_digest_is_read_or_kept_is_no_error_of_a_disk(package, 
 
     monkeypatch.setattr(Path, name, alarmed)
     with pytest.raises(TimeoutError, match=r"^after 10 s$"):
-        of_function()
+        digest_of_kernels()
 
 
-def test_what_functions_enclose_counts():
-    def outer(inner):
-        def both(x):
-            return inner(x)
+# Modules that solving curves imports and numerics leave out, each with the reason why no number changes with it.
+LEFT_OUT = {
+    **dict.fromkeys(("scene/models.py", "scene/part.py", "scene/mistakes.py", "scene/file.py"), "read a scene: keys"),
+    **dict.fromkeys(("scene/cases.py", "scene/figure.py"), "which cases there are, and what is drawn of them"),
+    **dict.fromkeys(("data/bodies.py", "data/si.py"), "loads and modulus are in the name of the kind"),
+    "data/variables.py": "words about variables; the numbers of Status are tested below",
+    **dict.fromkeys(("data/files.py", "data/provenance.py", "data/markdown.py"), "how and when files are written"),
+    "api/progress.py": "what is said meanwhile",
+}
+READERS = "surface/measured/"  # the digest of a trace is that of its final heights
+# What runs of them while curves are solved: progress, and files that are written whole.
+RUN = {"api/progress.py", "data/files.py"}
+SOLVED = """
+import sys
+from pathlib import Path
+from tests.scenes import curves_in
+from weier.digests import PACKAGE
+from weier.pipeline.jobs import solve
+from weier.scene import load
 
-        return both
+run = set()
+def noted(frame, event, argument):
+    run.add(frame.f_code.co_filename)
 
-    named = list(digests._named([outer(digest_of_code)]))
-    assert ("weier.digests", "digest_of_code") in named
-    assert named[0][0] == __name__
+def of_weier(files):
+    return sorted({path.relative_to(PACKAGE).as_posix() for path in map(Path, files) if PACKAGE in path.parents})
+
+folder = Path(sys.argv[1])
+curves = curves_in(load(folder / "scene.yaml"), folder / "curves")
+lacking = curves.store.lacking(curves.of_studies(None))
+sys.setprofile(noted)
+solve(lacking, curves.store, "test", lambda line: None)
+sys.setprofile(None)
+print(*sorted({each.part.kind.method for each in lacking}))
+print(*of_weier(getattr(module, "__file__", None) or "" for module in list(sys.modules.values())))
+print(*of_weier(run))
+"""
+SCENE = """
+title: by each method
+loads: [{loads}]
+methods: [{methods}]
+interface: {{mu_1: 80 GPa, mu_2: 80 GPa, nu_1: 0.3, nu_2: 0.3, rho_1: 1.0e-7, rho_2: 1.0e-7,
+  lambda_0: 1 mm, g_0: 1 um}}
+studies:
+  series: {{product: {{D: 1.25, gamma: "5/2", m: [1, 2], seed: 1}}}}
+  infinite: {{product: {{D: 1.25, gamma: 5, m: .inf}}, methods: [demelio, layer, persson]}}
+  line: {{trace: {{file: line.csv, length: 1.0e-3, height_unit: um, shortest: 3.0e-4}}, methods: [bem, patches]}}
+"""
+
+
+@pytest.mark.parametrize("loads", ["0.1, 1.0", "1 MPa, 10 MPa"])
+def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch, loads):
+    """Of a share of each method, of a trace and in SI units, in a fresh process."""
+    from weier.methods import registry
+
+    names = sorted(method.name for method in registry.METHODS)
+    (tmp_path / "scene.yaml").write_text(SCENE.format(loads=loads, methods=", ".join(names)))
+    (tmp_path / "line.csv").write_text("\n".join(map(str, [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5] * 2)))
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    done = subprocess.run([sys.executable, "-c", SOLVED, tmp_path], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    solved, imported, run = map(str.split, done.stdout.splitlines())
+    assert solved == sorted([*names, "surface"])
+    outside = {name for name in imported if not is_in(name, CURVES) and Path(name).name != "__init__.py"}
+    assert {name for name in outside if not name.startswith(READERS)} == LEFT_OUT.keys()
+    assert {name for name in run if not is_in(name, CURVES)} <= RUN
+
+
+def test_the_numbers_of_status_are_those_in_stored_curves():
+    assert [status.name for status in sorted(Status)] == [
+        "solved",
+        "not_requested",
+        "not_applicable",
+        "not_converged",
+    ]

@@ -61,7 +61,7 @@ def test_the_python_of_the_readme_runs(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (path,) = set(re.findall(r'"(results/\S*\.nc)"', text))
     loaded = scene_in(tmp_path, PAPER)
-    claims.write(solve_scene(loaded, Path("batches")), path, "claims.md")
+    claims.write(solve_scene(loaded, Path("curves")), path, "claims.md")
 
     capsys.readouterr()
     names = {}  # of one reader, who goes from top to bottom

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import weier
-from tests.scenes import scene_in, solve_scene
+from tests.scenes import scene_in, solve_scene, write_data
 from tests.toy_method import TOY
 from weier import figures
 from weier.api import batch
@@ -17,7 +17,6 @@ from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
 from weier.pipeline.compile import compile_kernels
-from weier.pipeline.gather import gather
 from weier.scene import Figure
 
 PROFILE = weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -54,7 +53,7 @@ def test_it_is_solved_with_its_settings():
 def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     data = batch.solve_batch(loaded.distinct, loaded.loads)
     assert data["compliance"].sel(solution_method="toy").values == pytest.approx(np.array([0.25 * LOADS] * 2))
-    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
+    write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
     gathered = dataset.read(tmp_path / "contact.nc")
     figures.draw(Figure("compliance"), [gathered], tmp_path / "figure.png")
     drawn = style.line("toy")

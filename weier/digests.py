@@ -31,6 +31,7 @@ CURVES = (
     "scene/case.py",
     "scene/identity.py",
     "scene/study.py",
+    "scene/yaml.py",
     "pipeline/curves.py",
     "pipeline/jobs.py",
     "pipeline/store.py",

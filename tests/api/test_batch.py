@@ -31,7 +31,7 @@ def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_pa
     product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
     loaded = scene_in(
         tmp_path,
-        "{title: t, loads: [0.1, 1], methods: [layer, bem], batch: 100, studies: {one: "
+        "{title: t, loads: [0.1, 1], methods: [layer, bem], studies: {one: "
         f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}",
     )
     data = batch.solve_batch(loaded.distinct, loaded.loads)

@@ -10,8 +10,10 @@ import pytest
 import weier
 from tests.scenes import scene_in, solve_scene
 from weier.cli import cli
+from weier.digests import numerics
 from weier.figures import draw
 from weier.pipeline import claims
+from weier.pipeline.products import made_of
 
 SCENE = """
 title: test
@@ -26,8 +28,13 @@ measurement = import_module("weier.accuracy.extremes.measurement")
 # Values of required arguments by their names; a name that is none of a file stands for one to write.
 REQUIRED = {
     "scene_file": "scene.yaml",
-    "batches": "batches",
-    "description": "batch.json",
+    "what": "all",
+    "group": "closed_form",
+    "number": "0",
+    "count": "1",
+    "numerics": numerics().name,
+    "folder": "curves",
+    "scenes": "scene.yaml",
     "contact": "contact.nc",
     "files": "drawn/contact.nc",
     "kind": "work_precision",
@@ -46,9 +53,10 @@ def solved(tmp_path_factory):
     """The folder of a scene that the pipeline has solved, gathered and drawn."""
     folder = tmp_path_factory.mktemp("solved")
     loaded = scene_in(folder, SCENE, weier.load_scene)
-    solutions = solve_scene(loaded, folder / "batches")
-    (batch,) = (folder / "batches").glob("*.json")
-    shutil.copy(batch, folder / "batch.json")
+    solutions = solve_scene(loaded, folder / "curves")
+    stamp = folder / ".made_of/compliance" / made_of(solutions, "compliance")
+    stamp.parent.mkdir(parents=True)
+    stamp.touch()
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     with weier.open_dataset(folder / "contact.nc") as data:
         draw(loaded.figure("compliance"), [data.load()], folder / "figures/compliance.png")
@@ -61,7 +69,8 @@ def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_pa
     shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
-    values = [REQUIRED[argument] for argument in required]
+    known = REQUIRED | {"stamp": str(next(tmp_path.glob(".made_of/*/*")))}
+    values = [known[argument] for argument in required]
     code, out, err = run(name, *NEEDED.get(name, []), *values)
     if name in REFUSED:
         assert (code, err.splitlines()[-1]) == (1, REFUSED[name])

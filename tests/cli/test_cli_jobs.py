@@ -1,18 +1,20 @@
 """The commands of the pipeline: one sentence and a non-zero exit for what is wrong, and nothing written."""
 
 import re
-import shutil
 import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
-import xarray as xr
 
 from weier import scene
-from weier.api import workers
-from weier.data import dataset, netcdf
-from weier.pipeline.batches import Solutions
+from weier.data import dataset
+from weier.digests import numerics
+from weier.pipeline.curves import CLOSED, Curves
+from weier.pipeline.products import made_of
+from weier.pipeline.products import stamp_of as stamp_state
+from weier.pipeline.store import Store
 
 SCENE = """
 title: test
@@ -25,7 +27,7 @@ studies:
 
 @pytest.fixture(autouse=True)
 def sigterm():
-    """A batch handles SIGTERM as Ctrl-C."""
+    """A job of curves handles SIGTERM as Ctrl-C."""
     before = signal.getsignal(signal.SIGTERM)
     yield
     signal.signal(signal.SIGTERM, before)
@@ -42,114 +44,84 @@ def scene_file(tmp_path):
     return path
 
 
-@pytest.fixture
-def description(scene_file, tmp_path):
-    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
-    (path,) = solutions.files()
-    solutions.store.write()
-    return path.with_suffix(".json")
+def curves(scene_file, plan=None, group=CLOSED):
+    """The arguments of the job of all curves of a group."""
+    return ["curves", "all", group, 0, 1, plan or numerics().name, scene_file.parent / "curves", scene_file]
 
 
-@pytest.fixture
-def solved(run, description):
-    """The folder of the batches of a scene that is solved."""
-    assert run("batch", description, description.with_suffix(".nc"))[0] == 0
-    return description.parent
+def stamp_of(scene_file, product):
+    """An empty stamp, as the rules make it when the curves are there."""
+    made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics().name)), product)
+    stamp = scene_file.parent / "results" / ".made_of" / product / made
+    stamp.parent.mkdir(parents=True)
+    stamp.touch()
+    return stamp
 
 
-def test_a_batch_becomes_a_file(description, tmp_path):
-    done = weier("batch", description, tmp_path / "data.nc")
+def test_a_job_says_one_line_and_one_more_is_not_needed(scene_file):
+    done = weier(*curves(scene_file))
     assert done.returncode == 0
-    said = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
-    assert len(said) == 1
-    assert re.fullmatch(r"solve 1 case of one by \w+: \d+\.\d s", said[0])
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "batches", "data.nc"}
+    (said,) = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
+    assert re.fullmatch(r"solve 2 curves by closed_form: \d+\.\d s", said)  # and one that describes the surface
+    assert {path.name for path in scene_file.parent.iterdir()} == {"test.yaml", "curves"}
+    assert "solve 0 curves" in weier(*curves(scene_file)).stderr
+    assert "solve 0 curves" in weier(*curves(scene_file, group="bem")).stderr
 
 
-def test_an_interrupted_batch_goes_on_from_what_it_has_solved(run, scene_file, tmp_path, monkeypatch):
-    scene_file.write_text(SCENE.replace("m: 2", "m: 2, seed: [1, 2, 3, 4, 5]"))
-    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
-    (path,) = solutions.files()
-    solutions.store.write()
-    description, part = path.with_suffix(".json"), path.with_suffix(".part")
-    assert run("batch", description, tmp_path / "whole.nc")[0] == 0
-    solved, own = [], workers.Solver.__call__
-
-    def interrupted(solver, curve):
-        if len(solved) == 2:
-            raise KeyboardInterrupt
-        solved.append(curve)
-        return own(solver, curve)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(workers.Solver, "__call__", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            run("batch", description, path)
-    assert (part.exists(), path.exists()) == (True, False)
-    solved.clear()
-    with monkeypatch.context() as patch:
-        patch.setattr(workers.Solver, "__call__", lambda solver, curve: solved.append(curve) or own(solver, curve))
-        assert run("batch", description, path)[0] == 0
-    assert (len(solved), part.exists()) == (3, False)
-    whole, found = (dataset.read(file).drop_vars("seconds") for file in (tmp_path / "whole.nc", path))
-    xr.testing.assert_identical(whole.drop_attrs(), found.drop_attrs())
+def test_a_job_of_another_plan_is_refused_in_a_sentence(scene_file):
+    done = weier(*curves(scene_file, plan="another"))
+    assert done.returncode == 1
+    last = "weier: the code of weier has changed since the plan: run snakemake again, which plans with the new code"
+    assert done.stderr.splitlines()[-1] == last
+    assert not (scene_file.parent / "curves").exists()
 
 
-def test_a_job_solves_the_batches_that_its_last_one_names(run, scene_file, tmp_path, monkeypatch):
-    """And those that are there stay as they are."""
-    scene_file.write_text(SCENE.replace("[demelio]", "[archard, demelio, persson]"))
-    solutions = Solutions(scene.load(scene_file), tmp_path / "batches")
-    (path,) = solutions.files()
-    solutions.store.write()
-    code, _, err = run("batch", path.with_suffix(".json"), path)
-    assert (code, err.count("\n")) == (0, 1)
-    assert err.startswith("solve 3 curves by archard, demelio, persson: ")
-    for batch in solutions.store.job(path.stem):
-        found = dataset.read(path.with_name(f"{batch.name}.nc"))
-        assert found.solution_method.values.tolist() == [batch.kind.method]
-    first, *_ = sorted(path.parent.glob("archard*.nc"))
-    date = first.stat().st_mtime_ns
-    path.unlink()
-    assert run("batch", path.with_suffix(".json"), path)[0] == 0
-    assert (first.stat().st_mtime_ns, path.exists()) == (date, True)
+def test_a_product_fills_its_stamp(run, scene_file):
+    assert run(*curves(scene_file))[0] == 0
+    stamp = stamp_of(scene_file, "contact.nc")
+    code, _, err = run("product", scene_file, stamp, scene_file.parent / "curves")
+    assert (code, err.startswith("make test contact.nc: ")) == (0, True)
+    assert stamp_state(scene_file.parent / "results", "contact.nc", stamp.name) == (stamp, True)
 
 
-def test_the_part_of_another_batch_is_refused(run, description, solved):
-    path = description.with_suffix(".nc")
-    shutil.copy(path, path.with_suffix(".part"))
-    netcdf.seal(path.with_suffix(".part"), "another")
-    code, _, err = run("batch", description, path)
-    assert (code, "another file than its name says: delete it" in err) == (1, True)
+def test_a_product_without_curves_or_of_another_scene_leaves_no_stamp(run, scene_file):
+    for edit, message in (
+        ("m: 2", r"weier: \d curves by .* are not solved: run snakemake again"),
+        ("m: 3", "weier: test or weier has changed since the plan: run snakemake again"),
+    ):
+        stamp = stamp_of(scene_file, "contact.nc")
+        scene_file.write_text(SCENE.replace("m: 2", edit))
+        code, _, err = run("product", scene_file, stamp, scene_file.parent / "curves")
+        assert code == 1
+        assert re.match(message, err.splitlines()[-1])
+        assert not stamp.exists()
+        stamp.parent.rmdir()
+
+
+def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
+    assert run(*curves(scene_file))[0] == 0
+    folder = scene_file.parent / "curves"
+    assert run("adopt", scene_file, "--curves", folder)[1].startswith("0 kinds of curves of other code")
+    for path in folder.glob("*/*/"):
+        path.rename(path.with_name("old"))
+    code, out, _ = run("adopt", scene_file, "--curves", folder)
+    assert (code, out.count("the same bits: adopted")) == (0, 2)
+    assert out.splitlines()[-1] == f"2 kinds of curves of other code were compared with that of {numerics().name}"
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("products", scene_file, tmp_path, tmp_path / "page.html")
+    done = weier("product", scene_file, tmp_path / "page.html", tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
 
 
-def test_an_explorer_without_curves_is_removed_and_named(run, scene_file, tmp_path):
-    (tmp_path / "page.html").touch()
-    code, _, err = run("products", scene_file, tmp_path / "none", tmp_path / "page.html")
-    first, why, last = err.splitlines()
-    assert (code, first) == (0, "make test: page.html")
-    assert re.match(
-        r"weier: page.html cannot be drawn: D = 1.25.* is not solved by demelio in .*/none: run snake", why
-    )
-    assert last.startswith("products test page.html: ")
-    assert not (tmp_path / "page.html").exists()
-
-
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["products", "test.yaml", "none", "contact.nc"], 1, "is not solved by demelio in none: run snake"),
-        (["products", "test.yaml", "none", "x/two.png"], 1, "two.png is no file of the scene: choose from cont"),
-        (["batch", "test.json", "x.nc"], 1, "test.json does not describe a batch: delete it"),
         (["draw", "work_precision", "x.png"], 1, "drawn from the file of `python -m weier.accuracy tradeoff`"),
         (
             ["draw", "work_precision", "x.png", "DATA"],
@@ -160,11 +132,10 @@ def test_an_explorer_without_curves_is_removed_and_named(run, scene_file, tmp_pa
         (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
     ],
 )
-def test_a_file_of_another_kind_is_one_sentence(run, solved, tmp_path, monkeypatch, arguments, code, message):
+def test_a_file_of_another_kind_is_one_sentence(run, tmp_path, monkeypatch, arguments, code, message):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "test.json").write_text(SCENE)
-    (data,) = solved.glob("*.nc")
+    dataset.write(dataset.blank(1, ["bem"], np.array([1.0]), 1), data := tmp_path / "data.nc", "test")
     stopped, out, err = run(*(data if argument == "DATA" else argument for argument in arguments))
     assert (stopped, out) == (code, "")
     assert message in err.splitlines()[-1]
-    assert {path.name for path in tmp_path.iterdir()} == {"test.yaml", "test.json", "batches"}
+    assert {path.name for path in tmp_path.iterdir()} == {"data.nc"}

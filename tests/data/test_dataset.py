@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.scenes import blank
 from weier.data import dataset, netcdf, variables
 from weier.data.variables import Status
 
@@ -17,7 +18,7 @@ METHODS = ["westergaard", "demelio", "bem"]
 @pytest.fixture
 def waves(tmp_path_factory):
     """Three cases, as if they were solved, read from a file."""
-    data = dataset.blank(3, METHODS, np.array([0.01, 0.1, 1.0]), 2)
+    data = blank(3, METHODS, np.array([0.01, 0.1, 1.0]), 2)
     random = np.random.default_rng(0)
     for name in ("compliance", "resistance", "work", "residual"):
         data[name].values[:] = random.random(data[name].shape)
@@ -38,12 +39,11 @@ def test_a_written_file_is_read_back_and_written_the_same(waves, tmp_path, monke
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.nc", "b.nc"]
 
 
-def test_a_variable_without_values_takes_no_chunk(waves, tmp_path, monkeypatch):
+def test_a_variable_without_values_is_read_back_without_values(waves, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
     path, blank = tmp_path / "a.nc", tmp_path / "b.nc"
     dataset.write(waves, path, "test")
     dataset.write(waves.assign(work=waves.work * np.nan), blank, "test")
-    assert path.stat().st_size - blank.stat().st_size > 3000
     again = dataset.read(blank)
     assert again.work.isnull().all()
     assert again.work.attrs == waves.work.attrs
@@ -52,13 +52,13 @@ def test_a_variable_without_values_takes_no_chunk(waves, tmp_path, monkeypatch):
 
 def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
     broken = waves.assign(bad=("case", np.array([object(), 1, 2], dtype=object)))
-    with pytest.raises(ValueError, match="text only, got <object object"):
+    with pytest.raises(ValueError, match="mixed native types: int, object"):
         dataset.write(broken, tmp_path / "a.nc", "test")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_text_of_any_length_is_kept(tmp_path):
-    data = dataset.blank(1, ["bem"], np.array([1.0]), 1)
+    data = blank(1, ["bem"], np.array([1.0]), 1)
     data["settings"].values[:] = "x" * 240
     dataset.write(data, tmp_path / "data.nc", "t")
     with xr.open_dataset(tmp_path / "data.nc") as again:
@@ -67,7 +67,7 @@ def test_a_text_of_any_length_is_kept(tmp_path):
 
 def test_xarray_saves_a_file_again_without_a_warning(tmp_path):
     """It warns where a text has fewer characters than its dimension."""
-    data = dataset.blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
+    data = blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
     data["settings"].values[:], data["trace"].values[:] = "{}", ["a.csv", ""]
     dataset.write(data, tmp_path / "data.nc", "t")
     with warnings.catch_warnings(), xr.open_dataset(tmp_path / "data.nc") as again:
@@ -101,13 +101,12 @@ def test_what_variables_say_of_themselves_is_whole_sentences():
 @pytest.mark.parametrize(
     ("owner", "name", "use"),
     [
-        (netcdf.hashlib, "sha256", dataset.read),
         (netcdf.netCDF4, "Dataset", netcdf.check_whole),
         (dataset.xr, "open_groups", dataset.read),
     ],
 )
 def test_a_time_limit_is_no_damaged_file(waves, tmp_path, monkeypatch, owner, name, use):
-    """While the digest of the file, its names or its values are read."""
+    """While its names or its values are read."""
     path = tmp_path / "waves.nc"
     dataset.write(waves, path, "test")
     monkeypatch.setattr(owner, name, Mock(side_effect=TimeoutError("after 10 s")))  # as the handler of a signal

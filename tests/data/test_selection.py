@@ -5,7 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-from itertools import chain
 from pathlib import Path
 
 import netCDF4
@@ -16,9 +15,12 @@ import xarray as xr
 import yaml
 
 import weier
-from weier import Profile, scene
+from tests.scenes import blank, curves_in
+from weier import Profile
+from weier.api.rows import surface_row
 from weier.data import dataset
-from weier.pipeline.batches import Solutions
+from weier.pipeline.curves import SURFACE
+from weier.scene import load
 
 METHODS = ["demelio", "bem"]
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -34,7 +36,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("opened") / "contact.nc"
-    data = dataset.blank(len(CASES), METHODS, LOADS, 3)
+    data = blank(len(CASES), METHODS, LOADS, 3)
     for row, (D, gamma, m, phase) in enumerate(CASES):
         for name, value in {"key": f"case{row}", "D": D, "gamma": gamma, "m": m}.items():
             data[name].values[row] = value
@@ -208,6 +210,7 @@ def test_a_dataset_of_no_curves_is_refused_in_a_sentence(path, change, message):
 
 
 PART = 500
+OVER_LOADS = ("compliance", "resistance", "contact_fraction", "residual", "compliance_error", "resistance_error")
 METHODS_OF_MANY = ["archard", "demelio", "layer", "bem"]
 MEMORY = 70  # MB, for 166 or 1660 MB of curves: a part of it, block by block, and the caches of the files
 MEMORY_CASES = 4e-3  # MB a case: its parameters, and where its curves are
@@ -215,14 +218,13 @@ MEMORY_CASES = 4e-3  # MB a case: its parameters, and where its curves are
 GATHER = """
 import resource, sys
 from pathlib import Path
-from weier import scene
-from weier.pipeline.batches import Solutions
-from weier.pipeline.gather import gather
+from tests.scenes import curves_in, write_data
+from weier.scene import load
 folder = Path(sys.argv[1])
-few, many = (Solutions(scene.load(folder / f"{name}.yaml"), folder / "batches") for name in ("few", "many"))
-gather(few, folder / "few.nc")
+few, many = (curves_in(load(folder / f"{name}.yaml"), folder / "curves") for name in ("few", "many"))
+write_data(few, folder / "few.nc")
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-gather(many, folder / "many.nc")
+write_data(many, folder / "many.nc")
 print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
 """
 
@@ -262,32 +264,34 @@ def many(size, tmp_path_factory):
     for name, cases in (("few", 100), ("many", count)):
         product = {"D": {"from": 1.25, "to": float(dimensions(0, cases)[-1]), "count": cases}, "gamma": 5, "m": 3}
         fields = {"title": name, "loads": loads.tolist(), "methods": METHODS_OF_MANY}
-        fields |= {"max_cases": cases, "batch": PART, "studies": {"one": {"product": product}}}
+        fields |= {"max_cases": cases, "studies": {"one": {"product": product}}}
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))
-    random, solutions = np.random.default_rng(1), Solutions(scene.load(folder / "many.yaml"), folder / "batches")
-    for batch in chain.from_iterable(solutions.store.job(path.stem) for path in solutions.files()):
-        part = dataset.blank(len(batch.cases), [batch.kind.method], loads, 3)
-        for values in part.data_vars.values():
-            if values.dtype.kind == "f":
-                values.values[:] = random.random(values.shape).round(2)
-        part["gamma"].values[:], part["m"].values[:], part["points"].values[:] = 5, 3, 1600
-        part["D"].values[:] = [case.profile.D for case in batch.cases]
-        dataset.write(part, folder / "batches" / f"{batch.name}.nc", "part", name=batch.name)
-    solutions.store.write()
+    full, random = curves_in(load(folder / "many.yaml"), folder / "curves"), np.random.default_rng(1)
+    for part in (*full.surfaces, *full.parts):
+        for numbers in np.array_split(np.arange(count), count // PART):
+            rows = [row_of(part, number, random) for number in numbers.tolist()]
+            full.store.append(part.kind, list(part.keys[numbers]), rows, "test")
     return folder
+
+
+def row_of(part, number, random):
+    """What a job stores: of a surface, or a curve of random numbers."""
+    if part.kind.method == SURFACE:
+        return surface_row(part.case(number).profile)
+    return {"status": 0, "points": 1600, **{name: random.random(len(part.kind.loads)) for name in OVER_LOADS}}
 
 
 def test_many_cases_are_gathered_and_read_in_little_memory(many, size):
     count, _ = size
     assert peak(GATHER, many) < MEMORY + MEMORY_CASES * count
     assert peak(LOOK, many / "many.nc", many / "few.nc", count) < MEMORY + MEMORY_CASES * count
-    last = max((many / "batches").glob("bem*.nc"), key=lambda path: dataset.read(path)["D"].values[-1])
-    with xr.open_dataset(many / "many.nc") as data, xr.open_dataset(last) as part:
+    full = curves_in(load(many / "many.yaml"), many / "curves")
+    (bem,) = [part for part in full.parts if part.kind.method == "bem"]
+    with xr.open_dataset(many / "many.nc") as data:
         assert data.sizes["case"] == count
         assert data["D"].values.tolist() == dimensions(0, count).tolist()
-        for name in ("compliance", "status", "settings"):
-            own = data[name][-part.sizes["case"] :, -1:]
-            assert own.variable.equals(part[name].variable), name
+        for name in ("compliance", "status"):
+            assert data[name].values[-9:, -1].tolist() == full.store.read(bem.kind, bem.keys[-9:], name).tolist()
         curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
         assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20
 

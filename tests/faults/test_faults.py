@@ -1,23 +1,17 @@
 """What a run survives: after each fault the next one ends with the same bytes, or says in one sentence what to do."""
 
 import os
-import re
 import shutil
 import signal
 import subprocess
 import sys
 import time
-import zlib
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import netCDF4
-import numpy as np
 import pytest
-import xarray as xr
 
 from tests.snakemakes import snakemake
-from weier.data import dataset
 from weier.digests import PACKAGE
 
 SCENE = """
@@ -72,7 +66,7 @@ def assert_the_next_run_is_undisturbed(checkout, undisturbed):
 
 
 def leftovers(checkout):
-    return [path for path in checkout.rglob("results/**/.*") if not path.name.startswith(".snakemake")]
+    return [path for path in checkout.rglob("results/**/.*") if path.name not in (".made_of", ".solved")]
 
 
 def forget(checkout, *names):
@@ -130,17 +124,25 @@ def test_after_a_worker_is_killed_the_next_run_makes_the_same_files(checkout, un
 
 
 def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_path):
-    """But the job that it had begun: it ends, and no other begins."""
-    (batch,) = (checkout / "results/curves").glob("demelio-*.nc")
-    forget(checkout, *PRODUCTS, f"../curves/{batch.name}")
-    with paused(checkout, f"curves/{batch.name}", tmp_path) as (process, worker):
+    """But the job that it had begun: its curves are kept, and no other job begins."""
+    shutil.rmtree(checkout / "results")
+    with paused(checkout, ".npz", tmp_path) as (process, worker):
         process.kill()
         process.wait(PATIENCE)
         assert not gone(worker)
     wait(lambda: not processes_of(process.pid))
-    assert batch.exists()
+    assert list((checkout / "results/curves").rglob("*.npz"))
     assert not any((checkout / "results/test" / name).exists() for name in PRODUCTS)
     assert run(checkout, "--unlock")[0] == 0
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def test_a_kill_between_a_stamp_and_its_product_leaves_nothing_that_passes_as_fresh(checkout, undisturbed):
+    """The stamp is there and empty, and the product is that of another scene, or half of one."""
+    stamp = next((checkout / "results/test/.made_of/contact.nc").iterdir())
+    stamp.write_text("")
+    (checkout / "results/test/claims.md").write_text("of another scene")
+    shutil.rmtree(checkout / ".snakemake")
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
@@ -156,17 +158,12 @@ def all_states():
             yield path.read_text()
 
 
-def test_ctrl_c_ends_what_snakemake_plans(checkout, undisturbed, tmp_path, ctrl_c):
-    """Its event loop would note the signal and go on, which takes minutes where plans have to compile kernels."""
-    described = next((checkout / "results/curves").glob("*.json"))
-    shutil.rmtree(described.parent)
-    with paused(checkout, f"curves/{described.name}", tmp_path) as (process, planning):
-        assert planning == process.pid
-        process.send_signal(signal.SIGINT)
-        process.wait(PATIENCE)
-    said = (tmp_path / "said").read_text()
-    assert said.endswith("weier: stopped by Ctrl-C\n")
-    assert "Traceback" not in said
+def test_ctrl_c_ends_a_run_whose_curves_are_kept(checkout, undisturbed, tmp_path, ctrl_c):
+    shutil.rmtree(checkout / "results")
+    with paused(checkout, ".npz", tmp_path) as (process, _):
+        os.killpg(process.pid, signal.SIGINT)
+    assert process.returncode != 0
+    assert "Traceback" not in (tmp_path / "said").read_text()
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
@@ -176,7 +173,7 @@ def test_a_second_run_is_refused_and_a_killed_one_harms_no_later_one(checkout, u
     with paused(checkout, "contact.nc", tmp_path) as (process, worker):
         code, said = run(checkout)
         assert code != 0
-        assert "weier: results/test is locked by another run of snakemake: wait for it" in said
+        assert "can be removed with the --unlock argument" in said
         process.kill()
         process.wait(PATIENCE)
         code, said = run(checkout)
@@ -199,71 +196,17 @@ def assert_the_next_run_is_undisturbed_beside(worker, checkout, undisturbed):
     ).read_bytes()
 
 
-def cut(path):
-    path.write_bytes(path.read_bytes()[:5000])
-
-
-def flip(path):
-    """One bit in the midst of the longest chunk of values."""
-    content = bytearray(path.read_bytes())
-    place, size = max(deflated(content), key=lambda chunk: chunk[1])
-    content[place + size // 2] ^= 1
-    path.write_bytes(content)
-
-
-def deflated(content):
-    """Place and size of each chunk: 78 01 begins them, and zlib knows where they end."""
-    for place in (found.start() for found in re.finditer(b"\x78\x01", content)):
-        stream = zlib.decompressobj()
-        with suppress(zlib.error):
-            stream.decompress(content[place:])
-            if stream.eof:
-                yield place, len(content) - place - len(stream.unused_data)
-
-
-def replace_by_another(path):
-    path.unlink()
-    xr.Dataset({"x": 1}).to_netcdf(path)
-
-
-@pytest.mark.parametrize(
-    ("damage", "sentence"),
-    [
-        (cut, "contact.nc is not a whole netCDF file: if weier made it, delete it and make it again"),
-        (replace_by_another, "contact.nc is a netCDF file, but not of weier: move it away and make yours again"),
-    ],
-)
-def test_a_damaged_dataset_of_a_scene_stops_the_run_which_names_it(checkout, damage, sentence):
-    """Nothing depends on it, so that no job would ever look at it."""
-    damage(checkout / "results/test/contact.nc")
-    code, said = run(checkout)
-    assert code != 0
-    assert sentence in said
-
-
-def test_a_flipped_bit_is_seen_by_whoever_reads(tmp_path):
-    path = tmp_path / "a.nc"
-    data = dataset.blank(9, ["bem"], np.geomspace(1, 2, 99), 1)
-    data["compliance"].values[...] = np.random.default_rng(1).random(data["compliance"].shape)
-    dataset.write(data, path, "test")
-    assert dataset.read(path)["compliance"].equals(data["compliance"])
-    flip(path)
-    with netCDF4.Dataset(path) as file, pytest.raises(RuntimeError, match="HDF error"):
-        file["compliance"][...]
-    with pytest.raises(ValueError, match=r"a\.nc is not as weier wrote it.* delete it"):
-        dataset.read(path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("damage", [cut, flip, replace_by_another])
-def test_a_damaged_batch_is_named_and_solved_again_once_it_is_deleted(checkout, undisturbed, damage):
-    (batch,) = (checkout / "results/curves").glob("demelio-*.nc")
-    damage(batch)
-    code, said = run(checkout)
-    assert code != 0
-    assert f"results/curves/{batch.name} is" in said
-    assert "again" in said
-    forget(checkout, f"../curves/{batch.name}")
+@pytest.mark.parametrize("name", ["results/test/contact.nc", "results/curves/demelio"])
+def test_what_is_damaged_is_made_again_or_named(checkout, undisturbed, name):
+    """A product is made again; a segment is named, and its curves are solved again once it is moved away."""
+    (path,) = [path for path in checkout.rglob("results/**/*.n*") if str(path.relative_to(checkout)).startswith(name)]
+    path.write_bytes(path.read_bytes()[:500])
+    if path.suffix == ".npz":
+        code, said = run(checkout)
+        assert code != 0
+        assert f"weier: {path.relative_to(checkout)} is damaged" in said
+        path.rename(checkout / "away.npz")
+        forget(checkout, *PRODUCTS)
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
+from tests.scenes import blank
 from weier import figures
-from weier.data import dataset
 from weier.data.bodies import Bodies
 from weier.figures import compliance, lines
 from weier.figures.tables import codes
@@ -21,7 +21,7 @@ GAMMAS, SEEDS, METHODS = (2.0, 2.5, 5.0), 4, ["demelio", "bem"]
 @pytest.fixture(scope="module")
 def sweep() -> xr.Dataset:
     """Curves that rise with gamma, and differ a little between seeds."""
-    data = dataset.blank(len(GAMMAS) * SEEDS, METHODS, LOADS, 3)
+    data = blank(len(GAMMAS) * SEEDS, METHODS, LOADS, 3)
     for row, (gamma, seed) in enumerate((gamma, seed) for gamma in GAMMAS for seed in range(SEEDS)):
         data["key"].values[row] = f"case{row}"
         data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, gamma, 3
@@ -228,7 +228,7 @@ def test_an_ensemble_is_a_band_behind_the_curves_of_its_series(sweep: xr.Dataset
 
 
 def test_a_legend_says_how_many_values_it_hides() -> None:
-    data = dataset.blank(20, ["demelio"], LOADS, 1)
+    data = blank(20, ["demelio"], LOADS, 1)
     for row in range(20):
         data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, 2 + row, 1
         data["total_amplitude"].values[row] = 1
@@ -248,7 +248,7 @@ def test_medians_by_arrays_are_those_of_single_curves(sweep: xr.Dataset) -> None
 def test_many_cases_take_a_time_that_is_linear_in_them() -> None:
     """Cases become arrays: no dataset of each case is made, whose selection would be called once a case."""
     count = 3000
-    data = dataset.blank(count, ["demelio"], LOADS, 2)
+    data = blank(count, ["demelio"], LOADS, 2)
     seeds = np.arange(count)
     for name, value in (("D", 1.25), ("gamma", 5), ("m", 2), ("total_amplitude", 1.3)):
         data[name].values[:] = value

@@ -12,9 +12,9 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from tests.scenes import scene_in, solve_scene
+from tests.scenes import blank, scene_in, solve_scene
 from weier import figures, scene
-from weier.data import curves, dataset
+from weier.data import curves
 from weier.data.variables import Status
 from weier.figures import style, truncation
 from weier.figures.captions import caption
@@ -42,14 +42,14 @@ OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command
 def studies(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     folder = tmp_path_factory.mktemp("scene")
     loaded = scene_in(folder, SCENE)
-    solutions = solve_scene(loaded, folder / "batches")
+    solutions = solve_scene(loaded, folder / "curves")
     return {name: read_study(solutions, name) for name in loaded.studies}
 
 
 def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.Dataset:
     """Smooth curves of more cases than have panels: m up to 8 and infinite, the first of them without archard."""
     loads = np.geomspace(0.01, 10, 7)
-    data = dataset.blank(9, methods, loads, 8, edges=4)
+    data = blank(9, methods, loads, 8, edges=4)
     data["contact_edge"].values[3, :-1, :2] = 0.1, 1.2  # over the end of the period; the last load is full contact
     for case, m in enumerate([1, 2, 3, 4, 5, 6, 7, 8, np.inf]):
         data["key"].values[case] = f"case{case}"
@@ -111,7 +111,7 @@ def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(k
 
 @pytest.mark.parametrize("kind", [kind for kind in OF_STUDIES if kind not in ("borodich_galanov", "profiles")])
 def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_path: Path) -> None:
-    empty = dataset.blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
+    empty = blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
     with pytest.raises(ValueError, match="there are no "):
         figures.draw(scene.Figure(kind), [empty], tmp_path / "figure.pdf")
     assert not list(tmp_path.iterdir())

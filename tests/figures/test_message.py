@@ -6,7 +6,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from weier.data import dataset
+from tests.scenes import blank
 from weier.figures import message, values
 from weier.methods import persson
 
@@ -18,7 +18,7 @@ SEEDS, TERMS = 5, (1, 2, 3)
 def study():
     """Areas that halve with each term and resistances that differ between seeds."""
     cases = [(m, seed) for m in TERMS for seed in range(SEEDS)]
-    data = dataset.blank(len(cases), ["persson", "patches"], LOADS, 3)
+    data = blank(len(cases), ["persson", "patches"], LOADS, 3)
     for row, (m, seed) in enumerate(cases):
         data["D"].values[row], data["gamma"].values[row], data["m"].values[row] = 1.25, 5, m
         data["compliance"].values[row] = 1.0

@@ -13,8 +13,7 @@ from bokeh.embed import json_item
 from bokeh.models import Line, Scatter
 
 import weier
-from tests.scenes import scene_in, solve_scene
-from weier.data import dataset
+from tests.scenes import blank, scene_in, solve_scene
 from weier.data.variables import Status
 from weier.figures import page, style
 from weier.figures.page import explorer
@@ -43,7 +42,7 @@ def folder(tmp_path_factory):
 
 
 def cases():
-    data = dataset.blank(len(CASES), METHODS, LOADS, 3)
+    data = blank(len(CASES), METHODS, LOADS, 3)
     for row, values in enumerate(CASES):
         for name, value in zip(("D", "gamma", "m"), values, strict=True):
             data[name].values[row] = value
@@ -86,7 +85,7 @@ def test_a_method_looks_as_in_the_figures():
     loads = np.geomspace(1e-3, 10, 100)
 
     def glyphs(methods):
-        data = dataset.blank(1, methods, loads, 3)
+        data = blank(1, methods, loads, 3)
         data["compliance"].values[:] = data["resistance"].values[:] = 1.0
         data["key"].values[:] = "case"
         made = explorer.curve_explorer(data)
@@ -129,7 +128,7 @@ def test_a_page_of_many_cases_has_as_many_phases_of_each_series(tmp_path):
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
-    data = dataset.blank(4, METHODS, LOADS, 3)
+    data = blank(4, METHODS, LOADS, 3)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["D"].values[:], data["gamma"].values[:] = 1.5, 5
     data["m"].values[:], data["phases"].values[:, :2] = [3, 1, 10, 3], [[0, 1]] * 4
@@ -142,7 +141,7 @@ def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
 
 
 def test_ensembles_have_a_median_with_the_largest_error_of_its_curves():
-    data = dataset.blank(4, METHODS, LOADS, 3)
+    data = blank(4, METHODS, LOADS, 3)
     data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
     data["phases"].values[:, :2] = [[0, 1], [0, 2], [0, 3], [0, 4]]
     data["m"].values[3] = 3
@@ -157,7 +156,7 @@ def test_ensembles_have_a_median_with_the_largest_error_of_its_curves():
 
 
 def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
-    data = dataset.blank(1, METHODS, LOADS, 3)
+    data = blank(1, METHODS, LOADS, 3)
     data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
     data["compliance"].values[:], data["resistance"].values[:] = 1 + LOADS, 2 + LOADS
     data["compliance_error"].values[:] = 1e-4
@@ -257,7 +256,7 @@ def test_an_axis_has_numbers_over_many_decades_and_within_one(tmp_path):
 
 def test_a_narrow_window_is_wide_enough(tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
-    data = dataset.blank(2, registry.names(), LOADS, 6)
+    data = blank(2, registry.names(), LOADS, 6)
     data["compliance"].values[:] = data["resistance"].values[:] = 1.0
     data["phases"].values[:] = np.random.default_rng(0).uniform(0, 6, 6)
     data["key"].values[:] = "0123456789ab", "ba9876543210"

@@ -29,4 +29,4 @@ def solved(loaded):
 @pytest.fixture(scope="session")
 def solutions(loaded, tmp_path_factory):
     """The same from files, several of them."""
-    return solve_scene(loaded, tmp_path_factory.mktemp("scene") / "batches", cores=2)
+    return solve_scene(loaded, tmp_path_factory.mktemp("scene") / "curves", jobs=2)

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.scenes import blank
 from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
-from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import claim, measures, report
 from weier.pipeline.claims.case import Study
 from weier.pipeline.claims.paper import by_phases
+from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_study
 
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -28,7 +29,7 @@ RELATIVE = NUMERICAL / TOTAL
 
 def case(D=1.25, gamma=5, m=3, phase=1.0, loads=LOADS, **methods):
     """One case with a curve of compliance, or of several variables, for each method."""
-    data = dataset.blank(1, list(methods), loads, 4)
+    data = blank(1, list(methods), loads, 4)
     fraction = np.minimum(loads / 2, 1)
     usual = {"contact_fraction": fraction, "resistance": TOTAL * 1.5 * (1 - fraction) ** 2}
     usual |= {"compliance_error": np.full(loads.size, 1e-3), "resistance_error": 0.01 * usual["resistance"]}
@@ -340,7 +341,7 @@ def test_a_case_of_two_studies_counts_once():
 @pytest.fixture
 def solved_with(loaded, solutions):
     """The solved scene, with claims about its studies."""
-    return lambda **names: Solutions(replace(loaded, claims=names), solutions.store.folder)
+    return lambda **names: Curves(replace(loaded, claims=names), solutions.store)
 
 
 def test_a_scene_names_claims_that_there_are(solved_with):

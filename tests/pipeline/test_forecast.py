@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 
 from tests.scenes import scene_in
-from weier import scene
 from weier.methods import registry
 from weier.methods.registry import find_method
-from weier.pipeline.batches import Solutions
-from weier.pipeline.curves import CASE_SECONDS
 from weier.pipeline.forecast import LONG, MAX_SECONDS, forecast, forecast_scene
 from weier.scene import Case
 from weier.surface.profile import Profile
@@ -57,40 +54,25 @@ def test_what_would_take_a_day_is_refused(seconds, settings):
         forecast(case("patches", 3, settings), LOADS)
 
 
-def forecast_of(folder, cores=1, **changes):
-    """The forecast of three cases, and what the descriptions of their batches expect."""
-    product = {"D": [1.1, 1.25, 1.5], "gamma": 2, "m": 2}
-    content = {"title": "t", "loads": [0.1, 1.0], "methods": ["patches"], "studies": {"one": {"product": product}}}
-    solutions = Solutions(scene_in(folder, content | changes), folder)
-    expected = [solutions.store.batch(path.stem).seconds for path in solutions.files(cores=cores)]
-    return forecast_scene(solutions.scene, solutions.to_solve, cores), expected
+@pytest.mark.parametrize(("count", "most"), [(0, None), (3, None), (0, 1e-3)])
+def test_a_short_scene_says_nothing_unless_it_has_a_limit(tmp_path, count, most):
+    assert forecast_scene(scene_with(tmp_path, most), LONG / 2, count, 1) == []
 
 
-def test_a_short_scene_says_nothing_unless_it_has_a_limit(tmp_path, seconds):
-    seconds(LONG / 6)
-    (lines, refusal), expected = forecast_of(tmp_path)
-    assert (lines, refusal) == ([], "")
-    assert sum(expected) == pytest.approx(LONG / 2 + 3 * CASE_SECONDS)
-    assert forecast_of(tmp_path, max_seconds=100)[0] == (["scene: 3 curves to solve, in about 5 s on 1 core"], "")
+def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path):
+    line = "scene: 3 curves to solve, in about 1200 s on {}"
+    assert forecast_scene(scene_with(tmp_path, None), 1200.0, 3, 1) == [line.format("1 core")]
+    assert forecast_scene(scene_with(tmp_path, 1400), 1200.0, 3, 2) == [line.format("2 cores")]
+    with pytest.raises(ValueError, match=r"1200 s on 1 core, longer than 600 s: set max_seconds: 1400 in the scene"):
+        forecast_scene(scene_with(tmp_path, 600), 1200.0, 3, 1)
 
 
-def test_a_scene_above_its_limit_asks_for_a_key_that_allows_it(tmp_path, seconds):
-    seconds(400 - CASE_SECONDS)
-    lines, refusal = forecast_of(tmp_path, max_seconds=600)[0]
-    assert lines == ["scene: 3 curves to solve, in about 1200 s on 1 core"]
-    assert "it would take longer than 600 s: set max_seconds: 1400 in the scene" in refusal
-    assert not forecast_of(tmp_path, max_seconds=1400)[0][1]
-    lines, refusal = forecast_of(tmp_path, cores=3, max_seconds=600)[0]
-    assert lines[0].endswith("in about 400 s on 3 cores")  # as the longest of its batches
-    assert not refusal
+def scene_with(folder, most):
+    studies = {"one": {"product": {"D": [1.1, 1.25, 1.5], "gamma": 2, "m": 2}}}
+    content = {"title": "t", "loads": [0.1, 1.0], "methods": ["patches"], "studies": studies}
+    return scene_in(folder, content | ({} if most is None else {"max_seconds": most}))
 
 
 def test_auto_is_not_proposed_where_its_tolerance_is_out_of_reach():
     assert find_method("auto").seconds(Profile(1.9, 2, math.inf), LOADS) == math.inf
     assert find_method("auto").seconds(Profile(1.25, 5, math.inf), LOADS) < math.inf
-
-
-def test_a_scene_that_is_solved_says_nothing(tmp_path):
-    forecast_of(tmp_path)
-    with_limit = replace(scene.load(tmp_path / "scene.yaml"), max_seconds=1e-3)
-    assert forecast_scene(with_limit, [], cores=1) == ([], "")

@@ -28,7 +28,7 @@ studies:
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     folder = tmp_path_factory.mktemp("grids")
-    solutions = solve_scene(scene_in(folder, SCENE), folder / "batches")
+    solutions = solve_scene(scene_in(folder, SCENE), folder / "curves")
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     return folder / "contact.nc"
 

@@ -7,10 +7,10 @@ import pytest
 
 import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
-from tests.scenes import scene_in, solve_scene
+from tests.scenes import curves_in, scene_in, solve_scene, write_data
 from weier.figures import checks, comparison, lines, page, tables
 from weier.figures.page import explorer
-from weier.pipeline.gather import gather, read_study
+from weier.pipeline.gather import read_study
 from weier.scene import SceneError
 
 MPA = np.array([5.0, 50.0, 500.0])
@@ -38,12 +38,12 @@ def solved(tmp_path_factory):
     write_heights(folder / "a.csv")
     write_heights(folder / "b.csv", 3 * np.roll(HEIGHTS, 7) + 2e-7 * np.cos(2 * np.pi * X / 32e-6))
     loaded = scene_in(folder, SCENE, checks.load_scene)
-    return folder, loaded, solve_scene(loaded, folder / "batches")
+    return folder, loaded, solve_scene(loaded, folder / "curves")
 
 
 def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     folder, loaded, solutions = solved
-    gather(solutions, folder / "contact.nc")
+    write_data(solutions, folder / "contact.nc")
     surfaces = [case.profile for name in loaded.studies for case in loaded.study(name)]
     expected = weier.Interface(**SCENE["interface"]).solve(surfaces, 1e6 * MPA, contact_edges=False)
     with weier.open_dataset(folder / "contact.nc") as data:
@@ -91,17 +91,15 @@ def test_figures_are_in_si_units(solved):
 
 
 def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
-    """The resistivities are no part of a batch, and the moduli are."""
+    """The resistivities are no part of a kind, and the moduli are."""
     folder, _, solutions = solved
 
     def new(**changes):
         other = scene_in(folder, SCENE | {"interface": SCENE["interface"] | changes})
-        again = type(solutions)(other, folder / "batches")
-        again.files()
-        return [batch.title for job in again.to_solve for batch in job]
+        return solutions.store.lacking(curves_in(other, folder / "curves").of_studies(None))
 
     assert new(rho_1=5e-7) == []
-    assert len(new(mu_1=9e10)) == 2
+    assert new(mu_1=9e10)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +141,7 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
     options = {"file": list(map(str, files)), "length": 2e-3, "height_unit": "um", "shortest": 40e-6}
     changes = {"loads": ["50 MPa"], "methods": ["bem"], "studies": {"shaft": {"trace": options}}, "figures": {}}
     loaded = scene_in(tmp_path, SCENE | changes)
-    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
+    write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
     fits = weier.fit([case.profile for case in loaded.study("shaft")])
     D, g_0 = np.transpose([(fit.D, fit.g_0) for fit in fits])
     with weier.open_dataset(tmp_path / "contact.nc") as data:

@@ -8,7 +8,7 @@ import pytest
 from tests.scenes import scene_in
 from weier import scene
 from weier.scene.case import Case, short_keys
-from weier.scene.identity import Lookup, as_text, distinct, from_text
+from weier.scene.identity import distinct
 from weier.scene.study import CaseProduct, Study
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
@@ -23,6 +23,7 @@ OVERLAPPING = {
     "none": {"product": {"D": 1.25, "gamma": 2, "m": 2}},
 }
 FINE = {"D": 1.5, "gamma": [2, 100], "m": [2, 4], "seed": 0}
+LOADS = np.array([0.1, 1.0])
 FIELDS = {"title": "test", "loads": [0.1, 1.0], "methods": ["layer"]}
 
 
@@ -36,7 +37,7 @@ def overlapping(tmp_path):
 
 
 def test_the_cases_of_a_product_are_its_combinations_in_order():
-    cases = CaseProduct(AXES, ("layer",), {})
+    cases = CaseProduct(AXES, ("layer",), {}, LOADS)
     expected = [dict(zip(AXES, values, strict=True)) for values in itertools.product(*AXES.values())]
     assert [cases.case(position).parameters for position in range(cases.count)] == expected
 
@@ -54,39 +55,61 @@ def test_a_study_is_a_sequence(overlapping):
 def test_keys_of_products_are_those_of_their_cases(overlapping):
     for product in overlapping.products:
         cases = [product.case(position) for position in range(product.count)]
-        assert short_keys(product.case_keys) == [case.key for case in cases]
+        assert short_keys(product.case_keys) == [case.key(LOADS) for case in cases]
         assert np.array_equal(product.surface_keys, [case.surface_key for case in cases])
-        assert len({case.key for case in cases}) == len({repr(case) for case in cases})
+        assert len({case.key(LOADS) for case in cases}) == len({repr(case) for case in cases})
 
 
 def test_numbers_that_are_equal_are_the_same_surface():
     one, other = (Case({"D": 1.5, "gamma": 5, "m": m}, ("demelio",), {}) for m in (2, 2.0))
-    assert one.key == other.key
-    assert one.key != Case({"D": 1.5, "gamma": 5, "m": 3}, ("demelio",), {}).key
+    assert one.key(LOADS) == other.key(LOADS)
+    assert one.key(LOADS) != Case({"D": 1.5, "gamma": 5, "m": 3}, ("demelio",), {}).key(LOADS)
 
 
 @pytest.mark.parametrize("count", [0, 1, 500])
-def test_keys_are_found_like_words_in_a_dictionary(count):
+def test_distinct_keys_are_numbered_in_their_order(count):
     random = np.random.default_rng(1)
     table = random.integers(0, 30, count).astype(np.uint64)  # so few values that many keys are equal
     first, number = distinct(table)
     seen = {}
     assert number.tolist() == [seen.setdefault(key, len(seen)) for key in table.tolist()]
     assert first.tolist() == [number.tolist().index(each) for each in range(len(seen))]
-    wanted = random.integers(0, 31, 200).astype(np.uint64)
-    known = {key: place for place, key in reversed(list(enumerate(table.tolist())))}
-    assert Lookup(table).find(wanted).tolist() == [known.get(key, -1) for key in wanted.tolist()]
-    assert np.array_equal(from_text(as_text(table)), table)
 
 
 def test_every_case_is_there_once_with_its_studies(overlapping):
     """As one finds them by making every case of every study."""
-    members = {name: [case.key for case in cases] for name, cases in overlapping.studies.items()}
+    members = {name: [case.key(LOADS) for case in cases] for name, cases in overlapping.studies.items()}
     homes = {}
     for name, key in ((name, key) for name, keys in members.items() for key in keys):
         homes.setdefault(key, dict.fromkeys([name]))[name] = None
-    assert [case.key for case in overlapping.distinct] == list(overlapping.cases) == list(homes)
+    assert [case.key(LOADS) for case in overlapping.distinct] == list(overlapping.cases) == list(homes)
     assert overlapping.studies_of_cases == [tuple(home) for home in homes.values()]
+
+
+def test_a_study_has_its_own_loads(tmp_path):
+    """Of which the file has all; cases at other loads are other cases, and units must agree."""
+    product = {"D": 1.5, "gamma": 2, "m": 2}
+    studies = {"own": {"product": product, "loads": [0.2, 1.0]}, "common": {"product": product}}
+    loaded = load(tmp_path, studies=studies)
+    assert loaded.study("own").products[0].loads.tolist() == [0.2, 1.0]
+    assert loaded.study("common").products[0].loads.tolist() == [0.1, 1.0]
+    assert loaded.loads.tolist() == [0.1, 0.2, 1.0]
+    assert len(loaded.distinct) == 2
+    assert len(load(tmp_path, studies=studies | {"own": studies["own"] | {"loads": [1.0, 0.1]}}).distinct) == 1
+    bodies = {
+        "mu_1": 8e10,
+        "mu_2": 8e10,
+        "nu_1": 0.3,
+        "nu_2": 0.3,
+        "rho_1": 1e-7,
+        "rho_2": 1e-7,
+        "lambda_0": 1e-3,
+        "g_0": 1e-6,
+    }
+    with pytest.raises(scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of .* Pa"):
+        load(tmp_path, interface=bodies, studies=studies | {"own": {"product": product, "loads": ["1 MPa"]}})
+    with pytest.raises(scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of "):
+        load(tmp_path, interface=bodies, loads=["2 MPa"], studies=studies)
 
 
 def test_every_value_of_a_parameter_is_checked(tmp_path):
@@ -102,6 +125,8 @@ def test_every_value_of_a_parameter_is_checked(tmp_path):
 
 
 def test_the_product_of_a_case_is_the_first_that_has_it(overlapping):
-    keys = [{product.case(position).key for position in range(product.count)} for product in overlapping.products]
+    keys = [
+        {product.case(position).key(LOADS) for position in range(product.count)} for product in overlapping.products
+    ]
     for case, number in zip(overlapping.distinct, overlapping.product_of_cases, strict=True):
-        assert number == [case.key in own for own in keys].index(True)
+        assert number == [case.key(LOADS) in own for own in keys].index(True)

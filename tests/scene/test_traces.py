@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.scenes import scene_in, solve_scene
+from tests.scenes import scene_in, solve_scene, write_data
 from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import checks, comparison, traces
 from weier.figures.page import explorer
-from weier.pipeline.gather import gather, read_study
+from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.surface.measured import instruments
 
@@ -53,7 +53,7 @@ def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder
     expected = Trace.read(folder / "shaft.csv", shortest=8e-6, ends="periodic", unit="m")
     assert case.profile.labels == expected.labels
     same = Case.of(expected, ("bem",), {})
-    assert same.key == case.key
+    assert same.surface_key == case.surface_key
 
 
 @pytest.mark.parametrize(("owner", "name"), [(scene.file, "read_yaml"), (Trace, "read")])
@@ -142,17 +142,17 @@ def test_what_the_file_holds_counts_and_not_where_it_is(folder, tmp_path_factory
     (case,), copied = load(folder).studies["mine"], elsewhere / "shaft.csv"
     copied.write_bytes((folder / "shaft.csv").read_bytes())
     (same,) = load(elsewhere).studies["mine"]
-    assert same.key == case.key
+    assert same.surface_key == case.surface_key
     write_heights(copied, HEIGHTS + 1e-9 * (np.arange(64) == 5))
     (changed,) = load(elsewhere).studies["mine"]
-    assert changed.key != case.key
+    assert changed.surface_key != case.surface_key
 
 
 def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     """To one file and to memory."""
     loaded = load(folder)
-    solutions = solve_scene(loaded, folder / "batches")
-    gather(solutions, folder / "contact.nc")
+    solutions = solve_scene(loaded, folder / "curves")
+    write_data(solutions, folder / "contact.nc")
     data = dataset.read(folder / "contact.nc")
     trace = loaded.studies["mine"][0].profile
     assert data["trace"].values.tolist() == ["shaft.csv", ""]
@@ -175,8 +175,8 @@ def test_results_report_missing_heights_and_a_form(folder):
     write_heights(folder / "shaft.csv", heights)
     options = {"ends": "mirrored", "missing_value": "-9999", "missing": "interpolate", "detrend": "form"}
     loaded = load(folder, **mine(**options))
-    solutions = solve_scene(loaded, folder / "batches")
-    gather(solutions, folder / "contact.nc")
+    solutions = solve_scene(loaded, folder / "curves")
+    write_data(solutions, folder / "contact.nc")
     data = dataset.read(folder / "contact.nc")
     assert data["trace_filled"].values.tolist() == [2]
     assert data["trace_detrend"].values.tolist() == ["form"]
@@ -210,7 +210,7 @@ def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
 
 
 def drawn_traces(folder, loaded):
-    study = read_study(solve_scene(loaded, folder / "batches"), "both")
+    study = read_study(solve_scene(loaded, folder / "curves"), "both")
     one = loaded.figures["f"]
     _, (axes,), _ = comparison.compare([study], "", "compliance", one.grouping)
     return axes
@@ -239,14 +239,14 @@ def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     }
     figure = {"draw": "compliance", "studies": ["fine", "coarse"], "colour": "trace"}
     loaded = load(folder, methods=["bem"], studies=studies, figures={"f": figure})
-    solutions = solve_scene(loaded, folder / "batches")
+    solutions = solve_scene(loaded, folder / "curves")
     read = [read_study(solutions, name) for name in studies]
     one = loaded.figures["f"]
     figure, (axes,), _ = comparison.compare(read, "", "compliance", one.grouping)
     texts = [text.get_text() for text in axes.get_legend().get_texts()]
     assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
     assert not axes.collections
-    gather(solutions, folder / "contact.nc")
+    write_data(solutions, folder / "contact.nc")
     with dataset.reading(folder / "contact.nc") as data:
         assert sorted(explorer._labels(data, "trace")) == sorted(texts)
 

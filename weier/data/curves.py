@@ -45,7 +45,10 @@ def curve(case: Labelled, name: str, method: str | None) -> Array | None:
     methods = np.asarray(case["solution_method"]).tolist()
     if method not in methods:
         return None
-    values: Array = np.asarray(case[name])[methods.index(method)]
+    try:
+        values: Array = np.asarray(case[name])[methods.index(method)]
+    except KeyError:  # a variable that no method of the file returns
+        return None
     return values if np.isfinite(values).any() else None
 
 

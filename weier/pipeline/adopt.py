@@ -17,8 +17,7 @@ from weier.pipeline.jobs import solve_curve
 from weier.pipeline.store import ADOPTED, SUFFIX, Store
 
 SAMPLE = 50  # curves of each kind that are solved again, evenly spread over those that there are
-# Numbers that differ from run to run, or are no numbers of a curve.
-NOT_COMPARED = ("seconds", "status")
+NOT_COMPARED = ("seconds",)  # which differ from run to run
 
 
 class Verdict(NamedTuple):
@@ -104,7 +103,9 @@ def _compared(sample: Sequence[tuple[Lacking, int]], known: Store) -> Verdict:
         key = lacking.part.keys[number : number + 1]
         old = {name: found[0] for name in new if (found := known.read(kind, key, name)) is not None}
         names = [name for name in new if name not in NOT_COMPARED and (kind.contact_edges or np.ndim(new[name]) < 2)]
+        exact = names if kind.method == SURFACE else ["status"]  # nothing else of a surface has a stated error
         identical &= all(name in old and _same(new[name], old[name]) for name in names)
+        within &= all(name in old and _same(new[name], old[name]) for name in exact)
         for quantity in ("compliance", "resistance"):
             if f"{quantity}_error" in old and f"{quantity}_error" in new:
                 difference = np.abs(new[quantity] - old[quantity])
@@ -120,11 +121,15 @@ def _compared(sample: Sequence[tuple[Lacking, int]], known: Store) -> Verdict:
 
 def _same(new: Any, old: Any) -> bool:
     """Return whether two values are the same to the last bit; the stored one may end in NaN."""
-    new = np.asarray(new)
+    new, old = np.asarray(new), np.asarray(old)
     if new.dtype.kind in "UO":
         return str(new) == str(old)
-    old = np.asarray(old)[tuple(map(slice, new.shape))]
-    return old.shape == new.shape and np.array_equal(new.astype(float), old, equal_nan=True)
+    own = tuple(map(slice, new.shape))
+    if old[own].shape != new.shape:
+        return False
+    padded = np.full(old.shape, np.nan)
+    padded[own] = new
+    return np.array_equal(padded, old, equal_nan=True)
 
 
 def _line(verdict: Verdict, accepted: bool) -> str:

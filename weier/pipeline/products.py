@@ -71,7 +71,8 @@ def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
     for wanted, is_fresh in ((now, True), ("", False)):
         if found := [path for path, text in texts.items() if text == wanted]:
             return found[0], is_fresh and bool(now)
-    edited = f".{digest(list(texts.values()))[:DIGITS]}" if texts else ""
+    known = [[path.name, text] for path, text in texts.items()]  # names, too, for a second edit of the same file
+    edited = f".{digest(known)[:DIGITS]}" if texts else ""
     return stamps / f"{made_of}{edited}", False
 
 

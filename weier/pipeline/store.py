@@ -7,11 +7,13 @@ runs have solved the same curve, either serves.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import socket
 import time
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -130,6 +132,8 @@ class Store:
             keys = []
             for file in files:
                 with opened(file) as columns:
+                    for member in columns.zip.infolist():
+                        columns.zip.open(member).close()  # a name that is damaged would hide its column
                     keys.append(columns[KEY])
             every = np.concatenate([np.empty(0, np.uint64), *keys])
             order = np.argsort(every, kind="stable")
@@ -140,22 +144,25 @@ class Store:
         return self._indices[kind]
 
     def _folders(self, kind: str) -> Iterator[Path]:
-        """Yield the folders of a kind that count for these numerics."""
-        name: str | None = self.numerics
-        while name:
+        """Yield the folders of a kind that count for these numerics, each once: code may go there and back."""
+        name, seen = self.numerics, set[str]()
+        while name and name not in seen:
+            seen.add(name)
             folder = self.folder / kind / name
             yield folder
             adopted = folder / ADOPTED
-            name = json.loads(adopted.read_text(encoding="utf-8"))["curves"] if adopted.exists() else None
+            name = json.loads(adopted.read_text(encoding="utf-8"))["curves"] if adopted.exists() else ""
 
 
 @contextmanager
-def opened(file: Path) -> Iterator[Mapping[str, NDArray[Any]]]:
+def opened(file: Path) -> Iterator[Any]:
     """Yield the columns of a segment, which are read on access; a damaged file is a ValueError with advice."""
     try:
-        with np.load(file) as columns:
+        with file.open("rb") as content, np.load(content) as columns:  # which leaves a damaged file open by itself
             yield columns
-    except (zipfile.BadZipFile, EOFError, ValueError, KeyError) as error:
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, ValueError, KeyError) as error:
+        if isinstance(error, OSError) and error.errno != errno.EINVAL:  # which a place beyond the file gives
+            raise
         raise ValueError(DAMAGED.format(file, error)) from None
 
 

@@ -88,8 +88,8 @@ class Plan:
         self._wants_all = True
         files = []
         with ending_in_one_sentence():
-            check_target(self.results / "any")
             for name in self.names:
+                check_target(self.results / name / "any")
                 for product in products.names_of(self.scene(name)):
                     files += [str(self.results / name / file) for file in products.files_of(product)]
                     files.append(str(self.stamp(name, product)[0]))

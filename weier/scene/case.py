@@ -22,7 +22,7 @@ from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
 from weier.surface.measured.trace import Trace
-from weier.surface.profile import Profile, random_phases
+from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 
 # Limit of scenes and commands, so that a typing error is refused before it costs hours.
@@ -109,10 +109,20 @@ def short_keys(keys: Keys) -> list[str]:
 
 
 def identity(name: str, value: Any) -> Any:
-    """Return the value that identifies a parameter: of a trace its name and content, not the location of its file."""
+    """Return the value that identifies a parameter, however it is written: 10/2 is 5, as a gamma.
+
+    A trace is its name and its content, not the location of its file.
+    """
     if name == "trace":
         return [value.get("name", value["file"]), value["digest"]]
-    return int(value) if isinstance(value, float) and value.is_integer() else value
+    if name == "gamma":
+        return str(checked_ratio(value))
+    if name == "seed":
+        return int(value)
+    if isinstance(value, list | tuple):
+        return [identity(name, one) for one in value]
+    plain = number(name, value)
+    return int(plain) if plain.is_integer() else plain
 
 
 def trace_files(file: str, folder: Path) -> list[str]:

@@ -12,7 +12,8 @@ replace = os.replace
 
 
 def paused_replace(source, target, **options):
-    if str(target).endswith(os.environ["PAUSE_AT"]):
+    if str(target).endswith(os.environ.get("PAUSE_AT", "\0")):
+        del os.environ["PAUSE_AT"]  # a process stops once
         here = Path(os.environ["PAUSE_FILE"])
         here.write_text(str(os.getpid()))
         while here.exists():

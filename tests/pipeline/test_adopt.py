@@ -1,0 +1,94 @@
+"""Curves of other code count where it gives the same numbers, or numbers within the stated errors if asked."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.scenes import curves_in, scene_in, solve_scene
+from weier.pipeline.adopt import adopt
+from weier.pipeline.curves import SURFACE
+from weier.pipeline.store import ADOPTED, Store
+
+SCENE = {
+    "title": "t",
+    "loads": [0.1, 1.0],
+    "methods": ["archard", "bem", "layer"],
+    "contact_edges": True,
+    "studies": {"one": {"product": {"D": 1.25, "gamma": 2, "m": [1, 2, float("inf")], "phases": 1.0}}},
+}
+EVERY = {SURFACE, "archard", "bem", "layer"}
+
+
+@pytest.fixture
+def old(tmp_path):
+    """Curves of another code."""
+    solved = solve_scene(scene_in(tmp_path, SCENE), tmp_path / "curves")
+    for folder in (tmp_path / "curves").glob("*/*/"):
+        folder.rename(folder.with_name("old"))
+    return solved
+
+
+def change(old, method, name, by):
+    """Let the other code have found another value in each curve of a method."""
+    (part,) = {part.kind.name: part for part in (*old.surfaces, *old.parts) if part.kind.method == method}.values()
+    for path in (old.store.folder / part.kind.name / "old").iterdir():
+        with np.load(path) as columns:
+            values = dict(columns)
+        values[name] = by(values[name])
+        np.savez(path, **values)
+
+
+def adopted(old, within_errors=False):
+    """The methods whose curves count, and what was said."""
+    store, said = Store(old.store.folder, old.store.numerics), []
+    verdicts = adopt([old], store, within_errors, said.append)
+    lacking = curves_in(old.scene, store.folder)
+    left = {each.part.kind.method for each in lacking.store.lacking(lacking.of_studies(None))}
+    assert {verdict.curves for verdict in verdicts} == {"old"}
+    return EVERY - left, said
+
+
+def test_the_same_bits_are_adopted_with_a_record_beside_the_curves(old):
+    found, said = adopted(old)
+    assert found == EVERY
+    assert len(said) == 4
+    assert all(line.endswith("curves solved again, the same bits: adopted") for line in said)
+    for path in old.store.folder.glob(f"*/{old.store.numerics}/{ADOPTED}"):
+        record = json.loads(path.read_text())
+        assert (record["curves"], record["code"], record["identical"]) == ("old", old.store.numerics, True)
+        assert record["compared"] > 0
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "by"),
+    [
+        ("bem", "compliance", lambda values: values * (1 + 1e-15)),
+        ("bem", "status", lambda values: 2 - values),
+        ("bem", "contact_edge", lambda values: np.concatenate([values, 0 * values[:, :, :1] + 1], axis=2)),
+        ("bem", "compliance_upper", lambda values: values * np.nan),
+        ("archard", "resistance", lambda values: np.nextafter(values, 9.0)),
+        (SURFACE, "total_amplitude", lambda values: 2 * values),
+        (SURFACE, "phases", lambda values: values[:, ::-1]),
+    ],
+)
+def test_another_number_is_not_adopted(old, method, name, by):
+    change(old, method, name, by)
+    found, said = adopted(old)
+    assert found == EVERY - {method}
+    assert sum(line.endswith("they differ: not adopted") or "within" in line for line in said) == 1
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "factor", "expected"),
+    [
+        ("bem", "compliance", 1 + 1e-14, EVERY),
+        ("bem", "compliance", 2, EVERY - {"bem"}),
+        ("bem", "status", 3, EVERY - {"bem"}),
+        ("archard", "compliance", 1 + 1e-14, EVERY - {"archard"}),  # which states no error
+        (SURFACE, "total_amplitude", 2, EVERY - {SURFACE}),
+    ],
+)
+def test_errors_are_those_that_curves_state(old, method, name, factor, expected):
+    change(old, method, name, lambda values: values * factor)
+    assert adopted(old, within_errors=True)[0] == expected

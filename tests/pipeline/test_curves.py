@@ -1,0 +1,219 @@
+"""What a curve is: its kind, its key, and its place among those that are missing and among jobs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.scenes import curves_in, scene_in, solve_scene
+from weier.data import bodies
+from weier.methods import registry
+from weier.methods.registry import find_method
+from weier.methods.settings import defaults
+from weier.pipeline.curves import SURFACE, Curves, number_of_jobs
+from weier.pipeline.store import Store
+from weier.scene.case import identity
+from weier.surface.measured import trace as traces
+from weier.surface.measured.trace import Trace
+
+PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
+SCENE = {
+    "title": "t",
+    "loads": [0.1, 1.0],
+    "methods": ["archard", "bem"],
+    "studies": {"one": {"product": PRODUCT}},
+}
+
+
+def product(**changes):
+    return {"studies": {"one": {"product": PRODUCT | changes}}}
+
+
+def missing(folder, store, **changes):
+    """The number of curves of each method that would be solved."""
+    wanted = Curves(scene_in(folder, SCENE | changes), Store(store, "now"))
+    found = {}
+    for each in wanted.store.lacking(wanted.of_studies(None)):
+        found[each.part.kind.method] = found.get(each.part.kind.method, 0) + len(each.numbers)
+    return found
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """A store that has the curves of a scene, without numbers."""
+    folder = tmp_path_factory.mktemp("solved")
+    full = Curves(scene_in(folder, SCENE), Store(folder / "curves", "now"))
+    for each in full.store.lacking(full.of_studies(None)):
+        full.store.append(each.part.kind, list(each.keys), [{"seconds": 1.0}] * len(each.keys), "test")
+    return folder / "curves"
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, {}),
+        ({"title": "another", "studies": {"another": SCENE["studies"]["one"]}}, {}),
+        (product(D=["1.5", 1.25], gamma=["6/2", 2.0], m="2", seed=[3, 2]), {}),
+        (product(D=[1.25, 1.4, 1.5]), {"surface": 6, "archard": 2, "bem": 6}),
+        (product(gamma=[2, 3, "7/2"]), {"surface": 6, "archard": 2, "bem": 6}),
+        (product(seed={"from": 0, "to": 3, "count": 4}), {"surface": 4, "bem": 4}),
+        (product(seed=2**53 + 1), {"surface": 4, "bem": 4}),
+        ({"methods": ["archard", "layer", "bem"]}, {"layer": 4}),
+        ({"methods": ["bem", "persson"]}, {"persson": 4}),
+        # A solution goes from load to load, and the bounds of a resistance are chords between them.
+        ({"loads": [0.1, 0.5, 1.0]}, {"archard": 4, "bem": 12}),
+        ({"contact_edges": True}, {"archard": 4, "bem": 12}),
+        ({"studies": {"one": {"product": PRODUCT, "loads": [0.2]}}}, {"archard": 4, "bem": 12}),
+    ],
+)
+def test_only_what_is_missing_is_solved(solved, tmp_path, changes, expected):
+    assert missing(tmp_path, solved, **changes) == expected
+
+
+def test_the_same_value_is_one_however_it_is_written():
+    for name, values in {
+        "gamma": ("10/2", 5, 5.0, "5", "15/3"),
+        "D": (1.25, "1.25", "125e-2"),
+        "m": (2, 2.0, "2"),
+        "phases": ([0, 1], [0.0, 1.0], (0, "1")),
+    }.items():
+        assert len({repr(identity(name, value)) for value in values}) == 1, name
+    assert identity("gamma", 2.5) == identity("gamma", "5/2") != identity("gamma", "5/3")
+    assert identity("seed", 2**53) != identity("seed", 2**53 + 1)
+    assert identity("m", np.inf) == np.inf
+
+
+def names(folder, **changes):
+    """The kinds of curves, and the digest of the surfaces, of a scene."""
+    found = curves_in(scene_in(folder, SCENE | changes), folder)
+    return {part.kind.method: part.kind.name for part in found.parts}, [part.keys.tolist() for part in found.surfaces]
+
+
+def test_a_changed_default_of_a_setting_is_another_kind(tmp_path, monkeypatch):
+    """And a setting at its default is no other kind."""
+    method = find_method("layer")
+    usual = defaults(method)["points"]
+    kinds = [names(tmp_path, methods=["layer"], settings={"layer": {"points": n}})[0] for n in (usual, usual + 1)]
+    assert kinds[0] == names(tmp_path, methods=["layer"])[0] != kinds[1]
+
+    def solve(profile, loads, points=usual + 1, **others):
+        raise NotImplementedError
+
+    changed = replace(method, solve=solve)
+    monkeypatch.setattr(registry, "METHODS", tuple(changed if one is method else one for one in registry.METHODS))
+    assert names(tmp_path, methods=["layer"])[0] != kinds[0]
+
+
+def test_another_order_of_phases_is_another_surface(tmp_path):
+    one = {"D": 1.25, "gamma": 2, "m": 3}
+    studies = [{"one": {"product": one | {"phases": [phases]}}} for phases in ([0, 1, 2], [0, 2, 1])]
+    own = [names(tmp_path, studies=each)[1] for each in studies]
+    assert own[0] != own[1]
+
+
+BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 2e-7}
+IN_SI = {"loads": ["1 MPa", "10 MPa"], "interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}
+
+
+def test_another_constant_in_the_formulas_of_bodies_is_another_kind(tmp_path, monkeypatch):
+    before = names(tmp_path, **IN_SI)[0]
+    for changed in ({"rho_1": 1e-6}, {"mu_1": 4e10}, {"g_0": 2e-6}):
+        own = names(tmp_path, **IN_SI | {"interface": IN_SI["interface"] | changed})[0]
+        assert (own == before) == ("rho_1" in changed)
+    usual = bodies.full_contact_pressure
+    monkeypatch.setattr(bodies, "full_contact_pressure", lambda *values: 1.01 * usual(*values))
+    assert names(tmp_path, **IN_SI)[0] != before
+
+
+LINE = {"file": "line.csv", "length": 1e-3, "height_unit": "um"}
+HEIGHTS = [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5, 0, -1, 0.5, 1, -2, 0.75, -0.5, -1.5]
+
+
+def of_trace(folder, **changes):
+    (folder / "line.csv").write_text("\n".join(map(str, HEIGHTS)))
+    scene = {"studies": {"one": {"trace": LINE | changes}}, "methods": ["bem"]}
+    return names(folder, **scene, loads=IN_SI["loads"], interface=BODIES)
+
+
+def test_a_trace_is_its_final_heights(tmp_path, monkeypatch):
+    kinds, keys = of_trace(tmp_path)
+    assert of_trace(tmp_path, length=0.001)[1] == keys
+    for changed in ({"shortest": 3e-4}, {"ends": "tapered"}, {"detrend": "mean"}, {"height_unit": "nm"}):
+        assert of_trace(tmp_path, **changed)[1] != keys, changed
+    usual = traces._checked_level
+    for step in (lambda level: level * (1 + 1e-15), lambda level: level - level[0], lambda level: level[::-1]):
+        monkeypatch.setattr(traces, "_checked_level", lambda *given, step=step: step(usual(*given)))
+        assert of_trace(tmp_path)[1] != keys
+    monkeypatch.setattr(traces, "_checked_level", usual)
+    assert of_trace(tmp_path) == (kinds, keys)
+    monkeypatch.setattr(bodies.Bodies, "composite_modulus", 1e10)
+    assert of_trace(tmp_path)[0] != kinds
+
+
+def test_a_trace_has_the_digest_of_what_is_solved():
+    one = Trace(1e-6 * np.array(HEIGHTS), 1e-3, unit="m")
+    tilted = Trace(1e-6 * (np.array(HEIGHTS) + np.arange(16)), 1e-3, unit="m")
+    assert np.allclose(one.amplitude, tilted.amplitude)
+    assert len({one.digest, Trace(1e-6 * np.array(HEIGHTS), 1e-3, unit="m", detrend="mean").digest}) == 2
+
+
+def test_curves_without_phases_are_stored_once_for_all(tmp_path):
+    found = solve_scene(scene_in(tmp_path, SCENE), tmp_path / "curves")
+    rows = {part.kind.method: len(found.store.index(part.kind.name).keys) for part in (*found.surfaces, *found.parts)}
+    assert rows == {SURFACE: 12, "archard": 4, "bem": 12}
+    archard, _ = found.parts
+    values = found.store.read(archard.kind, archard.keys, "compliance")
+    assert values.shape == (12, 2)
+    assert len(np.unique(values, axis=0)) == 4
+
+
+def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
+    """Also one of several groups of kinds, and those of two kinds by different jobs."""
+    full = curves_in(
+        scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves"
+    )
+    planned = full.store.lacking(full.of_studies(None))
+
+    def shares(lacking, count=3):
+        of = [[each.of_job(number, count) for each in lacking] for number in range(count)]
+        return [{(one.part.kind.name, key) for one in own for key in one.keys.tolist()} for own in of]
+
+    first = shares(planned)
+    everything = {(each.part.kind.name, key) for each in planned for key in each.keys.tolist()}
+    assert set.union(*first) == everything
+    assert sum(map(len, first)) == len(everything) == 160 + 4 + 160
+    assert all(len(share) > 0.6 * len(everything) / 3 for share in first)
+    for each in planned:  # which others solve in part
+        some = each.keys[: len(each.keys) // 2]
+        full.store.append(each.part.kind, list(some), [{"seconds": 1.0}] * len(some), "test")
+    later = shares(full.store.lacking(full.of_studies(None)))
+    assert all(now <= before for now, before in zip(later, first, strict=True))
+    assert 0 < len(set.union(*later)) < len(everything)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "curves", "most", "expected"),
+    [(0.1, 9, 2, 1), (15.0, 9, 2, 2), (1e4, 9, 2, 2), (900.0, 10_000, 100, 90), (1e5, 3, 100, 3), (0.0, 0, 2, 1)],
+)
+def test_there_are_as_many_jobs_as_can_run_and_none_that_is_short(seconds, curves, most, expected):
+    assert number_of_jobs(seconds, curves, most) == expected
+
+
+@pytest.mark.parametrize(("method", "solved"), [("layer", 4), ("archard", 4), ("bem", 12)])
+def test_each_curve_is_expected_to_take_what_its_method_says(tmp_path, method, solved):
+    found = curves_in(scene_in(tmp_path, SCENE | {"methods": [method]}), tmp_path)
+    (own,) = [each for each in found.store.lacking(found.of_studies(None)) if each.part.kind.method == method]
+    assert len(own.numbers) == solved
+    cases = [own.part.case(number) for number in own.numbers.tolist()]
+    assert own.seconds == pytest.approx(sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases), rel=1e-9)
+
+
+def test_the_digest_of_a_study_is_that_of_its_own_curves(tmp_path):
+    def digests(**product_of_two):
+        studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT | product_of_two}}
+        found = curves_in(scene_in(tmp_path, SCENE | {"studies": studies}), tmp_path)
+        return [found.digest(studies) for studies in (["one"], ["two"], None)]
+
+    first, second = digests(m=3), digests(m=[3, 4])
+    assert [old == new for old, new in zip(first, second, strict=True)] == [True, False, False]
+    assert len({*first}) == 3

@@ -1,0 +1,145 @@
+"""Segments of the store: whole or not there, read by key, and named where they are damaged."""
+
+import json
+import multiprocessing
+import re
+import signal
+
+import numpy as np
+import pytest
+
+from weier.pipeline.curves import Kind
+from weier.pipeline.store import ADOPTED, Store
+from weier.scene.identity import keys_of
+
+KIND = Kind("bem", {}, (0.1, 1.0))
+KEYS = keys_of(range(6))
+
+
+def row(value, **more):
+    return {"status": 0, "compliance": np.array([value, value + 1.0]), **more}
+
+
+@pytest.fixture
+def store(tmp_path):
+    """Four curves in two segments, the second with a quantity and a longer row more."""
+    store = Store(tmp_path / "curves", "now")
+    store.append(KIND, [KEYS[2], KEYS[0]], [row(2, edges=np.ones((1, 2))), row(0)], "one")
+    store.append(KIND, [KEYS[1], KEYS[3]], [row(1, chosen="layer"), row(3, edges=2 * np.ones((2, 3)))], "another")
+    return store
+
+
+def test_curves_are_read_by_key_in_any_order_and_more_than_once(store):
+    for wanted in ([0, 1, 2, 3], [3, 0, 3, 2], [1]):
+        found = store.read(KIND, KEYS[wanted], "compliance")
+        assert found.tolist() == [[value, value + 1] for value in wanted]
+        assert store.read(KIND, KEYS[wanted], "status").tolist() == [0] * len(wanted)
+    assert store.read(KIND, KEYS[:4], "chosen").tolist() == ["", "layer", "", ""]
+    assert store.read(KIND, KEYS[:4], "origin").tolist() == ["one", "another", "one", "another"]
+    edges = store.read(KIND, KEYS[:4], "edges")
+    assert edges.shape == (4, 2, 3)
+    assert np.isnan(edges).sum(axis=(1, 2)).tolist() == [6, 6, 4, 0]
+    assert store.read(KIND, KEYS[:4], "residual") is None
+
+
+def test_what_is_not_solved_is_named_with_what_to_do(store):
+    for kind, keys, count in ((KIND, KEYS[[0, 4, 5]], 2), (KIND._replace(method="layer"), KEYS[:1], 1)):
+        with pytest.raises(
+            ValueError, match=rf"^{count} curves by {kind.method} are not solved: run snakemake again$"
+        ):
+            store.read(kind, keys, "compliance")
+    assert not Store(store.folder, "later").index(KIND.name).keys.size
+
+
+def test_either_of_two_solutions_of_a_curve_serves(store):
+    store.append(KIND, [KEYS[0], KEYS[5]], [row(0), row(5)], "again")
+    assert store.read(KIND, KEYS[[0, 5, 1]], "compliance")[:, 0].tolist() == [0, 5, 1]
+    assert len(store.index(KIND.name).keys) == 6
+
+
+def test_a_kind_is_described_beside_its_segments(store):
+    folder = store.folder / KIND.name
+    assert json.loads((folder / "kind.json").read_text()) == json.loads(json.dumps(KIND._asdict()))
+    assert {path.suffix for path in (folder / "now").iterdir()} == {".npz"}
+
+
+def test_a_damaged_segment_is_named_with_what_to_do(store):
+    """Wherever the damage is: it is refused, or has changed no number."""
+    path, names = min((store.folder / KIND.name / "now").iterdir()), ("compliance", "status", "edges")
+    whole, read = path.read_bytes(), [store.read(KIND, KEYS[:4], name) for name in names]
+    contents = [whole[: len(whole) // 2], b"", b"not a segment"]
+    contents += [whole[:n] + bytes([whole[n] ^ 4]) + whole[n + 1 :] for n in range(0, len(whole), 5)]
+    refused = []
+    for content in contents:
+        path.write_bytes(content)
+        try:
+            again = [Store(store.folder, "now").read(KIND, KEYS[:4], name) for name in names]
+        except ValueError as error:
+            refused.append(str(error))
+            continue
+        for values, expected in zip(again, read, strict=True):
+            np.testing.assert_array_equal(values, expected)
+    assert len(refused) > len(contents) / 2
+    advice = rf"{path} is damaged \(.*\): move it away and run snakemake again"
+    assert [line for line in refused if not re.match(advice, line)] == []
+    path.unlink()
+    with pytest.raises(ValueError, match=r"^2 curves by bem are not solved"):
+        Store(store.folder, "now").read(KIND, KEYS[:4], "compliance")
+
+
+def append_many(folder, first):
+    store = Store(folder, "now")
+    for number in range(first, first + 40, 2):
+        store.append(KIND, list(keys_of([number, number + 1])), [row(number), row(number + 1)], "test")
+
+
+def test_two_jobs_append_at_once(tmp_path):
+    """To curves that both have, too."""
+    context = multiprocessing.get_context("fork")
+    jobs = [context.Process(target=append_many, args=(tmp_path, first)) for first in (0, 20)]
+    for job in jobs:
+        job.start()
+    for job in jobs:
+        job.join()
+    assert [job.exitcode for job in jobs] == [0, 0]
+    store = Store(tmp_path, "now")
+    assert len(store.index(KIND.name).files) == 40
+    found = store.read(KIND, keys_of(range(60)), "compliance")
+    assert found[:, 0].tolist() == list(range(60))
+
+
+def killed_while_writing(folder):
+    """Append, and be killed with the next segment written and not yet in place."""
+    from weier.data import files
+
+    store = Store(folder, "now")
+    store.append(KIND, [KEYS[0]], [row(0)], "test")
+    files.os.replace = lambda *paths: signal.raise_signal(signal.SIGKILL)
+    store.append(KIND, [KEYS[1]], [row(1)], "test")
+
+
+def test_what_was_appended_outlives_a_kill(tmp_path):
+    job = multiprocessing.get_context("fork").Process(target=killed_while_writing, args=(tmp_path,))
+    job.start()
+    job.join()
+    assert job.exitcode == -signal.SIGKILL
+    store = Store(tmp_path, "now")
+    assert len(list((tmp_path / KIND.name / "now").iterdir())) == 2  # a segment, and what is no segment
+    assert store.index(KIND.name).keys.tolist() == KEYS[:1].tolist()
+    assert store.read(KIND, KEYS[:1], "compliance").tolist() == [[0, 1]]
+
+
+def test_a_segment_that_is_appended_is_seen_by_its_store(store):
+    assert not store.index(KIND.name).find(KEYS[4:5])[0].any()
+    store.append(KIND, [KEYS[4]], [row(4)], "test")
+    assert store.index(KIND.name).find(KEYS[4:5])[0].all()
+
+
+def test_curves_of_adopted_numerics_count(store):
+    later = Store(store.folder, "later")
+    later.append(KIND, [KEYS[4]], [row(4)], "test")
+    (store.folder / KIND.name / "later" / ADOPTED).write_text(json.dumps({"curves": "now"}))
+    assert Store(store.folder, "later").read(KIND, KEYS[:5], "compliance")[:, 0].tolist() == [0, 1, 2, 3, 4]
+    assert len(store.index(KIND.name).keys) == 4  # and none the other way round
+    (store.folder / KIND.name / "now" / ADOPTED).write_text(json.dumps({"curves": "later"}))
+    assert len(Store(store.folder, "now").index(KIND.name).keys) == 5  # each once, though they adopt each other
