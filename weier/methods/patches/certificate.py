@@ -361,7 +361,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
     rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * L
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
-    curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    curvature_error = EPS * series.largest_curvature
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
     if not state.dual:
         most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5

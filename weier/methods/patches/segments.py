@@ -246,7 +246,12 @@ def count_nodes(
 
 @kernel
 def _round_up(count: float) -> float:
-    """Return the next even multiple of an eighth of the power of 2 below the count, so that rules are few."""
+    """Return the next even multiple of an eighth of the power of 2 below the count, so that rules are few.
+
+    The result is a number of nodes for any float: `place_nodes` refuses segments whose widths are not positive.
+    """
+    if not 4 < count < MAX_NODES:
+        return 1.0 * MAX_NODES if count >= MAX_NODES else 4.0
     step = 2.0 ** max(1.0, np.floor(np.log2(count)) - 3)
     return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 
