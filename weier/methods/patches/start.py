@@ -45,6 +45,7 @@ TOLERANCE_RANGE = f"[{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g})"
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
+RESOLVED = 3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
 # points per finest wave of the grids that are tried in turn. The first one is for `MANY_WAVES` only: it misses
@@ -241,7 +242,7 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
 
         is_new = True
         while is_new:
-            y, half_width, found = settle_edges(singularities, y, half_width, 2 * widest)
+            y, half_width, found = settle_edges(singularities, y, half_width, RESOLVED / series.wavenumber[-1])
             places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
             is_new = places.shape[1] < crest.size
             if not found.all() or (is_new and not dual):
@@ -250,8 +251,9 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
                 half_width = places[1]
                 crest, origin, y = from_crests(series, places[0])
     nearest = np.diff(origin + y, append=origin[0] + y[0] + series.period).min()
-    # The field of a contact differs from that of a line force by the square of half-width over distance.
-    if half_width.max() >= (widest if dual else min(widest, np.sqrt(GUESS_TOLERANCE) * nearest)):
+    # The field of a contact differs from that of a line force by the square of half-width over distance. Narrow gaps
+    # may be closer, since no grid shows them.
+    if half_width.max() >= max(np.sqrt(GUESS_TOLERANCE) * nearest, widest * dual):
         return None
     return ContactState(dual, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
 

@@ -21,8 +21,8 @@ from weier.methods.patches.given_edges import Forces, Punches, expansion, field_
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
 from weier.methods.patches.surface import CosineSeries, Sides, nearest_crests
 
-# nodes on a crack: the pressure is smooth up to terms in b/l, with l the distance to the nearest edge; 8 nodes resolve
-# a polynomial of degree 7, and rounding remains up to b = l/10
+# nodes on a crack: the pressure is a polynomial of low degree up to terms in b/l, with l the distance to the nearest
+# edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
 # Newton steps for the edges: a parabola takes one, and a gap in x^n that starts too wide shrinks by (1 - 2/n)^(1/2)
 STEPS, SETTLED = 60, 1e-6
@@ -34,7 +34,7 @@ OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
 def settle_edges(
     singularities: Callable[[Array, Array], tuple[Sides, Sides]], middle: Array, half_width: Array, most: float
 ) -> tuple[Array, Array, Flags]:
-    """Move the edges of segments without interaction by Newton's method; return middles, half-widths, and which settle.
+    """Return middles and half-widths of segments without interaction by Newton's method, and which settle.
 
     singularities : k_0 and k_1/2 at both edges, up to a common factor, from middles and half-widths
     most : largest distance of an edge from the origin of the middles; segments that pass it are not settled
