@@ -33,7 +33,7 @@ def test_an_exact_state_violates_nothing(wave, dual):
     state, series = wave.state(dual), wave.series(dual)
     assert find_negative_intervals(state).size == 0
     assert minima_outside(state, series, 0.0).size == 0
-    residual, _ = contact_residual(state, series)
+    residual, _, _ = contact_residual(state, series)
     height = 2 * state.segments.half_width * residual if dual else residual
     assert height.max() < 1e-11 * wave.period
 
