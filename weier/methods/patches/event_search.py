@@ -51,7 +51,7 @@ MAX_VIOLATION = 1e-7
 # bisections per event of intervals over which no edge advances farther than `MAX_ADVANCE`, three times those from a
 # decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
-# loads solved from the lightest to full contact, for each of the finest waves and for each crest of height or tension:
+# loads solved up to full contact, for each of the finest waves and for each crest of height or tension, in all
 # 0.7 to 1.7 times those of eight surfaces of 25 to 300 waves with 1 to 247 events
 LOADS_PER_WAVE, LOADS_PER_CREST = 5, 8
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
