@@ -5,6 +5,7 @@ import pytest
 
 import weier
 from weier import ConvergenceError, Trace
+from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.patches import inequalities, segments, stages, start
 from weier.methods.patches.surface import make_series, surface_of
@@ -57,6 +58,17 @@ def test_light_contacts_on_flat_crests_of_the_height(order, waves, phase):
     assert np.all(abs(curve.resistance - exact) <= curve.resistance_error)
     assert np.all(curve.resistance_error <= 1e-6 * exact)
     assert np.all(curve.patch_count == waves)
+
+
+def test_guesses_on_flat_crests_are_near_the_contacts():
+    """Two flat crests of different height with unlike forces, and a gap."""
+    surface = Cosines(np.array([1e-6, 1.0, 0.25]), [1, 2, 4], np.array([0.3, 0.0, np.pi]))
+    for load in (3e-7, 1e-6):
+        found, exact = start.isolated_contacts(surface_of(surface).heights, load), patches.solve_load(surface, load)
+        np.testing.assert_allclose(found.segments.half_width, np.sort(exact.half_width), rtol=0.02)
+    trace, full = flat(2, 1, 0.3, True)
+    found, exact = start.isolated_gaps(surface_of(trace).tensions, full * (1 - 1e-6)), np.arcsin(1e-3**0.5) / np.pi
+    assert found.segments.half_width == pytest.approx([exact], rel=1e-3)
 
 
 @pytest.mark.parametrize("samples", [20, 40, 64])

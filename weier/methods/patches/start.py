@@ -220,7 +220,7 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
 
     On a parabola the half-width is 2 (amount/curvature)^(1/2). On flatter crests, edges are moved until the series
     itself has no singularity there, and gaps that overlap are merged. None is returned if there are no segments, if
-    one is too wide, or if contacts are so wide that they act on each other.
+    one is too wide, or if they are so wide that they act on each other.
     """
     crest = np.flatnonzero(amount > 0)
     if crest.size == 0:
@@ -251,9 +251,8 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
                 half_width = places[1]
                 crest, origin, y = from_crests(series, places[0])
     nearest = np.diff(origin + y, append=origin[0] + y[0] + series.period).min()
-    # The field of a contact differs from that of a line force by the square of half-width over distance. Narrow gaps
-    # may be closer, since no grid shows them.
-    if half_width.max() >= max(np.sqrt(GUESS_TOLERANCE) * nearest, widest * dual):
+    # The field of a contact differs from that of a line force by the square of half-width over distance.
+    if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
         return None
     return ContactState(dual, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
 
