@@ -114,3 +114,5 @@ def test_no_number_of_nodes_or_probes_follows_from_a_float_that_is_none(bad):
             broken = segments.make_segments(np.zeros(2, int), *extent, np.zeros(2, int))
             with pytest.raises(ConvergenceError, match="overlap"):
                 stages.make_guess(guess, broken, 1e-10)
+    many = np.zeros(40), np.linspace(0, 1, 40), np.full(40, bad)
+    assert inequalities._probe_points(*many, np.linspace(0, 0.99, 500), 1.0, 6.0)[0].size < 1e5
