@@ -102,7 +102,7 @@ def integrals(state: ContactState) -> Array:
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
     """Return of the residual on each segment its maximum, the width over which this has its force, and its roughness.
 
-    The residual is the gap on a contact or, dual, the pressure in a gap; the roughness is sum n |r_n| of its
+    The residual is the gap on a contact or, dual, the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit.
     The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
     matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.

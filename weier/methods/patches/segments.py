@@ -147,7 +147,7 @@ class ContactState(NamedTuple):
     residual : largest violation of a contact condition, in g_0
     error : a bound on the error of the approach by these violations, in g_0
     height_error : largest difference between z and heights for which the state is exact, in g_0
-    roughness : sum n |r_n| of the coefficients in T_n of the residual on each segment, in its unit
+    roughness : sum n |c_n| of the coefficients in T_n of the residual on each segment, in its unit
     cracks : gaps within contacts that are too thin for segments of their own, whose effect is in `approach` and
         `resistance`
     tensions : remaining intervals of tension on contacts, where a gap is missing or too narrow to be resolved: the
