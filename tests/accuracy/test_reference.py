@@ -8,6 +8,7 @@ import pytest
 from tests.reference import REFERENCES
 from weier import Profile
 from weier.accuracy import reference as module
+from weier.accuracy.cosines import shifted
 from weier.accuracy.reference import contact_reference, find_reference, is_in_reach
 from weier.accuracy.runner import Outcome, attempt
 from weier.accuracy.variants import Variant
@@ -90,9 +91,10 @@ def test_where_nothing_was_made_nothing_is_looked_up():
 
 
 def test_a_shifted_profile_has_its_phases_within_a_turn():
-    """A larger phase would be doubted, as one in degrees. The height at 0 is that at 0.3 of the profile."""
+    """A larger phase would be doubted, as one in degrees. The height at x is that at x + 0.3, or at -x - 0.3."""
     profile = Profile(1.3, 2, 2, (6.2, 6.1))
-    shifted = module._shift(profile)
-    assert np.all((shifted.phase >= 0) & (shifted.phase < 2 * np.pi))
-    here = profile.amplitude @ np.cos(2 * np.pi * 0.3 * np.array([1, 2]) + profile.phase)
-    assert profile.amplitude @ np.cos(shifted.phase) == pytest.approx(here, abs=1e-14)
+    for reflected in (False, True):
+        surface = shifted(profile, reflected)
+        assert np.all((surface.phase >= 0) & (surface.phase < 2 * np.pi))
+        x = np.linspace(0, 1, 7)
+        assert surface.height(x) == pytest.approx(profile.height(-x - 0.3 if reflected else x + 0.3), abs=1e-14)

@@ -1,5 +1,7 @@
 """What takes long says so once, and ends at its limit."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -75,3 +77,22 @@ def test_a_limit_ends_a_solution_with_a_sentence(profile):
 def test_a_limit_is_a_positive_number(limit):
     with pytest.raises(ValueError, match="max_seconds must be positive"):
         weier.solve(PROFILE, LOADS, "demelio", max_seconds=limit)
+
+
+def test_a_long_search_for_events_says_so_beforehand(capsys, monkeypatch):
+    """Its progress is that of the contact length."""
+    monkeypatch.setattr(progress, "LONG", 1e-3)
+    monkeypatch.setattr(progress, "TERMINAL_SECONDS", 0.0)
+    monkeypatch.setattr(progress.sys.stderr, "isatty", lambda: True)
+    found = weier.events(PROFILE, 1e-3, 1.0)
+    announced, *shown = capsys.readouterr().err.split(progress.ERASE)
+    assert re.fullmatch(r"weier.events: the search takes about \S+ s\n", announced)
+    share = [int(text.split("%")[0].split()[-1]) for text in shown if "%" in text]
+    assert share == sorted(share)
+    assert 0 < share[0] < 50 < share[-1]
+    assert found.sizes["event"] == 6
+
+
+def test_a_short_search_for_events_says_nothing(capsys):
+    weier.events(PROFILE, 1e-3, 1.0)
+    assert capsys.readouterr() == ("", "")

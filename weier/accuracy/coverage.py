@@ -17,6 +17,7 @@ from weier.accuracy.runner import attempt
 from weier.accuracy.variants import Variant
 from weier.data import markdown
 from weier.kernels.arrays import Array
+from weier.surface.profile import Profile
 
 
 class Judged(NamedTuple):
@@ -102,8 +103,10 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
 
 
 def _text(draw: Draw) -> str:
-    """Return a profile as Python makes it."""
+    """Return a surface as Python makes it."""
     profile = draw.profile
+    if not isinstance(profile, Profile):
+        return repr(profile)
     return f'Profile({profile.D}, "{profile.gamma}", {profile.m}, {profile.phase.tolist()})'
 
 

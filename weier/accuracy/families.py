@@ -15,14 +15,17 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import ConvergenceError, Profile
+from weier.accuracy.cosines import Cosines
 from weier.accuracy.runner import run
 from weier.accuracy.variants import MAX_POINTS, Variant
 from weier.kernels.arrays import Array
 from weier.methods import bem
 from weier.methods.method import Settings
+from weier.surface.waves import Waves
 
 MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
 LOADS = 8  # loads per series
+SHAPE_SAMPLES = 4096  # of smooth surfaces
 VARIANTS = "bem", "bem with staircase", "patches"
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
@@ -32,7 +35,7 @@ class Draw(NamedTuple):
     """A series of a family with its loads, and the variants that are compared under them."""
 
     family: str
-    profile: Profile
+    profile: Waves
     loads: Array
     variants: tuple[Variant, ...]
 
@@ -71,6 +74,27 @@ def extreme_dimension(random: Generator) -> tuple[float, Fraction, int]:
     return float(random.choice([1 + distance, 2 - distance])), gamma, m
 
 
+# Smooth surfaces, whose contacts are many of the finest waves wide: amplitudes fall faster than curvatures need.
+
+
+def power_law(random: Generator) -> Waves:
+    """Draw amplitudes k^-s of all or of the odd waves, s = 1.5 to 4, such as the triangular wave, s = 2."""
+    k = np.arange(1.0, random.integers(6, 60), random.integers(1, 3))
+    phase = random.choice([0.0, 1.0, 2 * np.pi]) * random.random(k.size)
+    return Cosines(k ** -float(random.choice([2.0, random.uniform(1.5, 4)])), k.astype(int).tolist(), phase)
+
+
+def shape(random: Generator) -> Waves:
+    """Draw bumps, steps or grooves: smooth functions of cosines, with all waves above rounding."""
+    x, sharpness = 2 * np.pi / SHAPE_SAMPLES * np.arange(SHAPE_SAMPLES), np.exp(random.uniform(0, np.log(30)))
+    slow = np.cos(x) + float(random.choice([0.0, 0.3])) * np.cos(2 * x + random.uniform(0, 6))
+    shapes = np.exp(sharpness * slow), np.tanh(sharpness**0.5 * slow), 1 / (1 + (sharpness * np.sin(0.5 * x)) ** 2)
+    z = shapes[random.integers(3)] * float(random.choice([-1, 1]))
+    wave = np.fft.rfft(z / np.abs(z).max())[1 : MAX_WAVES // 2] / (SHAPE_SAMPLES // 2)
+    kept = np.flatnonzero(np.abs(wave) > 1e-14 * np.abs(wave).max())
+    return Cosines(np.abs(wave[kept]), (kept + 1).tolist(), np.angle(wave[kept]))
+
+
 # phases of a series
 
 
@@ -102,12 +126,12 @@ def twin_crests(random: Generator, waves: Array) -> Array:
 # Loads.
 
 
-def any_loads(random: Generator, profile: Profile) -> Array:
+def any_loads(random: Generator, profile: Waves) -> Array:
     """Draw loads from 1e-9 p_0* to full contact."""
     return np.exp(random.uniform(np.log(1e-9), np.log(profile.full_contact_load), LOADS))
 
 
-def near_events(random: Generator, profile: Profile) -> Array:
+def near_events(random: Generator, profile: Waves) -> Array:
     """Draw loads within a relative 1e-10 to 1e-1 of a birth or merger, on either side."""
     low, high = (profile.full_contact_load * 10 ** random.uniform(*decades) for decades in ((-7, -2), (-2, -1e-3)))
     count = _count(profile, low)
@@ -119,12 +143,12 @@ def near_events(random: Generator, profile: Profile) -> Array:
     return high * (1 + _near(random))
 
 
-def _count(profile: Profile, load: float) -> int:
+def _count(profile: Waves, load: float) -> int:
     found = run(Variant("patches", "patches", {"tolerance": 1e-8}), profile, np.array([load]))
     return int(found.others["patch_count"][0])
 
 
-def near_full_contact(random: Generator, profile: Profile) -> Array:
+def near_full_contact(random: Generator, profile: Waves) -> Array:
     """Draw loads below full contact by a relative 1e-10 to 1e-1."""
     return profile.full_contact_load * (1 - np.abs(_near(random)))
 
@@ -136,17 +160,17 @@ def _near(random: Generator) -> Array:
 # Settings.
 
 
-def usual_settings(random: Generator, profile: Profile) -> Settings:
+def usual_settings(random: Generator, profile: Waves) -> Settings:
     """Draw the default of 64 points per wave, or another number, such as the 12 of the paper."""
     return {"points_per_wave": int(random.choice([12, 16, 32, 64, 64, 64, 128]))}
 
 
-def odd_points(random: Generator, profile: Profile) -> Settings:
+def odd_points(random: Generator, profile: Waves) -> Settings:
     """Draw odd numbers of points per wave."""
     return {"points_per_wave": 2 * int(random.integers(6, 51)) + 1}
 
 
-def tolerances(random: Generator, profile: Profile) -> Settings:
+def tolerances(random: Generator, profile: Waves) -> Settings:
     """Draw tolerances of 1e-6 to 0.1 g_0, whose grids have any number of points."""
     while True:
         tolerance = 10 ** random.uniform(-6, -1)
@@ -155,7 +179,7 @@ def tolerances(random: Generator, profile: Profile) -> Settings:
 
 
 # The features of families.
-SERIES = usual, rational, coarse, long, extreme_dimension
+SERIES = usual, rational, coarse, long, extreme_dimension, power_law, shape
 PHASES = any_phases, near_symmetry, aligned, twin_crests
 PRESSURES = any_loads, near_events, near_full_contact
 SETTINGS = usual_settings, odd_points, tolerances
@@ -181,6 +205,7 @@ FAMILIES: dict[str, Features] = {
     "births and mergers": _family(usual, rational, any_phases, near_symmetry, near_events),
     "full contact": _family(usual, rational, near_full_contact),
     "twin crests": _family(usual, rational, twin_crests, near_events),
+    "smooth": _family(power_law, shape, any_loads, near_events, near_full_contact),
     "odd points": _family(usual, rational, odd_points),
     "tolerances": _family(usual, rational, tolerances),
     "all at once": (SERIES, PHASES, PRESSURES, SETTINGS),
@@ -194,16 +219,18 @@ def draw_one(random: Generator, family: str) -> Draw:
     return Draw(family, profile, _pressures(random, profile, loads), _variants(random, settings(random, profile)))
 
 
-def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array]) -> Profile:
+def _profile(random: Generator, series: Callable[..., Any], phases: Callable[..., Array]) -> Waves:
     while True:
-        D, gamma, m = series(random)
+        if isinstance(drawn := series(random), Waves):
+            return drawn
+        D, gamma, m = drawn
         if gamma.numerator ** (m - 1) <= MAX_WAVES:
             break
     waves = np.array(Profile(D, gamma, m).waves_per_period, float)
     return Profile(D, gamma, m, tuple(phases(random, waves).tolist()))
 
 
-def _pressures(random: Generator, profile: Profile, loads: Callable[[Generator, Profile], Array]) -> Array:
+def _pressures(random: Generator, profile: Waves, loads: Callable[[Generator, Waves], Array]) -> Array:
     """Return increasing loads near births and mergers, or any loads if there are none."""
     try:
         return np.unique(loads(random, profile))

@@ -17,6 +17,7 @@ import mpmath as mp
 import numpy as np
 
 from weier.accuracy import multiprecision
+from weier.accuracy.cosines import shifted
 from weier.accuracy.runner import Outcome, Run, attempt
 from weier.accuracy.variants import Variant
 from weier.kernels.arrays import Array
@@ -27,6 +28,7 @@ from weier.surface.crests import find_crests
 from weier.surface.expansions import expand
 from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
+from weier.surface.waves import Waves
 
 # the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
@@ -102,33 +104,32 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
 
 
 @cache  # for all methods on one profile
-def contact_reference(profile: Profile, loads: tuple[float, ...]) -> Reference:
+def contact_reference(profile: Waves, loads: tuple[float, ...]) -> Reference:
     """Return the exact curve of a finite series that can be resolved; NaN where the contact patches fail.
 
     The uncertainty is the distance from patches on the reflected profile, shifted as well, and rounding.
     """
-    if profile.m == 1:
+    if isinstance(profile, Profile) and profile.m == 1:
         exact = _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
         return exact._replace(uncertainty=_rounding(profile, np.array(exact.resistance, float)))
-    reflected = Profile(profile.D, profile.gamma, profile.m, -profile.phase)
-    found, twin = (
-        _by_patches(_shift(surface), np.array(loads), tolerances)
-        for surface, tolerances in ((profile, TOLERANCES), (reflected, TOLERANCES[1:]))
-    )
+    found = _by_patches(shifted(profile), np.array(loads), TOLERANCES)
+    twin = _by_patches(shifted(profile, reflected=True), np.array(loads), TOLERANCES[1:])
     uncertainty = np.abs(found - twin)
     pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in found.T]
     # Contact is certainly full beyond rounding of its computed load.
-    full_contact, touch = profile.full_contact_load * (1 + 1e-12), _single_crest(profile)
+    full_contact = profile.full_contact_load * (1 + 1e-12)
     for i, load in enumerate(loads):
+        if not isinstance(profile, Profile):
+            break
         if load >= full_contact:
             pairs[i], uncertainty[:, i] = (_total(profile), mp.mpf(0)), 0.0
-        elif load <= 1e-20 and touch:  # Hertz's formula, with a relative error of a few p, is exact to rounding.
+        elif load <= 1e-20 and _single_crest(profile):  # Hertz's formula is exact to rounding: a few p, relatively.
             pairs[i], uncertainty[:, i] = _first_touch(profile, load), 0.0
     h, R = zip(*pairs, strict=True)
     return Reference(h, R, "closed forms, patches 1e-12", uncertainty + _rounding(profile, np.array(R, float)))
 
 
-def _by_patches(profile: Profile, loads: Array, tolerances: Sequence[float]) -> Array:
+def _by_patches(profile: Waves, loads: Array, tolerances: Sequence[float]) -> Array:
     """Return compliance and resistance by contact patches, shape (2, loads).
 
     Each load is solved to the smallest of the tolerances that can be met; the values are NaN where none can.
@@ -141,7 +142,7 @@ def _by_patches(profile: Profile, loads: Array, tolerances: Sequence[float]) -> 
     return values
 
 
-def _rounding(profile: Profile, R: Array) -> Array:
+def _rounding(profile: Waves, R: Array) -> Array:
     """Return the errors of rounding in compliance and resistance, shape (2, loads); near full contact R vanishes."""
     return np.stack([np.full(R.size, ROUNDING * profile.total_amplitude), ROUNDING + SLOPE_ROUNDING * R])
 
@@ -182,10 +183,3 @@ def _total(profile: Profile) -> mp.mpf:
     with mp.workdps(multiprecision.DIGITS):
         falls = mp.mpf(float(profile.gamma)) ** (mp.mpf(profile.D) - 2)
         return mp.fsum(falls**n for n in range(profile.terms))
-
-
-def _shift(profile: Profile) -> Profile:
-    """Return a profile shifted by 0.3 lambda_0, which has the same curves but different phases."""
-    cycles = 0.3 * np.array(profile.waves_per_period, float) / profile.period
-    phase = np.remainder(profile.phase + 2 * np.pi * (cycles - np.rint(cycles)), 2 * np.pi)
-    return Profile(profile.D, profile.gamma, profile.m, phase)

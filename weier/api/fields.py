@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from weier import units
+from weier.api.progress import searching
 from weier.data.provenance import NORMALISED
 from weier.methods import bem, patches
 from weier.surface.limits import check_resolvable
@@ -84,6 +85,8 @@ def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> x
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     """Find the mean pressures at which contacts are born or merge.
 
+    A search of more than some ten seconds says beforehand how long it takes; Ctrl-C ends it.
+
     Parameters
     ----------
     profile : Profile or Trace
@@ -123,7 +126,9 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    found = patches.events(profile, low, high)._asdict()
+    expected = patches.METHOD.seconds(profile, np.empty(patches.expected_loads(profile, low, high)))
+    with searching("weier.events", expected) as report:
+        found = patches.events(profile, low, high, report=report)._asdict()
     return _dataset(("event",), found | {"birth": found["birth"].astype(bool)})
 
 

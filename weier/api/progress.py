@@ -57,7 +57,40 @@ class Progress:
             self.say(f"{self.done} of {self.total} {self.things}, about {left:.0f} s left")
 
 
-class Watch:
+class Announcement:
+    """Announces once, in a sentence, that something takes long, and then shows its progress on a terminal."""
+
+    def __init__(self, name: str, advice: str = "") -> None:
+        """For the call of this name; the advice ends the sentence."""
+        self.name, self.advice, self.announced = name, advice, False
+        self.start, self.said = clock(), perf_counter()
+
+    def expect(self, what: str, seconds: float) -> None:
+        """Announce what takes these expected seconds if they are many."""
+        if seconds > LONG:
+            self._announce(f"{what} about {significant(seconds, 2)} s")
+
+    def show(self, share: float, done: str) -> None:
+        """Announce or show what is done, a share of the whole."""
+        now, lasted = perf_counter(), clock() - self.start
+        far = f"{done}, about {lasted * (1 / share - 1):.0f} s left"
+        if not self.announced and lasted > LONG and share < 1:
+            self._announce(far)
+        elif self.announced and sys.stderr.isatty() and now - self.said > TERMINAL_SECONDS:
+            self.said = now
+            print(f"{ERASE}{self.name}: {far}", end="", file=sys.stderr, flush=True)
+
+    def _announce(self, what: str) -> None:
+        self.announced = True
+        print(f"{self.name}: {what}{self.advice}", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Clear the line of a terminal."""
+        if self.announced and sys.stderr.isatty():
+            print(ERASE, end="", file=sys.stderr, flush=True)
+
+
+class Watch(Announcement):
     """Announces a long solution once, reports its progress, and ends it at a time limit.
 
     It is called after each load, by a solver that reports to it.
@@ -65,40 +98,32 @@ class Watch:
 
     def __init__(self, total: int, expected: float, max_seconds: float | None, silent: bool = False) -> None:
         """Watch `total` loads with these expected seconds; if silent, only enforce the limit."""
-        self.total, self.max_seconds, self.silent = total, max_seconds, silent
-        self.done, self.announced = 0, False
-        self.start, self.said, self.begun = clock(), perf_counter(), perf_counter()
-        if expected > LONG:
-            self._announce(f"{total} load{' takes' if total == 1 else 's take'} about {significant(expected, 2)} s")
+        advice = "" if max_seconds else f"; max_seconds would limit {'it' if total == 1 else 'them'}"
+        super().__init__("weier.solve", advice)
+        self.total, self.max_seconds, self.silent, self.done, self.begun = total, max_seconds, silent, 0, self.said
+        self.expect(f"{total} load{' takes' if total == 1 else 's take'}", expected)
 
     def __call__(self) -> None:
         """Count one load, unless all are counted."""
-        self.done, now = min(self.done + 1, self.total), perf_counter()  # a method may solve some twice
-        if self.max_seconds is not None and now - self.begun > self.max_seconds:
+        self.done = min(self.done + 1, self.total)  # a method may solve some twice
+        if self.max_seconds is not None and perf_counter() - self.begun > self.max_seconds:
             raise TimeoutError(
                 f"max_seconds = {self.max_seconds:g} ended the solution after {self.done} of {self.total} loads: "
                 "raise it, or take fewer loads or a larger tolerance"
             )
-        if self.silent:
-            return
-        lasted = clock() - self.start
-        far = f"{self.done} of {self.total} loads, about {lasted * (self.total - self.done) / self.done:.0f} s left"
-        if not self.announced and lasted > LONG and self.done < self.total:
-            self._announce(far)
-        elif self.announced and sys.stderr.isatty() and now - self.said > TERMINAL_SECONDS:
-            self.said = now
-            print(f"{ERASE}weier.solve: {far}", end="", file=sys.stderr, flush=True)
+        if not self.silent:
+            self.show(self.done / self.total, f"{self.done} of {self.total} loads")
 
-    def _announce(self, what: str) -> None:
-        """Announce once, in a sentence, what takes long."""
-        self.announced = True
-        limit = "" if self.max_seconds else f"; max_seconds would limit {'it' if self.total == 1 else 'them'}"
-        print(f"weier.solve: {what}{limit}", file=sys.stderr, flush=True)
 
-    def close(self) -> None:
-        """Clear the line of a terminal."""
-        if self.announced and sys.stderr.isatty():
-            print(ERASE, end="", file=sys.stderr, flush=True)
+@contextmanager
+def searching(name: str, expected: float) -> Iterator[Callable[[float], None]]:
+    """Announce a search with many expected seconds; yields a function that shows the share that is done."""
+    search = Announcement(name)
+    search.expect("the search takes", expected)
+    try:
+        yield lambda share: search.show(min(max(share, 1e-3), 1.0), f"{share:.0%} of the contact")
+    finally:
+        search.close()
 
 
 @contextmanager

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import linprog
+from scipy.special import jv
 
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
 from weier import Profile
+from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.patches import certificate
@@ -15,8 +17,8 @@ from weier.methods.patches.certificate import (
     EPS,
     SAMPLED_FACTOR,
     TANGENT_ERROR,
-    _largest_and_width,
     _releases,
+    _sizes,
     certify,
     contact_residual,
     effect_of_cracks,
@@ -124,7 +126,7 @@ def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     closure = 0.5 * np.pi * gaps.segments.half_width[0] * 1e-6  # the integral of a slope of 1e-6 (1-t^2)^(1/2)
     assert imbalance(off, wave.period) == pytest.approx((0.0, closure), rel=1e-4)
     nothing = np.zeros(0, MINIMUM)
-    found = certify(off, np.zeros(1), np.ones(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    found = certify(off, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
     assert found.residual == pytest.approx(closure, rel=1e-4)
     assert found.error == pytest.approx(closure, rel=1e-4)
 
@@ -161,7 +163,7 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9, abs=0)
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
         state, series, none = wave.state(dual)._replace(cracks=cracks), wave.series(dual), np.zeros(1)
-        found = certify(state, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1e-3, 0.0)
+        found = certify(state, none, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1e-3, 0.0)
         missing, closure = imbalance(state, period)
         indentation = state.kind.largest_indentation(state.approach, series)
         bound = bound_by(indentation, wave.load, closure + moved, missing + mean, period=period)
@@ -200,7 +202,7 @@ def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths
     minima = np.zeros(1, MINIMUM)
     minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
     nothing = find_negative_intervals(state)
-    found = certify(state, np.array([sigma]), np.array([0.3 * r]), nothing, minima, series, 1e-3, 0.0)
+    found = certify(state, np.array([sigma]), np.array([0.3 * r]), np.zeros(1), nothing, minima, series, 1e-3, 0.0)
     assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9, abs=0)
     reach = np.sqrt(2 * depth / curvature)
     expected = bound_by(
@@ -270,13 +272,14 @@ def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes, apart):
     for degree in range(nodes + 3):
         for coefficient in (np.eye(degree + 1)[-1], random.normal(size=degree + 1), np.arange(degree + 1.0)):
             polynomial = np.polynomial.Chebyshev(coefficient)
-            largest, width = _largest_and_width(state.segments, first, np.abs(polynomial(t)))
+            largest, width, roughness = _sizes(state.segments, first, polynomial(t))
+            assert roughness[0] == pytest.approx(np.abs(coefficient) @ np.arange(degree + 1.0), rel=1e-9, abs=1e-12)
             force = r * np.abs(np.trapezoid(np.abs(polynomial(dense)), dense))
             assert SAMPLED_FACTOR * largest[0] * width[0] >= force * (1 - 1e-6)
             assert width[0] <= 2 * r
     one = np.zeros(t.size)
     one[2] = 1.0  # pi/(m-n-1) times the sine of its angle, over the factor of the sampled maximum
-    _, width = _largest_and_width(state.segments, first, one)
+    _, width, _ = _sizes(state.segments, first, one)
     expected = np.pi / (t.size - nodes - 3) * np.sin(2.5 * np.pi / t.size) / SAMPLED_FACTOR
     assert width[0] == pytest.approx(r * expected, rel=1e-12, abs=0)
     if nodes == 30:  # the last polynomial, sum k T_k, is as large as its degree squared at the right end
@@ -285,7 +288,7 @@ def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes, apart):
 
 def stated(wave, dual=False, **fields):
     """The error of the resistance of one wave in a series, without that of the end of conjugate gradients."""
-    state = wave.state(dual)._replace(**({"height_error": 0.0, "error": 0.0} | fields))
+    state = wave.state(dual)._replace(**({"height_error": 0.0, "error": 0.0, "roughness": np.zeros(1)} | fields))
     heights = wave.series(False)
     return resistance_error(state, heights) - TANGENT_ERROR * max(wave.resistance, 1.0)
 
@@ -410,7 +413,9 @@ def test_an_edge_moves_by_the_gap_beside_it(period):
         B[j, side] = 1.0
         move = np.sqrt(2) * HEIGHT / (np.pi * 3 * np.sqrt(min(half_gap, 0.1) * period)) + by_force
         expected = (2 if half_gap < 0.1 else 1) * move
-        assert _releases(*extent, period, A, B, height_error, 0.0) == pytest.approx(expected, rel=1e-12, abs=0)
+        assert _releases(*extent, period, A, B, height_error, np.zeros(2), 0.0) == pytest.approx(
+            expected, rel=1e-12, abs=0
+        )
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -501,7 +506,7 @@ def test_gaps_that_may_hold_a_contact_have_the_uncertainty_of_heights(period, mo
     monkeypatch.setattr(certificate, "minima_of_gaps", lambda state: minima)
     monkeypatch.setattr(certificate, "error_bound", lambda *arguments: 0.0)
     nothing = np.zeros(0, MINIMUM)
-    found = certify(state, np.zeros(1), np.ones(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    found = certify(state, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
     assert found.narrow_gaps["value"].tolist() == minima["value"][:1].tolist()
 
 
@@ -516,7 +521,7 @@ def test_rounding_widens_contacts(period):
     of_curvature = EPS * np.sum(amplitude * (2 * np.pi * waves / period) ** 2) * a**3 / (8 * force)
     total = EPS * amplitude.sum() + COMPLIANCE_ROUNDING * wave.load * period
     of_height = np.sqrt(2) * total / (np.pi * A * np.sqrt(a)) + 2 * a * total / (chi * force)
-    state = wave.state(False)._replace(height_error=0.0, error=0.0)
+    state = wave.state(False)._replace(height_error=0.0, error=0.0, roughness=np.zeros(1))
     for shift, is_lower in ((0.0, False), (np.pi, True)):
         # cos x + 0.7 cos 2x has its highest crest at 0, and a lower one at half a period.
         phases = -2 * np.pi * waves * wave.crest / period + shift * waves
@@ -524,3 +529,34 @@ def test_rounding_widens_contacts(period):
         found = resistance_error(state, series) - TANGENT_ERROR * max(wave.resistance, 1.0)
         move = of_curvature + (of_height if is_lower else 0.0)
         assert found == pytest.approx(4 * np.pi**2 / period * wave.tangent_strength**2 * move, rel=1e-2, abs=0)
+
+
+def test_edges_respond_to_the_waves_of_a_residual():
+    """Heights e cos(2 pi k x/L), of any number of waves on the contact, whose effect on R is known.
+
+    The load is the mean of S over theta, with sin(pi x/L) = sin(pi b/L) sin(theta) in the gap; its derivative with
+    respect to a is that of one wave.
+    """
+    theta, ratios = (np.arange(400) + 0.5) * np.pi / 400, []
+    for a in (0.05, 0.1, 0.2, 0.3, 0.4):
+        wave = OneWave(1.0, a, 0.0)
+        for k in range(2, 60):
+            x = np.arcsin(np.cos(np.pi * a) * np.cos(theta)) / np.pi + 0.5
+            drift = np.mean(k * np.cos(2 * np.pi * k * x)) / (np.pi * np.sin(2 * np.pi * a))
+            n = np.arange(2, 200, 2)
+            roughness = HEIGHT * np.array([np.sum(2 * n * np.abs(jv(n, 2 * np.pi * k * a)))])
+            change = HEIGHT * 2 * np.pi / np.tan(np.pi * a) * abs(drift)
+            ratios.append(change / (stated(wave, roughness=roughness) - stated(wave)))
+    assert 0.9 < max(ratios) <= 1
+
+
+@pytest.mark.parametrize(("waves", "fall"), [(range(1, 32, 2), 2.0), (range(1, 48, 2), 2.0), (range(1, 49), 2.5)])
+def test_errors_of_contacts_many_waves_wide_are_stated_and_nearly_attained(waves, fall):
+    """Triangular waves of 16 and 24 terms, and a power law: few nodes leave a residual of their own degree."""
+    surface = Cosines(np.array(waves) ** -fall, list(waves))
+    loads = np.geomspace(1e-4, 0.98, 60) * surface.full_contact_load
+    exact, found = patches.curve(surface, loads, 1e-12), patches.curve(surface, loads, 1e-6)
+    of_h = abs(found.compliance - exact.compliance) / found.compliance_error
+    of_R = abs(found.resistance - exact.resistance) / found.resistance_error
+    assert 0.2 < of_h.max() <= 1
+    assert 1 / 3 < of_R.max() <= 1

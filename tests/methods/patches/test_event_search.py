@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.methods.patches.test_thin_gaps import HEAVY, HEAVY_MERGER
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile
+from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.patches import event_search
 from weier.methods.patches.start import Starts
@@ -50,9 +52,10 @@ def test_contacts_that_have_grown_are_certain_to_have_no_event_while_both_edges_
     for left, right in ((near, near), (near, far), (far, near)):
         r = low.half_width + 0.5 * (left + right)
         wider = OneWave(period, r, low.crest + 0.5 * (right - left)).state(False)
-        changes, is_certain = search._changes(low.state(False), wider)
+        changes, is_certain, is_long = search._changes(low.state(False), wider)
         assert changes == []
         assert is_certain == (left == right == near)
+        assert is_long != is_certain
 
 
 @pytest.mark.parametrize("period", [1.0, 9.0])
@@ -67,9 +70,8 @@ def test_an_edge_that_advances_farther_than_the_load_explains_has_jumped(period,
     np.testing.assert_allclose(event_search._loads_per_advance(low.state(dual), period), per_advance, rtol=1e-8)
     for share, expected in ((1.0, True), (0.72, True), (0.68, False)):
         load = low.load + share * (high.load - low.load)
-        changes, is_certain = search._changes(low.state(dual), high.state(dual)._replace(load=load))
-        assert changes == []
-        assert is_certain == expected
+        changes, is_certain, is_long = search._changes(low.state(dual), high.state(dual)._replace(load=load))
+        assert (changes, is_certain, is_long) == ([], expected, False)
 
 
 @pytest.mark.parametrize("birth", [False, True])
@@ -104,9 +106,57 @@ def test_contacts_followed_past_another_event_are_not_in_contact(dual):
 
 
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
-    monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False))
+    monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False, False))
     with pytest.raises(ConvergenceError, match="remain uncertain after 101 bisections"):
         patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
+
+
+@pytest.mark.parametrize(("waves", "finest"), [(40, 1e-6), (40, 1e-12), (90, 1e-6)])
+def test_edges_pass_any_number_of_waves(waves, finest):
+    """One contact that grows over tens of waves, which need some 3 intervals each, and has no event."""
+    surface, shares = Cosines(np.array([1.0, finest]), [1, waves]), []
+    events = patches.events(surface, 0.1, 0.95, report=shares.append)
+    assert events.mean_pressure.size == 0
+    assert np.all(patches.curve(surface, np.geomspace(0.1, 0.95, 50)).patch_count == 1)
+    assert waves < len(shares) < 10 * waves
+    assert 0 < shares[0] < 0.05
+    assert np.all(np.diff(shares) > 0)
+    assert shares[-1] == 1
+
+
+def test_a_bump_has_the_events_of_its_ripples():
+    """A Gaussian of 60 waves, whose contact passes half of them, and its mirror image, a groove."""
+    n = np.arange(1, 61)
+    heights = np.exp(-((np.pi * 0.03 * n) ** 2)) * (-1.0) ** n
+    for sign in (1, -1):
+        bump = Cosines(sign * heights, n.tolist())
+        events = patches.events(bump, 1e-3 * bump.full_contact_load, 0.9 * bump.full_contact_load)
+        loads = np.geomspace(1e-3, 0.9, 40) * bump.full_contact_load
+        counts, last = patches.curve(bump, loads).patch_count, np.searchsorted(events.mean_pressure, loads)
+        np.testing.assert_array_equal(np.append(counts[0], events.patch_count)[last], counts)
+
+
+@pytest.mark.parametrize(
+    "surface", [THREE_WAVES, Profile(1.25, "31/30", 2, 1.0), Cosines(np.array([1.0, 1e-6]), [1, 40])]
+)
+def test_the_expected_number_of_loads_is_about_that_of_a_search(surface, monkeypatch):
+    solved, low, high = [], 1e-3, surface.full_contact_load
+    for name in ("state", "_follow"):
+        whole = getattr(event_search._Search, name)
+        monkeypatch.setattr(event_search._Search, name, lambda *a, whole=whole: solved.append(1) or whole(*a))
+    patches.events(surface, low, high)
+    assert 0.5 < event_search.expected_loads(surface, low, high) / len(solved) < 2
+    assert event_search.expected_loads(surface, high, 2 * high) == 0
+
+
+@pytest.mark.parametrize("below", [1e-8, 1e-9])
+def test_contacts_at_the_lightest_load_are_counted_with_their_thin_gaps(below):
+    """Just below a merger, whose gap is a crack; the counts after the events are those of the curve."""
+    low, high = HEAVY_MERGER * (1 - below), HEAVY_MERGER * 1.02
+    events = patches.events(HEAVY, low, high)
+    loads = np.sqrt(events.mean_pressure * np.append(events.mean_pressure[1:], high))
+    np.testing.assert_array_equal(events.patch_count, patches.curve(HEAVY, loads).patch_count)
+    assert patches.curve(HEAVY, [low]).patch_count[0] == events.patch_count[0] + 1
 
 
 def test_events_of_symmetric_profiles_come_in_pairs():

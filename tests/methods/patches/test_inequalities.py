@@ -33,7 +33,7 @@ def test_an_exact_state_violates_nothing(wave, dual):
     state, series = wave.state(dual), wave.series(dual)
     assert find_negative_intervals(state).size == 0
     assert minima_outside(state, series, 0.0).size == 0
-    residual, _ = contact_residual(state, series)
+    residual, _, _ = contact_residual(state, series)
     height = 2 * state.segments.half_width * residual if dual else residual
     assert height.max() < 1e-11 * wave.period
 
@@ -213,6 +213,10 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         for factor, expected in ((1.01, 0), (0.99, 1)):
             monkeypatch.setattr(inequalities, "MAX_THINNESS", factor * thinness.max())
             assert len(find_missing(problem, step, 0.0, 0.0, 0.0)[0]) == expected
+        monkeypatch.undo()  # A crack of half-width b in the tension q_0 opens by 2 pi b q_0.
+        opening = 2 * np.pi * np.sqrt(-4 * minima["value"] / minima["curvature"]) * -minima["value"]
+        for factor, expected in ((1.01, 0), (0.99, 1)):
+            assert len(find_missing(problem, step, 0.0, 0.0, factor * opening.max())[0]) == expected
 
 
 def test_two_new_segments_share_the_room_between_them():

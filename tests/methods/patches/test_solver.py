@@ -11,7 +11,7 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.patches import solver, start
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
-from weier.methods.patches.surface import surface_of
+from weier.methods.patches.surface import make_series, surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
 
@@ -327,12 +327,14 @@ def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
 
 def test_forces_on_crests_are_those_of_one_plane():
     """Crests join, and leave where they would be pulled; the plane is known as well as the forces, to a hundredth."""
-    rng = np.random.default_rng(0)
+    rng, waves = np.random.default_rng(0), make_series(np.ones(1), [1], np.zeros(1), 1.0)
     for crests in rng.integers(3, 7, 200):
         x, curvature = (np.arange(crests) + 0.5 * rng.random(crests)) / crests, rng.uniform(50, 500, crests)
         offset, total = -rng.random(crests) * 10.0 ** rng.uniform(-6, -2), 10.0 ** rng.uniform(-7, -3)
         offset -= offset.max()
-        force = start._forces_on_crests(x, offset, curvature, total, 1.0)
+        parabolas = np.zeros((crests, waves.expansion.shape[1]))
+        series = waves._replace(crest_position=x, crest_offset=offset, crest_curvature=curvature, expansion=parabolas)
+        force = start._forces_on_crests(series, total, 1.0)
         assert force.sum() == pytest.approx(total, rel=2e-2)
         influence, loaded = -2 * np.log(np.abs(2 * np.sin(np.pi * (x[:, None] - x))) + np.eye(crests)), force > 0
         half_width = 2 * np.sqrt(force[loaded] / curvature[loaded])

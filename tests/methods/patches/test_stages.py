@@ -300,7 +300,7 @@ def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, du
     tangent = solve_tangent(step.punches, step.forces, 1e-10)
     wrong, right = (
         stages._with_resistance(
-            stages.Converged(step, end, stages.contact_state(problem, end), none[0], *none, 0.0), tangent
+            stages.Converged(step, end, stages.contact_state(problem, end), none[0], none[0], *none, 0.0), tangent
         ).resistance
         for end in (step, carried_along(step, 0.0))
     )

@@ -7,7 +7,7 @@ holds contacts or gaps with their nodes and densities. A load starts from `start
 `certificate` bounds the error of h and estimates that of R. `solver` and `event_search` are the interface.
 """
 
-from weier.methods.patches.event_search import Events, events
+from weier.methods.patches.event_search import Events, events, expected_loads
 from weier.methods.patches.method import METHOD, SECONDS, run_kernels
 from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE, TOLERANCE_RANGE
@@ -24,6 +24,7 @@ __all__ = [
     "Solution",
     "curve",
     "events",
+    "expected_loads",
     "run_kernels",
     "solve_load",
     "solve_loads",

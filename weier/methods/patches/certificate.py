@@ -12,6 +12,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
+from weier.methods.chebyshev import gauss_rule
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
@@ -98,40 +99,46 @@ def integrals(state: ContactState) -> Array:
     return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
 
 
-def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array]:
-    """Return the largest residual on each segment, and the width over which it has the total force of the residual.
+def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
+    """Return of the residual on each segment its maximum, the width over which this has its force, and its roughness.
 
-    The residual is the gap on a contact or, dual, the pressure in a gap.
+    The residual is the gap on a contact or, dual, the pressure in a gap; the roughness is sum n |c_n| of its
+    coefficients in T_n, in its unit.
     The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
     matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.
     """
     segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM
     first, crest, y = sample_points(segments, by_sums)
     if not by_sums:
-        return _largest_and_width(segments, first, np.abs(residuals_one_by_one(state, series, crest, y)))
+        return _sizes(segments, first, residuals_one_by_one(state, series, crest, y))
     count = np.diff(first)
     middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
-    residual = np.abs(residuals_by_sums(state, series, crest, y, middle, offset))
+    residual = residuals_by_sums(state, series, crest, y, middle, offset)
     # The seed is fixed, so that each run checks the same points.
     some = np.random.default_rng(y.size).choice(y.size, MIN_SUM, replace=False)
-    residual[some] = np.maximum(residual[some], np.abs(residuals_one_by_one(state, series, crest[some], y[some])))
-    return _largest_and_width(segments, first, residual)
+    closed = residuals_one_by_one(state, series, crest[some], y[some])
+    residual[some] = np.where(np.abs(closed) > np.abs(residual[some]), closed, residual[some])
+    return _sizes(segments, first, residual)
 
 
-def _largest_and_width(segments: Segments, first: Indices, residual: Array) -> tuple[Array, Array]:
-    """Return the largest sample on each segment, and the width on which `SAMPLED_FACTOR` times it has the force.
+def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, Array, Array]:
+    """Return of samples on each segment the largest, the width for `SAMPLED_FACTOR` times it, and the roughness.
 
     A polynomial q of degree n, times sin(theta), is a trigonometric one of degree n + 1. De la Vallee Poussin's
     kernel yields it from samples at m zeros of T_m, so that int |q| dt is at most pi/(m-n-1) times the sum of
     |q| sin(theta) over them (docs/patches.md, "The bound on the compliance").
     """
-    count = np.diff(first)
+    count, residual, roughness = np.diff(first), np.abs(samples), np.empty(first.size - 1)
+    for points in np.unique(count):
+        which = count == points
+        rows = samples[first[:-1][which][:, None] + np.arange(points)]
+        roughness[which] = np.abs(rows @ gauss_rule(points, False).expansion.T) @ np.arange(points)
     of = np.repeat(np.arange(count.size), count)
     sine = np.sin((np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of])
     largest = np.maximum.reduceat(residual, first[:-1])
     mean = np.pi / (count - segments.node_count - 3) * np.add.reduceat(residual * sine, first[:-1])
     width = np.minimum(mean / np.maximum(SAMPLED_FACTOR * largest, 1e-300), 2.0)
-    return largest, segments.half_width * width
+    return largest, segments.half_width * width, roughness
 
 
 def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
@@ -152,6 +159,7 @@ def certify(
     state: ContactState,
     residual: Array,
     residual_width: Array,
+    roughness: Array,
     overlaps: Records,
     tensions: Records,
     series: CosineSeries,
@@ -163,7 +171,7 @@ def certify(
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
     contacts or a pressure in gaps. The residual is one or the other (`Kind`).
 
-    residual, residual_width : the largest on each segment and its width, of `contact_residual`
+    residual, residual_width, roughness : of each segment, as `contact_residual` returns them
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
         the gap between contacts are those below the margin
     tolerance : relative; the residual may be `MAX_RESIDUAL` times as large
@@ -199,7 +207,7 @@ def certify(
     )
     # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
     height_error = error + 2 * SAMPLED_FACTOR * kind.dual * largest
-    state = state._replace(error=error, height_error=height_error)
+    state = state._replace(error=error, height_error=height_error, roughness=roughness)
     uncertainty = gap_uncertainty(height_error, total_height(series, kind.dual))
     if state.dual:
         overlaps = minima_of_gaps(state)
@@ -361,17 +369,26 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
     rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * L
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
-    curvature_error = EPS * float(np.abs(series.amplitude) @ series.wavenumber**2)
+    curvature_error = EPS * series.largest_curvature
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
     if not state.dual:
         most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5
         A = np.minimum(A, most[:, None])
-    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, curvature_error)
+    roughness = np.zeros(crest.size) if state.dual else state.roughness
+    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, roughness, curvature_error)
 
 
 @kernel
 def _releases(
-    origin: Array, centre: Array, r: Array, L: float, A: Sides, B: Sides, height_error: Array, curvature_error: float
+    origin: Array,
+    centre: Array,
+    r: Array,
+    L: float,
+    A: Sides,
+    B: Sides,
+    height_error: Array,
+    roughness: Array,
+    curvature_error: float,
 ) -> float:
     """Return the sum of B^2 delta over all edges, for these errors of heights and curvatures."""
     distance, total = distances_between(origin, centre, r, L), 0.0
@@ -382,7 +399,8 @@ def _releases(
         for side in range(2):
             beside = 0.5 * distance[j - 1 + side]
             is_narrow, scale = beside < r[j], min(beside, r[j])
-            move = np.sqrt(2.0) / np.pi * height_error[j] / (A[j, side] * np.sqrt(scale)) + by_force
+            height = height_error[j] / np.sqrt(scale) + 0.5 * roughness[j] / np.sqrt(r[j])
+            move = np.sqrt(2.0) / np.pi * height / A[j, side] + by_force
             # If the move may reach this scale, the contact or gap may not exist. A gap has lost less than a move by
             # 2 b says. The contact lowers R by f^2 chi L, and by chi/chi' times as much with the largest force.
             if not move < scale:

@@ -80,18 +80,19 @@ def _probe_points(
     per_length = PROBES_PER_WAVE * finest / (2 * np.pi)
     least = np.sqrt(EPS) / per_length  # At closer probes, second differences of a parabola are rounding.
     for j in range(length.size):
-        count[j] = PROBES_PER_WAVE + np.int64(np.ceil(per_length * max(length[j], 0.0)))  # segments may overlap
+        waves = per_length * min(length[j], period) if length[j] > 0 else 0.0  # segments may overlap
+        count[j] = PROBES_PER_WAVE + np.int64(np.ceil(waves))
         total += count[j]
     point, interval, last = np.empty(total), np.empty(total, np.int64), -1
     for j in range(length.size):
         left = origin[j] + (centre[j] + half_width[j])
         turns = np.floor((left - crest[0]) / period)
         i, k = 0, first_from(turning, left - period * turns)
-        while True:
+        for _ in range(count[j] + n + 1):
             fraction = 0.5 * (1 - np.cos((i + 0.5) * np.pi / count[j])) if i < count[j] else 1.0
             probe, turn = left + fraction * length[j], turning[k % n] + period * (turns + k // n)
             x = min(probe, turn)
-            if x >= left + length[j]:
+            if not x < left + length[j] or last + 1 == total:
                 break
             i, k = i + (probe == x), k + (turn == x)
             if last < 0 or interval[last] < j or x - point[last] > least:

@@ -147,6 +147,7 @@ class ContactState(NamedTuple):
     residual : largest violation of a contact condition, in g_0
     error : a bound on the error of the approach by these violations, in g_0
     height_error : largest difference between z and heights for which the state is exact, in g_0
+    roughness : sum n |c_n| of the coefficients in T_n of the residual on each segment, in its unit
     cracks : gaps within contacts that are too thin for segments of their own, whose effect is in `approach` and
         `resistance`
     tensions : remaining intervals of tension on contacts, where a gap is missing or too narrow to be resolved: the
@@ -168,6 +169,7 @@ class ContactState(NamedTuple):
     residual: float = np.nan
     error: float = np.nan
     height_error: float = np.nan
+    roughness: Array = np.empty(0)
     cracks: Cracks = Cracks()
     tensions: NDArray[np.float64] = np.empty((0, 3))
     narrow_gaps: Records = np.empty(0, MINIMUM)
@@ -246,7 +248,12 @@ def count_nodes(
 
 @kernel
 def _round_up(count: float) -> float:
-    """Return the next even multiple of an eighth of the power of 2 below the count, so that rules are few."""
+    """Return the next even multiple of an eighth of the power of 2 below the count, so that rules are few.
+
+    The result is a number of nodes for any float: `place_nodes` refuses segments whose widths are not positive.
+    """
+    if not 4 < count < MAX_NODES:
+        return 1.0 * MAX_NODES if count >= MAX_NODES else 4.0
     step = 2.0 ** max(1.0, np.floor(np.log2(count)) - 3)
     return min(np.ceil(count / step) * step, 1.0 * MAX_NODES)
 

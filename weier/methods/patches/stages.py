@@ -95,7 +95,7 @@ class Converged(NamedTuple):
     solved, step : the last solution on given edges, and the step after it, on the edges of the state
     state : without resistance and certificate
     minima, negative : minima outside the segments below a margin, and intervals on them, as `MINIMUM` and `NEGATIVE`
-    residual, width : the largest on each segment between the nodes, and its width, of `contact_residual`
+    residual, width, roughness : of each segment between the nodes, as `contact_residual` returns them
     height : the largest residual, in g_0
     """
 
@@ -106,6 +106,7 @@ class Converged(NamedTuple):
     negative: Records
     residual: Array
     width: Array
+    roughness: Array
     height: float
 
 
@@ -150,9 +151,9 @@ def solve_in_stages(
             enough = estimate_node_count(state.segments.extent, series, tolerance)
             now = next_guess(problem, step, tolerance, np.maximum(count, enough))
             continue
-        residual, width = contact_residual(state, series)  # stage 3
+        residual, width, roughness = contact_residual(state, series)  # stage 3
         height = kind.height_of_residual(state.segments.half_width) * residual
-        found = Converged(solved, step, state, minima, negative, residual, width, float(height.max()))
+        found = Converged(solved, step, state, minima, negative, residual, width, roughness, float(height.max()))
         short = (height > limits.allowed) & (count < MAX_NODES)
         # More nodes do not reduce rounding, and in gaps they increase it.
         if short.any() and (coarser is None or found.height < coarser.height):
@@ -348,7 +349,8 @@ def _certified(found: Converged, series: CosineSeries, limits: Limits, accepted:
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
     )
-    return certify(state, found.residual, found.width, overlaps, tensions, series, accepted, limits.margin)
+    sizes = found.residual, found.width, found.roughness
+    return certify(state, *sizes, overlaps, tensions, series, accepted, limits.margin)
 
 
 def _with_resistance(found: Converged, tangent: Forces) -> ContactState:

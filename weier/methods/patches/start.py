@@ -15,6 +15,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import in_continuum
+from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
@@ -23,7 +24,17 @@ from weier.methods.patches.segments import (
     estimate_node_count,
     make_segments,
 )
-from weier.methods.patches.surface import CosineSeries, Surface, from_crests, in_order, intervals_between, surface_of
+from weier.methods.patches.surface import (
+    CosineSeries,
+    Sides,
+    Surface,
+    evaluate_at,
+    from_crests,
+    in_order,
+    intervals_between,
+    surface_of,
+)
+from weier.methods.patches.thin_gaps import NODES, settle_edges, singularities_of_gaps
 from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
@@ -34,6 +45,7 @@ TOLERANCE_RANGE = f"[{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g})"
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
+RESOLVED = 3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
 # points per finest wave of the grids that are tried in turn. The first one is for `MANY_WAVES` only: it misses
@@ -187,38 +199,62 @@ def _widest(series: CosineSeries) -> float:
 
 def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     """Return Hertzian contacts on crests if they are small enough to interact as line forces; otherwise None."""
-    curvature, total = series.crest_curvature, load * series.period
-    # A lower bound on the widest contact: all crests are as sharp as the sharpest and share the load equally.
-    if 2 * np.sqrt(total / curvature.size / curvature.max()) > _widest(series):
+    total = load * series.period
+    # A lower bound on the widest contact: all crests are as sharp as can be and share the load equally.
+    if 2 * np.sqrt(total / series.crest_curvature.size / series.largest_curvature) > _widest(series):
         return None
-    force = _forces_on_crests(series.crest_position, series.crest_offset, curvature, total, series.period)
-    return _isolated(series, load, False, force)
+    return _isolated(series, load, False, _forces_on_crests(series, total, _widest(series)))
 
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
-    """Return the gaps where full contact would be in tension, if they are too small to interact."""
+    """Return the gaps where full contact would be in tension, if they are narrow."""
     most = series.maximum - load
-    # A lower bound on the widest gap: the largest tension on the sharpest crest.
-    if most <= 0 or 2 * np.sqrt(most / series.crest_curvature.max()) > _widest(series):
+    # A lower bound on the widest gap: the largest tension on a crest as sharp as can be.
+    if most <= 0 or 2 * np.sqrt(most / series.largest_curvature) > _widest(series):
         return None
     return _isolated(series, load, True, np.maximum(most + series.crest_offset, 0.0))
 
 
 def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> ContactState | None:
-    """Return segments on crests, of the half-widths 2 (amount/curvature)^(1/2), without nodes.
+    """Return segments on crests under these forces or tensions, without nodes.
 
-    None is returned if there are none, or if one is wider than its parabola or so wide that they act on each other.
+    On a parabola the half-width is 2 (amount/curvature)^(1/2). On flatter crests, edges are moved until the series
+    itself has no singularity there, and gaps that overlap are merged. None is returned if there are no segments, if
+    one is too wide, or if they are so wide that they act on each other.
     """
     crest = np.flatnonzero(amount > 0)
     if crest.size == 0:
         return None
-    origin, half_width = series.crest_position[crest], 2 * np.sqrt(amount[crest] / series.crest_curvature[crest])
-    nearest = np.diff(origin, append=origin[0] + series.period).min()
+    origin, y, widest = series.crest_position[crest], np.zeros(crest.size), _widest(series)
+    curvature = np.maximum(series.crest_curvature[crest], np.finfo(float).tiny)
+    half_width = np.minimum(2 * np.sqrt(amount[crest] / curvature), widest)
+    if np.any(half_width > widest * np.sqrt(curvature / series.largest_curvature)):
+        rule, sign = gauss_rule(NODES, False), np.stack([(-1.0) ** np.arange(NODES), np.ones(NODES)], axis=1)
+        most, k = amount.max(), np.arange(NODES)
+
+        def singularities(y: Array, r: Array) -> tuple[Sides, Sides]:
+            at = y[:, None] + r[:, None] * rule.node
+            c = evaluate_at(series, np.repeat(crest, NODES), at.ravel(), 0).reshape(at.shape) @ rule.expansion.T
+            if not dual:  # With p sqrt(1-t^2) = sum b_n T_n, the height has the coefficients c_n = 2 pi r b_n/n.
+                return 2 * amount[crest, None] + c * k @ sign, -0.5 * c * k**3 @ sign
+            c[:, 0] += most
+            return singularities_of_gaps(-c)
+
+        is_new = True
+        while is_new:
+            y, half_width, found = settle_edges(singularities, y, half_width, RESOLVED / series.wavenumber[-1])
+            places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
+            is_new = places.shape[1] < crest.size
+            if not found.all() or (is_new and not dual):
+                return None
+            if is_new:
+                half_width = places[1]
+                crest, origin, y = from_crests(series, places[0])
+    nearest = np.diff(origin + y, append=origin[0] + y[0] + series.period).min()
     # The field of a contact differs from that of a line force by the square of half-width over distance.
-    if half_width.max() >= min(_widest(series), np.sqrt(GUESS_TOLERANCE) * nearest):
+    if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
         return None
-    none = np.zeros(crest.size)
-    return ContactState(dual, load, 0.0, make_segments(crest, origin, none, half_width, np.zeros_like(crest)))
+    return ContactState(dual, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
 
 
 @kernel
@@ -242,15 +278,22 @@ def _solve(matrix: NDArray[np.float64], right: Array) -> Array:
 
 
 @kernel
-def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: float, period: float) -> Array:
+def _forces_on_crests(series: CosineSeries, total: float, widest: float) -> Array:
     """Return the forces of Hertzian contacts on crests, shape (crests,); all 0 if they are not found.
 
     A contact of half-width a is displaced by F (1 - 2 ln(pi a/L)) under its force F, and by the forces of the others.
+    On the crest -kappa x^2/2 - q x^4 the force is F = kappa a^2/4 + 3 q a^4/4.
     The logarithm, which hardly changes, is taken from the previous step, so that the equations are linear. `OFFSET`
     shifts all displacements and the plane alike, since the sum of the forces is given. Crests with negative forces
     are dropped, and crests above the plane added. Forces lift no point by more than 2 ln 2 times their sum, so that
     crests farther below the plane need not be tried.
     """
+    position, offset, curvature, period = (
+        series.crest_position,
+        series.crest_offset,
+        series.crest_curvature,
+        series.period,
+    )
     n, lowest, most = offset.size, -2 * np.log(2.0) * total, MAX_ISOLATED
     force, none, crest = np.empty(n), np.zeros(n), np.empty(most, np.int64)
     for k in range(n):
@@ -259,7 +302,7 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         count = 0
         for k in range(n):
             if force[k] > 0:
-                if count == most or curvature[k] <= 0:
+                if count == most:
                     return none
                 crest[count] = k
                 count += 1
@@ -267,7 +310,9 @@ def _forces_on_crests(position: Array, offset: Array, curvature: Array, total: f
         # The displacements by the forces on all crests and the plane add up to the height of each crest.
         for i in range(count):
             k = crest[i]
-            own = 1 + _displacement_of_punch(2 * np.sqrt(force[k] / curvature[k]), period)
+            bend, quartic = 0.25 * max(curvature[k], 0.0), -series.expansion[k, 4] / series.step**4
+            root = np.sqrt(max(bend * bend + 3 * quartic * force[k], 1e-300))
+            own = 1 + _displacement_of_punch(min(np.sqrt(2 * force[k] / (bend + root)), widest), period)
             for j in range(count):
                 x = position[k] - position[crest[j]]
                 matrix[i, j] = OFFSET + (own if i == j else displacement_at_distance(x, period))

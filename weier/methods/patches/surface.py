@@ -64,6 +64,11 @@ class CosineSeries(NamedTuple):
     crest_offset: Array
     maximum: float
 
+    @property
+    def largest_curvature(self) -> float:
+        """The largest curvature |S''| that the waves can have together."""
+        return float(np.abs(self.amplitude) @ self.wavenumber**2)
+
 
 class Surface(NamedTuple):
     """The two series that the solver needs: heights for contacts, and tensions for gaps.

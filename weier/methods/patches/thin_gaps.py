@@ -19,16 +19,45 @@ from weier.methods.patches.edge_iteration import MAX_SQUARE
 from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
-from weier.methods.patches.surface import CosineSeries, nearest_crests
+from weier.methods.patches.surface import CosineSeries, Sides, nearest_crests
 
-# nodes on a crack: the pressure is a parabola up to terms in b/l and its square, with l the distance to the nearest
+# nodes on a crack: the pressure is a polynomial of low degree up to terms in b/l, with l the distance to the nearest
 # edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
-# Newton steps for the edges; each reduces the error by b/l, and a parabola takes one
-STEPS, SETTLED = 12, 1e-6
+# Newton steps for the edges: a parabola takes one, and a gap in x^n that starts too wide shrinks by (1 - 2/n)^(1/2)
+STEPS, SETTLED = 60, 1e-6
 
 # A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
+
+
+def settle_edges(
+    singularities: Callable[[Array, Array], tuple[Sides, Sides]], middle: Array, half_width: Array, most: float
+) -> tuple[Array, Array, Flags]:
+    """Return middles and half-widths of segments without interaction by Newton's method, and which settle.
+
+    singularities : k_0 and k_1/2 at both edges, up to a common factor, from middles and half-widths
+    most : largest distance of an edge from the origin of the middles; segments that pass it are not settled
+    """
+    c, r, inside = middle, half_width, np.abs(middle) + half_width < most
+    for _ in range(STEPS):
+        singular, strength = singularities(c, r)
+        move = singular / np.maximum(np.abs(strength), 1e-300)  # in half-widths
+        settled = inside & np.all((strength > 0) & (np.abs(move) < SETTLED), axis=1)
+        growth = np.clip(1 + move.sum(axis=1), 1 / MAX_SQUARE, MAX_SQUARE)
+        c, r = c + np.clip(0.5 * (move[:, 1] - move[:, 0]), -1, 1) * r, np.sqrt(growth) * r
+        inside &= np.abs(c) + r < most
+        if np.all(settled | ~inside):
+            break
+        c, r = np.where(inside, c, middle), np.where(inside, r, half_width)
+    return c, r, settled & inside
+
+
+def singularities_of_gaps(c: NDArray[np.float64]) -> tuple[Sides, Sides]:
+    """Return k_0 and k_1/2 at the edges of gaps in the pressures sum c_k T_k, up to a common factor."""
+    k = np.arange(c.shape[1])
+    sign = np.stack([(-1.0) ** k, np.ones(k.size)], axis=1)
+    return -(c[:, :1] + 0.5 * c[:, 1:2] * sign[1]), (c * k)[:, 2:] @ sign[2:]
 
 
 def find_thin_gaps(
@@ -50,26 +79,17 @@ def find_thin_gaps(
 
     Notes
     -----
-    With the coefficients c_0, c_1 and c_2 of p in T_k on the present interval, the gap of a parabola has its middle
-    at tau = -c_1/(4 c_2) and a squared half-width of 1 - c_0/c_2 times the present one. By reciprocity, a gap w at
-    given load increases the mean gap by (1/L) int q w dx, and its growth with the load increases the resistance by
-    pi^2 b^2/L sum q_k^2/(k+1), with q = sum q_k U_k.
+    By reciprocity, a gap w at given load increases the mean gap by (1/L) int q w dx, and its growth with the load
+    increases the resistance by pi^2 b^2/L sum q_k^2/(k+1), with q = sum q_k U_k.
     """
     if contact.size == 0:
         return Cracks(), np.zeros(0, bool)
     first, second, k = gauss_rule(NODES, False), gauss_rule(NODES, True), np.arange(NODES)
-    t, b, move = middle.copy(), np.sqrt(2.0) * reach, np.full(contact.size, np.inf)
-    inside = np.abs(t) + b < 1
-    for _ in range(STEPS):
-        t, b = np.where(inside, t, middle), np.where(inside, b, reach)
-        c = pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T
-        bend = np.where(c[:, 2] > 0, c[:, 2], np.inf)
-        growth = np.clip(1 - c[:, 0] / bend, 1 / MAX_SQUARE, MAX_SQUARE)
-        shift = np.clip(-0.25 * c[:, 1] / bend, -1, 1)
-        t, b = t + shift * b, np.sqrt(growth) * b
-        move = np.where(c[:, 2] > 0, np.abs(growth - 1) + np.abs(shift), np.inf)
-        inside &= np.abs(t) + b < 1
-    found = inside & (move < SETTLED)
+
+    def singularities(t: Array, b: Array) -> tuple[Sides, Sides]:
+        return singularities_of_gaps(pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T)
+
+    t, b, found = settle_edges(singularities, middle, np.sqrt(2.0) * reach, 1.0)
     if not np.any(found):
         return Cracks(), found
     contact, t, b, length = contact[found], t[found], b[found], (b * radius)[found]
