@@ -107,8 +107,7 @@ def quantity_of_cell(cell: str) -> str:
     letters = set(map(str.casefold, LETTER.findall(cell)))
     if len(letters) == 1:
         return letters.pop()
-    named = bool(OF_POSITIONS.search(cell)), bool(OF_HEIGHTS.search(cell))
-    return {(True, False): POSITIONS, (False, True): HEIGHTS}.get(named, "")
+    return POSITIONS if OF_POSITIONS.search(cell) else HEIGHTS if OF_HEIGHTS.search(cell) else ""
 
 
 def in_words(unit: float) -> str:
