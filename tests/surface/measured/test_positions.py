@@ -71,8 +71,7 @@ def test_positions_that_are_cut_are_those_of_a_shifted_start(step, decimals):
     assert length == pytest.approx(2000 * step, rel=5e-5)
 
 
-@pytest.mark.parametrize("digits", [3, 4])
-@pytest.mark.parametrize("step", [0.005, 1 / 7])
+@pytest.mark.parametrize(("step", "digits"), [(0.005, 2), (0.005, 3), (0.3, 3), (1 / 7, 4)])
 def test_significant_digits_are_digits(step, digits):
     full, length = on_grid(rounded(step, digits, "g"), HEIGHTS, None, place)
     np.testing.assert_array_equal(full, HEIGHTS)
@@ -85,6 +84,15 @@ def test_rounding_or_a_row_left_out_again_and_again_is_not_decided(x):
         ValueError, match=r"positions must rise in equal steps, .* write the positions with more digits"
     ):
         on_grid(x, np.ones(x.size), None, place)
+
+
+def test_a_step_shorter_than_the_unit_must_have_few_digits():
+    """Rows left out from among those of one position give a step of many digits."""
+    x = np.array([float(f"{0.005 * n:.1f}") for n in range(60)])
+    with pytest.raises(ValueError, match="positions must rise in equal steps"):
+        on_grid(np.delete(x, [22, 23, 31]), np.ones(57), None, place)
+    with pytest.raises(ValueError, match="positions must rise in equal steps"):
+        on_grid(rounded(1 / 7, 0), HEIGHTS, None, place)
 
 
 def test_a_row_left_out_of_whole_numbers_is_missing():

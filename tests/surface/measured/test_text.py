@@ -197,6 +197,33 @@ def test_a_column_of_signs_says_what_it_may_be(file):
         Trace.read(path, columns=(0, 2), **UNITS)
 
 
+def test_a_number_that_only_one_column_has_is_no_height(file):
+    """A parameter or a count at an end, beside a word or among missing heights."""
+    for text in (columns() + "Ra (um),0.700000\n", "Ra (um),0.700000\n" + columns(heading="")):
+        with pytest.raises(ValueError, match=r"line \d+, has a word where the next row has a number, .* rows="):
+            Trace.read(file(text), columns=1, length=1e-3, height_unit="um")
+    assert_right(Trace.read(file(columns() + "Ra (um),0.7\n"), columns=1, length=1e-3, rows=200))
+    whole = ["OVER" if n % 5 == 0 else f"{100 * z:.0f}" for n, z in enumerate(Z)]
+    with pytest.raises(ValueError, match=r"line 202, may be a count"):
+        Trace.read(file(column(whole) + "200\n"), missing_value="OVER", **ALONE)
+
+
+def test_pipes_and_colons_beside_commas_are_not_passed_over(file):
+    text = decimal_commas("".join(f"{n}:{x + 0.5:.4f}:{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True)))
+    with pytest.raises(ValueError, match=r"line \d+, .* delimiter="):
+        Trace.read(file(text), columns=2, **ALONE)
+    assert_right(Trace.read(file(text), columns=2, delimiter=":", **ALONE))
+
+
+def test_empty_lines_at_the_start_are_missing_heights_where_skip_says_so(file):
+    path = file(column(heading="z (um)\n\n"))
+    with pytest.raises(ValueError, match=r"line 2, stands above the numbers"):
+        Trace.read(path, length=1e-3, missing_value="")
+    with pytest.raises(ValueError, match=r"^1 of 201 heights are missing, the first is height 1 in line 2"):
+        Trace.read(path, length=1e-3, missing_value="", skip=1)
+    assert_right(Trace.read(path, length=1e-3, skip=2, height_unit="um"))
+
+
 def test_a_missing_value_in_another_channel_is_no_sign(file):
     text = "".join(f"{x:.4f};{'-' if n % 3 else n};{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True))
     assert_right(Trace.read(file(text), columns=(0, 2), **UNITS))
@@ -348,6 +375,12 @@ SETTLED = {
     "numbers below": (columns() + "Ra (um),0.7\n", {}, "line 202, .* say rows=200", {"rows": 200}),
     "a second table": (columns() + "\n" + columns(), {}, "line 203, .* say .* rows=", {"rows": 200}),
     "a count above": (column(heading="200\n"), ALONE, "line 1, may be a count, .* say skip=0 .* skip=1", {"skip": 1}),
+    "a step above thousands": (
+        column([z.replace(".", "") for z in NM], "0.005\n"),
+        {"length": 1e-3, "height_unit": "nm", "thousands": ","},
+        "line 1, may be a count, a step",
+        {"skip": 1},
+    ),
     "a count and a step above": (column(heading="200\n0.005\n"), ALONE, "line 1, may be a count", {"skip": 2}),
     "a step above": (column(heading="z (um)\n0.005\n"), ALONE, "line 2, may be a count, a step", {"skip": 2}),
     "a count below the heading": (column(heading="z (um)\n200\n"), ALONE, "line 2, may be a count", {"skip": 2}),

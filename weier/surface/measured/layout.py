@@ -118,6 +118,8 @@ def find_delimiter(rows: Sequence[str], heading: str, layout: Layout) -> str:
         return BLANK
     if any(BLANK in row for row in bare):
         return BLANK
+    if layout.decimal is None and all(re.search("[:|]", row) and "." not in row for row in bare):
+        raise UnclearError("has a comma of decimals or between columns", commas[0], "decimal=',' or delimiter=")
     if layout.decimal == "." or any("." in row or row.count(",") > 1 for row in bare):
         return ","
     if heading.count(",") == 1:

@@ -16,6 +16,7 @@ MOST_DIGITS = 9  # decimals or significant digits of rounded positions
 MAX_ERROR = (
     0.0075  # largest half-width of the range of steps that rounded positions allow, in steps: the error of the length
 )
+BY_CHANCE = 10  # A range of steps this many times narrower than a digit has a decimal number of it once in ten times.
 ROUNDING = 1 + 1e-6  # tolerance for rounded decimals as floats
 MIN_UNITS = (
     4  # units of the last digit in a step, above which the number of rows left out follows from each increment
@@ -111,15 +112,17 @@ def _rounded_step(number: Array, x: Array, unit: Array) -> float:
     """Return the step of positions that are rounded, or cut, to units of their last digits; 0 if there is none.
 
     It is the decimal number with the fewest digits among the steps that give exactly these digits. A gap shifts the
-    positions behind it, which no step then gives.
+    positions behind it, which no step then gives. Only a gap within less than a unit may leave a range of steps, but
+    hardly one with a decimal number of fewer digits than such a range has by chance.
     """
     half = unit / 2 * ROUNDING + np.spacing(np.abs(x).max())
     low, high = (_last_step(number, x, half, start) for start in (0.0, 2 * (x[-1] - x[0]) / number[-1]))
     middle = (low + high) / 2
     if not high - low <= 2 * MAX_ERROR * middle:
         return 0.0
-    shortest = (round(middle, decimals) for decimals in range(2 * MOST_DIGITS))
-    return next((step for step in shortest if low <= step <= high), middle)
+    rounded = ((round(middle, decimals), 10.0**-decimals) for decimals in range(2 * MOST_DIGITS))
+    step, digit = next(((step, digit) for step, digit in rounded if low <= step <= high), (middle, 0.0))
+    return step if step >= unit.max() or digit >= BY_CHANCE * (high - low) else 0.0
 
 
 def _last_step(number: Array, x: Array, half: Array, step: float) -> float:

@@ -16,6 +16,8 @@ from pathlib import Path
 from statistics import mode
 from typing import NoReturn
 
+import numpy as np
+
 from weier.checks import shown
 from weier.kernels.arrays import Array
 from weier.surface.measured import units
@@ -45,7 +47,6 @@ SIGN_OF_NUMBER = re.compile(r"[+(-]?|plus|minus|pos(itive)?|neg(ative)?", re.IGN
 OF_HEIGHTS = re.compile(r"(z|y|h|heights?|values?|profile|roughness|data|depth|elevation)", re.IGNORECASE)
 OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)
 VALID, INVALID = re.compile(r"1(\.0*)?|true|yes|valid"), re.compile(r"0(\.0*)?|false|no|invalid")
-DECIMALS = re.compile(r"[^.,]*(?:[.,](\d*).*)?")
 ENDS = "skip= or rows= for the start or end of the table"
 HEADER_NUMBERS = 5  # A count of heights is sought among this many numbers at the start of one column.
 
@@ -106,6 +107,7 @@ class _Table:
         if not with_positions:
             self._check_ends()
         self._check_neighbours()
+        self._check_words()
         self._check_signs()
         values = self._values([self._row(at) for at in counted])
         cells = [self.cells[column] for column in self.columns]
@@ -135,7 +137,7 @@ class _Table:
                 "and the others, are no rows of numbers",
                 "say columns=, delimiter=, decimal=, thousands= or encoding= if the file has columns of numbers",
             )
-        start = found[0]
+        start = found[0] if skip is not None else filled[0]
         unread = [at for at in every if at < start and self.lines[at]]
         if skip is not None and unread:
             self._refuse(unread[0], "is no row of numbers", f"say skip={start}, or missing_value= for a word")
@@ -248,13 +250,14 @@ class _Table:
         texts = {at: self.fields[at][column] for at in self.rows if len(self.fields[at]) > column}
         texts = {at: text for at, text in texts.items() if self._number(text) not in (None, "nan")}
         rows = list(texts)
-        decimals = {at: len(DECIMALS.sub(r"\1", texts[at])) for at in rows}
+        sign = re.compile(rf"[^{self.decimal}]*{re.escape(self.decimal)}?(\d*).*")
+        decimals = {at: len(sign.sub(r"\1", texts[at])) for at in rows}
         usual = {decimals[at] for at in rows[HEADER_NUMBERS:-1]}
         first = rows[:HEADER_NUMBERS] if self.layout.skip is None else []
         last = rows[-1:] if self.layout.rows is None else []
-        ends = [*first, *last]
+        ends, counts = [*first, *last], np.array([len(rows), len(self.block)])
         for at, value in zip(ends, self._values([[self._number(texts[at]) or ""] for at in ends]), strict=True):
-            is_count = value >= MIN_HEIGHTS and abs(len(rows) - value) <= HEADER_NUMBERS
+            is_count = value >= MIN_HEIGHTS and min(abs(counts - value)) <= HEADER_NUMBERS
             if not is_count and (len(usual) != 1 or decimals[at] in usual):
                 continue
             heights = f"skip={rows[0]}" if at in first else f"rows={len(rows)}"
@@ -283,6 +286,21 @@ class _Table:
             problem = "stands below the numbers, and may be a remark or a missing height"
             remedy = self._arguments(f"rows={len(self.rows)} for a remark", self.lines[below[0]])
             self._refuse(below[0], problem, remedy)
+
+    def _check_words(self) -> None:
+        """Refuse a row at an end of the table with a word where the next row has a number, as in `Ra,0.7`."""
+        for given, at, near in ((self.layout.skip, 0, 1), (self.layout.rows, -1, -2)):
+            if given is not None or len(self.rows) < MIN_HEIGHTS:
+                continue
+            words, numbers = (
+                [self._number(field) is None for field in _without_empty_ends(self.fields[self.rows[row]])]
+                for row in (at, near)
+            )
+            if any(word and not number for word, number in zip(words, numbers, strict=False)):
+                problem = "has a word where the next row has a number"
+                self._refuse(
+                    self.rows[at], problem, "say skip= or rows= if the table begins behind it or ends before it"
+                )
 
     def _check_signs(self) -> None:
         """Refuse a column of signs, which are those of the numbers in another one."""
