@@ -150,6 +150,9 @@ def test_normalised_values_are_taken_with_their_own_unit_alone():
         ("GPa", 1e9),
         ("N/mm²", 1e6),
         ("N mm-2", 1e6),
+        ("N mm\u207b\u00b2", 1e6),
+        ("N\u2215mm\u00b2", 1e6),
+        ("\u33a9", 1.0),
         ("kg m-1 s-2", 1.0),
         ("kgf/mm^2", 9.80665e6),
         ("ksi", 6.894757293168362e6),
@@ -160,7 +163,7 @@ def test_spellings_of_units(unit, value):
     assert factor("pressure", unit, "Pa") == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize("unit", ["µΩ·cm", "uOhm cm", "microohm * centimeter"])
+@pytest.mark.parametrize("unit", ["µΩ·cm", "\u03bc\u2126\u22c5cm", "uOhm cm", "microohm * centimeter"])
 def test_spellings_of_resistivities(unit):
     assert factor("rho_1", unit, "ohm m") == pytest.approx(1e-8, rel=1e-12)
 

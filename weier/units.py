@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Mapping
 from functools import cache
 from tokenize import TokenError
@@ -38,7 +39,8 @@ MAX_NAME = 40  # No unit is longer than this.
 # Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.
 UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")
 # Spellings that pint does not know: powers as in "N mm-2", which are those of UDUNITS, and "Ohm" of astropy.
-POWER, OHM = re.compile(r"\b([A-Za-z]+)(-?\d)\b"), re.compile(r"Ohm\b")
+POWER, OHM = re.compile(r"\b([^\W\d_]+)(-?\d)\b"), re.compile(r"Ohm\b")
+SIGNS = str.maketrans("\u2212\u2215\u22c5", "-/*")  # of minus, division and products
 # The errors of pint for a text that is no unit, or of another quantity, and of its tokenizer.
 NO_UNIT = (AssertionError, AttributeError, ArithmeticError, SyntaxError, TokenError, TypeError, ValueError)
 # A number, and its unit if it has one.
@@ -94,14 +96,15 @@ def factor(name: str, given: str, unit: str) -> float:
     """Return the value of the unit `given` in `unit`; ValueError if it is unknown or of another quantity."""
     if given == unit or (given in WITHOUT and (unit in NORMALISED or unit in WITHOUT)):
         return 1.0
+    text = unicodedata.normalize("NFKC", given).translate(SIGNS)  # the ohm sign is another than the Greek letter
     wanted = "have no unit" if unit == NONE else f"be in {unit}"
     if given in NORMALISED or unit in NORMALISED:
         way = "" if unit == NONE else ": weier.Interface converts from and to SI units"
         raise ValueError(f"{name} must {wanted}, got values in {given:.{MAX_NAME}}{way}")
     try:
-        if len(given) > MAX_NAME or not UNIT.fullmatch(given):
+        if len(text) > MAX_NAME or not UNIT.fullmatch(text):
             raise ValueError("no unit")
-        return float(_registry().Quantity(1.0, given).to("" if unit == NONE else unit).magnitude)
+        return float(_registry().Quantity(1.0, text).to("" if unit == NONE else unit).magnitude)
     except NO_UNIT as error:
         raise ValueError(f"{name} must {wanted}, got values in {given:.{MAX_NAME}}") from error
 

@@ -15,6 +15,7 @@ from weier.figures import checks, comparison, traces
 from weier.figures.page import explorer
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
+from weier.scene.case import trace_files
 from weier.surface.measured import instruments
 
 X = 1e-6 * np.arange(64)
@@ -100,6 +101,22 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     write_heights(folder / "lab" / "line 11.csv")
     with pytest.raises(scene.SceneError, match=r"max_cases: .*at most 2 cases, got 4"):
         load(folder, studies={"batch": batch}, figures={}, max_cases=2)
+
+
+def test_patterns_and_folders_leave_out_backups_and_hidden_folders(folder):
+    """Unless they are named."""
+    others = ["p1.csv~", "#p2.csv#", "p2.csv.bak", "~$p1.csv", ".~lock.p1.csv#", "p1.CSV.BAK", "p2.csv.tmp"]
+    hidden = [".ipynb_checkpoints/p1.csv", ".snapshot/p1.csv", "day/.trash/p2.csv", "__MACOSX/._p1.csv"]
+    for name in ("p1.csv", "p2.csv", *others, *hidden):
+        path = folder / "lab" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("none")
+    two = ["lab/p1.csv", "lab/p2.csv"]
+    assert all(trace_files(file, folder) == two for file in ("lab", "lab/", "lab/*", "lab/**/*", "lab/**/p?.csv*"))
+    assert trace_files(str(folder / "lab" / "**" / "*.csv"), folder) == [str(folder / name) for name in two]
+    assert trace_files("lab/.snapshot", folder) == trace_files("lab/.snap*/*", folder) == ["lab/.snapshot/p1.csv"]
+    assert trace_files("lab/*.bak", folder) == ["lab/p2.csv.bak"]
+    assert trace_files("lab/p1.csv~", folder) == ["lab/p1.csv~"]
 
 
 def test_several_shortest_wavelengths_are_a_product_with_the_files(folder):

@@ -9,6 +9,7 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,8 @@ MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one
 NUMBERS_OF_TRACE = ("shortest", "length")
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
+# Copies and locks that editors and office programs leave beside a file.
+BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
 KEPT_TRACES = 16  # traces kept in memory, since each method of a case reads its trace
 
 
@@ -128,7 +131,8 @@ def identity(name: str, value: Any) -> Any:
 def trace_files(file: str, folder: Path) -> list[str]:
     """Return the files of a scene in this folder that a name stands for: one, or those of a folder or a pattern.
 
-    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones.
+    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones,
+    those in hidden folders, and backup copies of editors, unless the pattern names them.
 
     Raises
     ------
@@ -142,7 +146,14 @@ def trace_files(file: str, folder: Path) -> list[str]:
         return [file]
     start = Path(file).anchor
     base = Path(start) if start else folder
-    found = [path for path in base.glob(str(Path(file).relative_to(start))) if path.is_file() and path.name[0] != "."]
+    wanted = Path(file).relative_to(start)
+    shown = [part for part in wanted.parts if part.startswith(".")]
+    found = [
+        path
+        for path in base.glob(str(wanted))
+        if path.is_file() and (BACKUP.search(wanted.name) or not BACKUP.search(path.name))
+        if all(part[0] != "." or any(fnmatch(part, one) for one in shown) for part in path.relative_to(base).parts)
+    ]
     if not found:
         raise FileNotFoundError(f"there is no file {folder / file}")
     names = [str(path) if start else path.relative_to(folder).as_posix() for path in found]

@@ -7,7 +7,7 @@ import pytest
 
 from weier import Interface, solve
 from weier.surface.measured.trace import Trace
-from weier.surface.measured.units import units_of_heading
+from weier.surface.measured.units import cells_of_heading, unit_of_cell
 
 N = np.arange(200)
 X = N / 200  # mm
@@ -113,6 +113,11 @@ ORDINARY = {
     "units in a line of their own": (columns(heading="X,Z\nmm,um\n"), {}),
     "a heading as a remark": (columns(heading="# x (mm), z (um)\n"), {}),
     "a rule below the heading": (columns(heading="x (mm),z (um)\n----------\n"), {}),
+    "heights first": (columns(heading="z [um],x [mm]\n", x=list(map(written, Z)), z=[f"{x:.4f}" for x in X]), {}),
+    "valid heights": (columns(heading="x (mm),z (um),valid\n", end=",1"), {}),
+    "numbered names": (columns(";", "x1 (mm);z1 (um)\n"), {}),
+    "exponents of three digits": (columns(z=lambda z: re.sub(r"(e[-+])", r"\g<1>0", f"{z:.6e}")), {}),
+    "signs of units in one": (columns(heading="x (\u339c),z (\uff55\uff4d)\n"), {}),
     "positions with three decimals": (columns(x=[f"{x:.3f}" for x in X]), {}),
     "positions with two decimals": (columns(x=[f"{x:.2f}" for x in X]), {}),
     "positions with two digits": (columns(x=[f"{x:.2g}" for x in X]), {}),
@@ -125,6 +130,133 @@ ORDINARY = {
 @pytest.mark.parametrize(("text", "more"), ORDINARY.values(), ids=ORDINARY)
 def test_ordinary_files_are_read(file, text, more):
     assert_right(Trace.read(file(text), **more))
+
+
+ENDS = ["\n", "\r\n", "  \n", "\t\n", " \n\t\n\n", "\u00a0\n", ";\n", ",,\n,,\n", "\n\x1a", "\f\n", "\ufeff\n"]
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_empty_lines_at_the_end_are_nothing(file, end):
+    for more in ({}, {"skip": 1}, {"rows": 200}, {"missing_value": ""}, {"missing_value": ["OVER", ""]}):
+        assert_right(Trace.read(file(column() + end), length=1e-3, **more))
+        assert_right(Trace.read(file(columns() + end), **more))
+    index = "".join(f"{n};{z:.6f};{x:.4f}\n" for n, x, z in zip(N, X, Z, strict=True))
+    assert_right(Trace.read(file(index + end), columns=1, **ALONE))
+    assert_right(Trace.read(file((column() + end).replace("\n", "\r")), length=1e-3))
+    with pytest.raises(ValueError, match="rows must be at most the 200 rows"):
+        Trace.read(file(column() + end), length=1e-3, rows=201)
+
+
+def test_empty_lines_at_the_end_are_missing_heights_where_rows_counts_them(file):
+    path = file(column() + "\n\n")
+    with pytest.raises(ValueError, match=r"^2 of 202 heights are missing, the first is height 201 in line 202"):
+        Trace.read(path, length=1e-3, rows=202, missing_value="")
+
+
+def apart(form):
+    """A table with the sign apart from each height."""
+    signs = ["-" if z < 0 else "" for z in Z]
+    return "".join(
+        form.format(x=f"{x:.4f}", s=s, p=s or "+", w="minus" if s else "plus", b="(" if s else "", z=f"{abs(z):.6f}")
+        for x, s, z in zip(X, signs, Z, strict=True)
+    )
+
+
+APART = {
+    "{x};{s};{z}\n": (0, 2),
+    "{x};{p};{z}\n": (0, 2),
+    "{x},{z},{s}\n": (0, 1),
+    "{x}\t{w}\t{z}\n": (0, 2),
+    "{x};{b};{z}\n": (0, 2),
+    "{s};{z}\n": 1,
+    "{p}\t{z}\n": 1,
+    "{p} {z}\n": 1,
+    "{s} {z}\n": 1,
+    "{z};{s}\n": 0,
+    "{z} {s}\n": 0,
+    "{x} {s} {z}\n": (0, 2),
+    "{x} {p} {z}\n": (0, 2),
+}
+
+
+@pytest.mark.parametrize("form", APART)
+@pytest.mark.parametrize("minus", ["-", "\u2212"])
+@pytest.mark.parametrize("more", [{}, {"missing_value": "-"}])
+def test_a_sign_apart_from_its_number_is_never_lost(file, form, minus, more):
+    path, given = file(apart(form).replace("-", minus)), APART[form]
+    units = UNITS if isinstance(given, tuple) else ALONE
+    with pytest.raises(ValueError, match=r"line \d+, (has|stands)"):
+        Trace.read(path, columns=given, **units, **more)
+    with pytest.raises(ValueError, match=r"line \d+, |positions must"):
+        Trace.read(path, **UNITS | units, **more)
+
+
+def test_a_column_of_signs_says_what_it_may_be(file):
+    path = file(apart("{x};{s};{z}\n"))
+    with pytest.raises(ValueError, match=r"has '-' in a column of its own, .* write the sign in front of the number"):
+        Trace.read(path, columns=(0, 2), **UNITS)
+
+
+def test_a_number_that_only_one_column_has_is_no_height(file):
+    """A parameter or a count at an end, beside a word or among missing heights."""
+    for text in (columns() + "Ra (um),0.700000\n", "Ra (um),0.700000\n" + columns(heading="")):
+        with pytest.raises(ValueError, match=r"line \d+, has a word where the next row has a number, .* rows="):
+            Trace.read(file(text), columns=1, length=1e-3, height_unit="um")
+    assert_right(Trace.read(file(columns() + "Ra (um),0.7\n"), columns=1, length=1e-3, rows=200))
+    whole = ["OVER" if n % 5 == 0 else f"{100 * z:.0f}" for n, z in enumerate(Z)]
+    with pytest.raises(ValueError, match=r"line 202, may be a count"):
+        Trace.read(file(column(whole) + "200\n"), missing_value="OVER", **ALONE)
+
+
+def test_pipes_and_colons_beside_commas_are_not_passed_over(file):
+    text = decimal_commas("".join(f"{n}:{x + 0.5:.4f}:{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True)))
+    with pytest.raises(ValueError, match=r"line \d+, .* delimiter="):
+        Trace.read(file(text), columns=2, **ALONE)
+    assert_right(Trace.read(file(text), columns=2, delimiter=":", **ALONE))
+
+
+def test_empty_lines_at_the_start_are_missing_heights_where_skip_says_so(file):
+    path = file(column(heading="z (um)\n\n"))
+    with pytest.raises(ValueError, match=r"line 2, stands above the numbers"):
+        Trace.read(path, length=1e-3, missing_value="")
+    with pytest.raises(ValueError, match=r"^1 of 201 heights are missing, the first is height 1 in line 2"):
+        Trace.read(path, length=1e-3, missing_value="", skip=1)
+    assert_right(Trace.read(path, length=1e-3, skip=2, height_unit="um"))
+
+
+def test_a_missing_value_in_another_channel_is_no_sign(file):
+    text = "".join(f"{x:.4f};{'-' if n % 3 else n};{z:.6f}\n" for n, x, z in zip(N, X, Z, strict=True))
+    assert_right(Trace.read(file(text), columns=(0, 2), **UNITS))
+
+
+WITH_BLANKS = ["No Data", ">>> <<<", "out of range", "no  data", "+ + +"]
+
+
+@pytest.mark.parametrize("word", WITH_BLANKS)
+@pytest.mark.parametrize("delimiter", [" ", "   ", "\t", ",", ";"])
+def test_words_with_blanks_are_missing_heights(file, word, delimiter):
+    heights = [word if n in (60, 61, 90) else written(z) for n, z in enumerate(Z)]
+    path = file(columns(delimiter, f"x (mm){delimiter}z (um)\n", z=heights))
+    filled = Trace.read(path, missing_value=word.upper(), missing="interpolate")
+    assert tuple(filled.filled) == (3, 2, 0)
+    single = file(column(heights))
+    assert tuple(Trace.read(single, length=1e-3, missing_value=[word], missing="interpolate").filled) == (3, 2, 0)
+
+
+def test_falling_positions_are_read_from_their_other_end(file):
+    falling = Trace.read(file(columns(x=1 - X)))
+    expected = Trace(Z[::-1], 1e-3, height_unit="um")
+    np.testing.assert_allclose(falling.amplitude * falling.g_0, expected.amplitude * expected.g_0, atol=1e-11)
+    np.testing.assert_allclose(falling.height(X), expected.height(X), atol=1e-4)
+    heights = ["nan" if n == 60 else written(z) for n, z in enumerate(Z)]
+    with pytest.raises(ValueError, match=r"the first is height 140 in line 62, "):
+        Trace.read(file(columns(x=1 - X, z=heights)))
+
+
+def test_a_column_of_valid_heights_is_none_of_heights(file):
+    text = "z (um),valid\n" + "".join(f"{z:.6f},{int(n != 60)}\n" for n, z in enumerate(Z))
+    with pytest.raises(ValueError, match=r"^1 of 200 heights are missing, the first is height 61 in line 62"):
+        Trace.read(file(text), length=1e-3)
 
 
 # Files that may be read in two ways: what the message says, and the argument that settles it.
@@ -203,7 +335,6 @@ SETTLED = {
     "three columns": (INDEX, UNITS, r"line 1, has 3 columns, .* say columns=\(0, 1\)", {"columns": (1, 2)}),
     "columns of text": (TIMES, {}, "say columns=", {"columns": [1, 2]}),
     "heights in a column of text": (TIMES, {"length": 1e-3}, "say columns=", {"columns": 2}),
-    "falling positions": (columns(x=1 - X), {}, "positions must rise .* got 1.0 at height 1 in line 2", None),
     "a step too many": (
         with_line(columns(), "0.5001,0.9"),
         {},
@@ -240,11 +371,16 @@ SETTLED = {
         "line 102, is empty, .*: say missing_value='' if heights are missing in empty lines, or comment=''",
         {"comment": ""},
     ),
-    "an empty line below one column": (column() + "\n", {"length": 1e-3}, "line 202, .* rows=200", {"rows": 200}),
     "text below one column": (column() + "END\n", {"length": 1e-3}, "line 202, .* say rows=200", {"rows": 200}),
     "numbers below": (columns() + "Ra (um),0.7\n", {}, "line 202, .* say rows=200", {"rows": 200}),
     "a second table": (columns() + "\n" + columns(), {}, "line 203, .* say .* rows=", {"rows": 200}),
     "a count above": (column(heading="200\n"), ALONE, "line 1, may be a count, .* say skip=0 .* skip=1", {"skip": 1}),
+    "a step above thousands": (
+        column([z.replace(".", "") for z in NM], "0.005\n"),
+        {"length": 1e-3, "height_unit": "nm", "thousands": ","},
+        "line 1, may be a count, a step",
+        {"skip": 1},
+    ),
     "a count and a step above": (column(heading="200\n0.005\n"), ALONE, "line 1, may be a count", {"skip": 2}),
     "a step above": (column(heading="z (um)\n0.005\n"), ALONE, "line 2, may be a count, a step", {"skip": 2}),
     "a count below the heading": (column(heading="z (um)\n200\n"), ALONE, "line 2, may be a count", {"skip": 2}),
@@ -387,7 +523,7 @@ def test_what_is_left_out_is_kept(file):
         ("x_mm,z_um", ["mm", "um"]),
         ("x_mm z_um", ["mm", "um"]),
         ("x (mm) z (um)", ["mm", "um"]),
-        ("[mm];[\u00b5m]", ["mm", "\u00b5m"]),
+        ("[mm];[\u00b5m]", ["mm", "\u03bcm"]),
         ("mm um", ["mm", "um"]),
         ("x / mm; z / nm", ["mm", "nm"]),
         ("Lateral um,Raw Micrometer,", ["um", "um"]),
@@ -410,10 +546,64 @@ def test_what_is_left_out_is_kept(file):
         ("slope um/mm", [""]),
         ("1/um", [""]),
         ("x (mm), y (mm), z (um)", ["", ""]),
+        ("x1 (mm);z1 (um)", ["mm", "um"]),
+        ("x1/mm;z1/um", ["mm", "um"]),
+        ("z, um", ["um"]),
+        ("R profile in um", ["um"]),
+        ("Z [\u339b]", ["\u03bcm"]),
+        ("z [\u212b]", ["angstrom"]),
+        *(
+            (heading, [""])
+            for heading in (
+                "Heights in um, step in mm",
+                "Heights in um step in mm",
+                "Heights (um); step (mm)",
+                "Heights (um) at steps of (mm)",
+                "R profile, cutoff in mm",
+                "Cutoff (mm)",
+                "spacing_um",
+                "x_step_um",
+                "Tip radius (um)",
+                "Resolution: nm",
+                "z in tenths of um",
+                "tenths (um)",
+                "Zehntel um",
+                "half um",
+                "z in multiples of um",
+                "heights per um",
+                "z 10\u207b\u00b9 um",
+                "z [\u339b\u00b2]",
+                "Ra (um)",
+                "Time (s), z (nm)",
+            )
+        ),
     ],
 )
 def test_units_of_a_heading(heading, units):
-    assert units_of_heading(heading, len(units), " ") == units
+    assert list(map(unit_of_cell, cells_of_heading(heading, len(units), " "))) == units
+
+
+@pytest.mark.parametrize("heading", ["x (mm)", "Position [mm]", "Profile length (mm)"])
+def test_a_heading_of_positions_is_none_of_heights(file, heading):
+    with pytest.raises(ValueError, match="heights must have a unit"):
+        Trace.read(file(column(heading=f"{heading}\n")), length=1e-3, skip=1)
+    with pytest.raises(ValueError, match="heights must have a unit"):
+        Trace.read(file(columns(heading=f"s (mm),{heading}\n")), columns=(0, 1))
+    with pytest.raises(ValueError, match="positions must have a unit"):
+        Trace.read(file(columns(heading="Height (um),step of heights\n")), height_unit="um")
+
+
+def test_a_unit_for_both_contradicts_both_or_none(file):
+    for heading, unit in (
+        ("x (mm),z (um)", "um"),
+        ("x (mm),z", "um"),
+        ("x (mm),z (um)", "mm"),
+        ("x (um),z (nm)", "um"),
+    ):
+        path = file(columns(heading=f"{heading}\n"))
+        with pytest.raises(ValueError, match=rf"^unit='{unit}' is for positions and heights, and the file says"):
+            Trace.read(path, unit=unit)
+    assert_right(Trace.read(file(columns(heading="x (um),z (nm)\n")), **UNITS))
 
 
 def test_arguments_have_precedence_over_the_heading(file):
@@ -463,7 +653,7 @@ def test_the_length_follows_from_the_number_of_rounded_positions(file, step, dig
 
 
 def test_positions_that_are_rounded_too_much_need_the_length(file):
-    text = columns(x=[f"{x:.1f}" for x in X])
+    text = columns(x=[f"{x:.0f}" for x in X])
     with pytest.raises(ValueError, match=r"positions must rise in equal steps, .* as in columns=1, with the length"):
         Trace.read(file(text))
     assert_right(Trace.read(file(text), columns=1, length=1e-3))

@@ -209,6 +209,29 @@ def test_an_array_that_names_its_units_needs_no_others():
         Trace(heights.assign_coords(x=x))
 
 
+class Masked:
+    """The interface of masked arrays of astropy, which are no masked arrays of NumPy."""
+
+    def __init__(self, unmasked, mask):
+        self.unmasked, self.mask = unmasked, mask
+
+
+def test_masked_heights_of_astropy_are_missing():
+    z = rough(64)
+    masked = Masked(1e6 * z, np.arange(64) == 7)
+    with pytest.raises(ValueError, match="1 of 64 heights are missing, the first is height 8"):
+        Trace(masked, LENGTH, height_unit="um")
+    filled = Trace(masked, LENGTH, height_unit="um", missing="interpolate")
+    z[7] = (z[6] + z[8]) / 2
+    assert filled.g_0 == pytest.approx(Trace(z, LENGTH, unit="m").g_0, rel=1e-12)
+
+
+def test_an_array_with_falling_positions_is_read_from_their_other_end():
+    z, x = 1e6 * rough(64), 1e3 * LENGTH / 64 * np.arange(64)
+    falling = xr.DataArray(z[::-1], {"x": ("x", x[::-1], {"units": "mm"})}, "x", attrs={"units": "um"})
+    assert Trace(falling).digest == Trace(z, LENGTH, height_unit="um", x_unit="m").digest
+
+
 def test_the_form_of_a_body_is_removed_if_that_is_asked_for_and_else_mentioned():
     """A parabola of a hundred times the roughness; the trace has as many heights as the fit has digits."""
     z, x = rough(400), np.linspace(-1, 1, 400)

@@ -57,8 +57,10 @@ class Filled(NamedTuple):
 def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
     """Return heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
 
-    Masked values, None, pandas.NA and what equals a `missing_value` are missing.
+    Masked values, of NumPy or astropy, None, pandas.NA and what equals a `missing_value` are missing.
     """
+    if hasattr(heights, "unmasked"):  # of astropy, whose masked arrays are no masked arrays of NumPy
+        heights = np.ma.masked_array(units.bare(heights.unmasked), heights.mask)
     values = units.bare(heights)
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
         with suppress(TypeError):  # a dataset of xarray, which is no array and is refused below

@@ -12,6 +12,7 @@ from weier.surface.measured.units import unit_of_cell
 
 BLANK = " "  # The delimiter that stands for any blanks between columns.
 SEPARATORS = {".": ".", ",": ",", " ": " \u00a0\u2007\u2009\u202f", "'": "'\u2019"}  # of thousands
+DIGITS = re.compile(r"[+\-\u2010-\u2013\u2212\ufe63\uff0d]?[\d.,]*\d[\d.,]*([eEdD][+-]?\d+)?", re.ASCII)
 QUOTED = re.compile(r'"[^"]*"')
 # Numbers that may have separators between thousands: all their digits are in groups of three.
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII)
@@ -117,6 +118,8 @@ def find_delimiter(rows: Sequence[str], heading: str, layout: Layout) -> str:
         return BLANK
     if any(BLANK in row for row in bare):
         return BLANK
+    if layout.decimal is None and all(re.search("[:|]", row) and "." not in row for row in bare):
+        raise UnclearError("has a comma of decimals or between columns", commas[0], "decimal=',' or delimiter=")
     if layout.decimal == "." or any("." in row or row.count(",") > 1 for row in bare):
         return ","
     if heading.count(",") == 1:
@@ -148,6 +151,13 @@ def find_decimal(columns: Sequence[Sequence[str]], layout: Layout) -> str:
         remedy = f"decimal={sign!r} or thousands={sign!r}"
         raise UnclearError("has a sign of decimals or between thousands", grouped, remedy)
     return sign
+
+
+def number_pattern(decimal: str, thousands: str | None) -> re.Pattern[str]:
+    """Return a pattern of numbers below 1e100 with these signs, in groups of three digits or without any."""
+    whole = r"\d+" if thousands is None else rf"(?:\d{{1,3}}(?:[{SEPARATORS[thousands]}]\d{{3}})+|\d+)"
+    sign = re.escape(decimal)
+    return re.compile(rf"[+-]?(?:{whole}(?:{sign}\d*)?|{sign}\d+)(?:[eEdD](?:[+-]?0*\d{{1,2}}|-\d{{3}}))?", re.ASCII)
 
 
 def _is_grouped(numbers: Sequence[str]) -> bool:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from weier.surface.measured.units import length_unit
 from weier.units import unit_of
 
@@ -35,6 +37,13 @@ class Line(NamedTuple):
     def place(self, at: int) -> str:
         """Return the place of the height of this index, in words."""
         return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
+
+    def rising(self) -> Line:
+        """Return the line in the order of rising positions, if they fall."""
+        x = np.asarray([] if self.positions is None else self.positions, float)
+        if x.ndim != 1 or x.size < 2 or not (np.diff(x) <= 0).all():
+            return self
+        return self._replace(heights=self.heights[::-1], positions=x[::-1], numbers=self.numbers[::-1])
 
     @property
     def name(self) -> str:

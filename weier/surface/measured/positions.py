@@ -13,10 +13,16 @@ from weier.surface.measured.artefacts import MAX_HEIGHTS
 
 UNEVEN = 0.01  # tolerance of equal steps in files, in steps
 MOST_DIGITS = 9  # decimals or significant digits of rounded positions
-# The step of rounded positions is the decimal number with the fewest digits within four standard errors, and these
-# may not exceed this part of a step, which is then the error of the length.
-STANDARD_ERRORS, MAX_ERROR = 4.0, 0.005
+MAX_ERROR = (
+    0.0075  # largest half-width of the range of steps that rounded positions allow, in steps: the error of the length
+)
+BY_CHANCE = 10  # A range of steps this many times narrower than a digit has a decimal number of it once in ten times.
 ROUNDING = 1 + 1e-6  # tolerance for rounded decimals as floats
+MIN_UNITS = (
+    4  # units of the last digit in a step, above which the number of rows left out follows from each increment
+)
+# One or two gaps of a row also look like rounding of a slightly larger step. More of them rarely do by chance.
+FEW_GAPS = 2
 
 
 def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int], str]) -> tuple[Array, float]:
@@ -25,7 +31,7 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     Parameters
     ----------
     x, heights : array, shape (samples,)
-        Positions, which may be rounded, and heights.
+        Rising positions, which may be rounded, and heights.
     length : float, optional
         Must agree with the positions, within their rounding.
     place : callable
@@ -40,18 +46,21 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     if not (rise >= 0).all() or x[-1] <= x[0]:
         at = 0 if x[-1] <= x[0] else int(np.argmin(rise >= 0)) + 1
         raise ValueError(
-            f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(0, 1) for the columns of "
-            'positions and heights, decimal="," for decimal commas, skip= or rows= for a part of the file, or take '
-            "the column of heights alone, with the length"
+            f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the "
+            'positions are in the second column, decimal="," for decimal commas, skip= or rows= for a part of the '
+            "file, or take the column of heights alone, as in columns=1, with the length, if no row is left out"
         )
-    full, step = _exact_grid(x, heights) or _rounded_grid(x, heights) or (None, 0.0)
-    if full is None:
+    number, step = _grid(x)
+    if number is None:
         even = x[0] + (x[-1] - x[0]) / rise.size * np.arange(x.size)
         at = int(np.abs(x - even).argmax())
         raise ValueError(
             f"positions must rise in equal steps, got {x[at]} at {place(at)}: interpolate the heights at equal "
-            "steps, or take the column of heights alone, as in columns=1, with the length"
+            "steps, write the positions with more digits, or, if no row is left out, take the column of heights "
+            "alone, as in columns=1, with the length"
         )
+    full = np.full(int(number[-1]) + 1, np.nan)
+    full[number.astype(int)] = heights
     own = step * full.size
     if length is None:
         return full, own
@@ -63,33 +72,79 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     return full, length
 
 
-def _exact_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
-    """Return heights (NaN in missing rows) and step; None unless all positions are multiples of a step."""
+def _grid(x: Array) -> tuple[Array | None, float]:
+    """Return the number of each position in a grid from the first one, and its step; None if there is none, or two.
+
+    Positions that are rounded have another grid than exact ones where rows are left out.
+    """
+    rows = np.arange(float(x.size))
+    exact, step = _exact_numbers(x)
+    if exact is not None and exact[-1] - rows[-1] <= FEW_GAPS:
+        return exact, step
+    for unit in _last_digits(x):
+        if rounded := _rounded_step(rows, x, unit):
+            return (rows, rounded) if exact is None else (None, 0.0)
+    if exact is not None:
+        return exact, step
+    usual = float(np.median(np.diff(x)))
+    for unit in _last_digits(x):
+        if usual >= MIN_UNITS * unit.max():
+            number = np.append(0, np.cumsum(np.maximum(np.rint(np.diff(x) / usual), 1)))
+            if number[-1] < MAX_HEIGHTS and (rounded := _rounded_step(number, x, unit)):
+                return number, rounded
+    return None, 0.0
+
+
+def _exact_numbers(x: Array) -> tuple[Array | None, float]:
+    """Return the numbers of positions that are multiples of a step, and the step; None if they are not."""
     step = float(np.median(np.diff(x)))
     if step <= 0:
-        return None
+        return None, 0.0
     step = float((x[-1] - x[0]) / np.rint((x[-1] - x[0]) / step))
     number = np.rint((x - x[0]) / step)
     off = np.abs(x - x[0] - number * step)
     if (off > UNEVEN * step).any() or (np.diff(number) <= 0).any() or number[-1] >= MAX_HEIGHTS:
-        return None
-    full = np.full(int(number[-1]) + 1, np.nan)
-    full[number.astype(int)] = heights
-    return full, step
+        return None, 0.0
+    return number, step
 
 
-def _rounded_grid(x: Array, heights: Array) -> tuple[Array, float] | None:
-    """Return heights and step if the positions are equidistant up to rounding of their digits."""
-    number = np.arange(x.size)
-    for unit in _last_digits(x):
-        # Rounding errors are uniform.
-        (step, start), covariance = np.polyfit(number, x, 1, w=math.sqrt(12) / unit, cov="unscaled")
-        error = STANDARD_ERRORS * math.sqrt(covariance[0, 0])
-        if (np.abs(x - start - step * number) > unit * ROUNDING).any() or error > MAX_ERROR * step:
-            continue
-        shortest = (round(float(step), decimals) for decimals in range(2 * MOST_DIGITS))
-        return heights, next((decimal for decimal in shortest if abs(decimal - step) <= error), float(step))
-    return None
+def _rounded_step(number: Array, x: Array, unit: Array) -> float:
+    """Return the step of positions that are rounded, or cut, to units of their last digits; 0 if there is none.
+
+    It is the decimal number with the fewest digits among the steps that give exactly these digits. A gap shifts the
+    positions behind it, which no step then gives. Only a gap within less than a unit may leave a range of steps, but
+    hardly one with a decimal number of fewer digits than such a range has by chance.
+    """
+    half = unit / 2 * ROUNDING + np.spacing(np.abs(x).max())
+    low, high = (_last_step(number, x, half, start) for start in (0.0, 2 * (x[-1] - x[0]) / number[-1]))
+    middle = (low + high) / 2
+    if not high - low <= 2 * MAX_ERROR * middle:
+        return 0.0
+    rounded = ((round(middle, decimals), 10.0**-decimals) for decimals in range(2 * MOST_DIGITS))
+    step, digit = next(((step, digit) for step, digit in rounded if low <= step <= high), (middle, 0.0))
+    return step if step >= unit.max() or digit >= BY_CHANCE * (high - low) else 0.0
+
+
+def _last_step(number: Array, x: Array, half: Array, step: float) -> float:
+    """Return the first step from a start for which x lies within `half` of a straight line; NaN if there is none.
+
+    The start needs a wider band than any such step. The least band is a convex function of the step, made of straight
+    pieces, so that Newton's method ends.
+    """
+    direction = 0.0
+    while True:
+        rest = x - step * number
+        above, below = int((rest - half).argmax()), int((rest + half).argmin())
+        excess = (rest - half)[above] - (rest + half)[below]
+        if excess <= 0:
+            return step
+        slope = float(number[below] - number[above])
+        if slope == 0 or slope * direction < 0:
+            return math.nan
+        direction, before = slope, step
+        step -= float(excess / slope)
+        if step == before:  # The excess is a rounding error.
+            return step
 
 
 def _last_digits(x: Array) -> Iterator[Array]:

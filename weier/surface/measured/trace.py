@@ -159,7 +159,7 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
-        one = heights if isinstance(heights, Line) else line_of_array(heights, length is None)
+        one = (heights if isinstance(heights, Line) else line_of_array(heights, length is None)).rising()
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
@@ -324,13 +324,10 @@ class Trace(Waves):
             encoding=encoding,
             comment=comment,
         )
-        common_unit = options.get("unit")
         # The arguments have precedence over what a file says.
         lines = [
-            one._replace(
-                x_units=() if x_unit or common_unit else one.x_units,
-                height_units=() if height_unit or common_unit else one.height_units,
-                length=one.length if length is None else None,
+            _overridden(one, options.get("unit"), x_unit, height_unit)._replace(
+                length=one.length if length is None else None
             )
             for one in read_lines(checked_file(path), layout, line, across, channel)
         ]
@@ -437,6 +434,37 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
             f"detrend must be {measured.MEAN} where the ends are periodic, got {detrend!r}: leave it out"
         )
     return detrend
+
+
+def _overridden(one: Line, unit: str | None, x_unit: str | None, height_unit: str | None) -> Line:
+    """Return a line of a file without its own units where a call gives others.
+
+    Raises
+    ------
+    ValueError
+        If `unit`, which is for positions and heights, contradicts the file in one of them and not in the other.
+    """
+    if unit in UNITS:
+        own = {
+            name: named
+            for name, given, named in (
+                ("x_unit", x_unit, one.x_units),
+                ("height_unit", height_unit, one.height_units),
+            )
+            if named and not given
+        }
+        wrong = [name for name, named in own.items() if any(UNITS[other] != UNITS[unit] for other in named)]
+        if wrong == ["x_unit"] or (wrong and len(own) > 1 and len(wrong) < len(own)):
+            (name,) = wrong
+            raise ValueError(
+                f"unit={unit!r} is for positions and heights, and the file says {own[name][0]!r} for "
+                f"{'positions' if name == 'x_unit' else 'heights'}: leave unit out, and say height_unit={unit!r} "
+                f"for heights, or x_unit={unit!r} for positions"
+            )
+    return one._replace(
+        x_units=() if x_unit or unit else one.x_units,
+        height_units=() if height_unit or unit else one.height_units,
+    )
 
 
 def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:

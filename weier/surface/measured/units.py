@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Collection, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from weier.checks import checked_word, shown
@@ -41,24 +43,39 @@ BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets,
 
 # The unit at the end of the cell of a heading: in brackets, after a sign, or as the last word.
 _NAME = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
-_IN_BRACKETS = rf"[\[({{<]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])}}>]"
-_BEHIND_A_SIGN = rf"[_/:=]\s*({_NAME})"
-_LAST_WORD = rf"(?:^|\s)({_NAME})"
-UNIT = re.compile(f"(?:{_IN_BRACKETS}|{_BEHIND_A_SIGN}|{_LAST_WORD})$", re.IGNORECASE)
-OTHER_UNIT = re.compile(rf"{_IN_BRACKETS}|(?:^|[\s/*(\[])(?:{_NAME})$", re.IGNORECASE)
+UNIT = re.compile(
+    rf"(?:[\[({{<]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])}}>]|[_/:=]\s*({_NAME})|(?:^|[\s,;])({_NAME}))$",
+    re.IGNORECASE,
+)
+WORD = re.compile(r"[^\W\d_]+")
 # A factor in front of it: an operator with a number, a number in brackets, or a decimal or power of ten.
 FACTOR = re.compile(
-    r"[x\u00d7*\u00b7/^]\s*[-+]?\d|\d\s*[x\u00d7*\u00b7^]|\d[eE][-+]?\d|[\[({<][^\])}>]*\d|(?<!\d)(10+|\d*[.,]\d+)\W*$"
+    r"(?:[\d\s)\]]x|[\u00d7*\u00b7/^])\s*[-+]?\d|\d\s*[x\u00d7*\u00b7^]|\d[eE][-+]?\d|[\[({<][^\])}>]*\d"
+    r"|(?<![^\W_])(10+|\d*[.,]\d+)\W*$"
 )
-NUMBER_AT_THE_END = re.compile(r"\d\s*$")
+NUMBER_AT_THE_END = re.compile(r"(?:^|[^\w.,])[\d.,]*\d\s*$")
+# Words for a factor or for another quantity, more words between `in` and the unit, and a cell within the cell.
+OTHER = re.compile(
+    r"\b(half|quarter|ten|hundred|thousand)s?\b|tenth|hundredth|thousandth|zehntel|hundertstel|tausendstel|dixi.me"
+    r"|centi.me|\bmilli.me|\b(per|pro|times|steps?|speed|tip|stylus|radius|filter|lambda)\b|\bof\W*$"
+    r"|cut.?off|\u03bb|grenzwelle|spacing|interval|increment|resolution|sampling|wave.?length|bandwidth|uncertainty"
+    r"|\b[PRSW](a|q|z|p|v|t|sm|sk|ku)\b|\bin\b(?=.*\w)|[,;].*\w",
+    re.IGNORECASE,
+)
+# Names of positions and of heights. A letter decides, as in `position z`.
+OF_POSITIONS = re.compile(r"pos(ition|\b)|distance|lateral|length|travel|abscissa|width|weg\b", re.IGNORECASE)
+OF_HEIGHTS = re.compile(r"height|depth|elevation|profile?|roughness|h\u00f6he|value|data", re.IGNORECASE)
+POSITIONS, HEIGHTS = "x", "z"
+LETTER = re.compile(r"(?<![^\W_])([xz])\d*(?![^\W_])", re.IGNORECASE)
 
 
-def units_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
-    """Return the unit that a heading names for each column of a table, empty where it names none.
+def cells_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
+    """Return the cells of a heading, one for each column of a table; empty ones if it has none.
 
-    The heading has a cell for each column, between the signs of the table or other ones, as in `x (mm),z [um]`,
-    `x_mm z_um`, `x (mm) z (um)` or `mm um`.
+    They stand between the signs of the table or other ones, as in `x (mm),z [um]`, `x_mm z_um`, `x (mm) z (um)` or
+    `mm um`.
     """
+    heading = unicodedata.normalize("NFKC", heading)  # of the signs that look alike, as those of micro and mu
     for cells in (
         heading.split(delimiter) if delimiter != " " else [],
         re.split(r"[,;\t]|\s{2,}", heading),
@@ -69,20 +86,28 @@ def units_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
         while len(cells) > 1 and not cells[-1]:
             cells.pop()
         if len(cells) == columns:
-            return list(map(unit_of_cell, cells))
+            return cells
     return [""] * columns
 
 
 def unit_of_cell(cell: str) -> str:
-    """Return the unit at the end of the cell of a heading; none if a factor or another unit stands before it."""
+    """Return the unit at the end of the cell of a heading; none if it has a factor, another unit or quantity."""
     found = UNIT.search(cell)
     if found is None:
         return ""
-    name = cell[: found.start()]
+    name = cell[: found.start()].replace("_", " ")
     is_value = found[1] is None and NUMBER_AT_THE_END.search(name)
-    if is_value or FACTOR.search(name) or OTHER_UNIT.search(name):
+    if is_value or FACTOR.search(name) or OTHER.search(name) or any(map(_known, WORD.findall(name))):
         return ""
-    return _known(next(filter(None, found.groups())))
+    return _known(next(filter(None, found.groups())), BRACKETED)
+
+
+def quantity_of_cell(cell: str) -> str:
+    """Return what a cell of a heading names: positions, heights, or neither."""
+    letters = set(map(str.casefold, LETTER.findall(cell)))
+    if len(letters) == 1:
+        return letters.pop()
+    return POSITIONS if OF_POSITIONS.search(cell) else HEIGHTS if OF_HEIGHTS.search(cell) else ""
 
 
 def in_words(unit: float) -> str:
@@ -92,7 +117,7 @@ def in_words(unit: float) -> str:
 
 def length_unit(name: str) -> str:
     """Return the unit of length for a name in a file or an array; ValueError if it is unknown."""
-    known = _known(name.strip())
+    known = _known(name.strip(), BRACKETED) or _known(unicodedata.normalize("NFKC", name.strip()), BRACKETED)
     if not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
     return known
@@ -130,7 +155,7 @@ def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> s
     )
 
 
-def _known(name: str) -> str:
+def _known(name: str, more: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return a unit by one of its spellings; an empty name if it is none."""
-    spellings = SPELLINGS | BRACKETED
+    spellings = {**SPELLINGS, **more}
     return "" if name == "M" else spellings.get(name, spellings.get(name.lower(), ""))
