@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
@@ -20,7 +20,8 @@ import scipy  # Its submodules are loaded on first use.
 from weier import units
 from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.surface.measured.trace import DECIMAL_ROUNDING, MIRRORED, PERIODIC, TAPER, TAPERED, Trace
+from weier.surface.measured.artefacts import detrended
+from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, TAPER, TAPERED, Trace
 from weier.surface.profile import Profile, checked_ratio
 from weier.surface.series import amplitude
 
@@ -37,13 +38,21 @@ MIN_RATIO = 4.0  # of the wavelengths: on two octaves 0.68 of the lines have a D
 # refused, nor at three times as much; at ten times three are
 EMPTY = 0.01
 AROUND = math.sqrt(2)  # half an octave on either side
-# fraction of the variance kept by the extension: sin^2 tapers of length a at both ends keep 1 - 5 a/4
-KEPT_VARIANCE = {MIRRORED: 1.0, PERIODIC: 1.0, TAPERED: 1 - 5 * TAPER / 4}
-# Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a
-# periodic trace, and one square in a mirrored one. A taper correlates neighbours, which raises the variance of sums
-# by the mean of the fourth power of the window, 1 - 93 a/64, over the square of the mean of its second power.
-SCATTER = {MIRRORED: 2.0, PERIODIC: 1.0, TAPERED: (1 - 93 * TAPER / 64) / KEPT_VARIANCE[TAPERED] ** 2}
+# Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a periodic
+# trace, and one square in a mirrored one.
+PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
 STEEPEST = 40.0  # bracket of the exponent; a series has 1 to 3
+# Twice the gain in log likelihood from which a corner counts, the 0.95 quantile of chi^2 with one degree of freedom:
+# `python -m weier.accuracy artefacts` counts the power laws that are cut off
+CORNER = 3.84
+KINKED = 4.0  # a corner counts if the spectrum falls more slowly below it; lines with kinks have this exponent
+CERTAIN_CORNER = 10.8  # the same of the 0.999 quantile, from which a given band is refused
+SHARPNESS = (2.0, 8.0)  # of corners: (k^s + k_c^s)^(-beta/s) turns smoothly or abruptly
+CORNERS_PER_OCTAVE = 4  # places at which a corner is tried; results hardly change with eight
+BINS_PER_OCTAVE = 16  # of waves for the likelihood, which varies little within
+TURNED = 1 / 16  # (k_c/k)^s from which the law below a corner is fitted: its slope is within 6 % there
+# standard deviations of the mean power of half an octave about the law, beyond which the law does not hold there
+OUTLYING = 3.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,9 @@ class Fit:
         Wavelength of the coarsest wave, in m.
     g_0, g_0_error : float
         Its amplitude, and the standard error of it, in m.
+    rolloff : float or None
+        Wavelength, in m, above which the spectrum is flatter than the power law, so that lambda_0 lies below it; None
+        if the law holds up to the longest wavelength compared.
     source : str
         Name of the trace.
     """
@@ -73,6 +85,7 @@ class Fit:
     lambda_0: float
     g_0: float
     g_0_error: float
+    rolloff: float | None = None
     source: str = ""
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
@@ -141,41 +154,26 @@ def fit(
     if not isinstance(trace, Trace):
         raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)
-    first, m = _band(trace, longest, shortest, ratio)
-    last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
-    finest = min(math.floor(period / last * DECIMAL_ROUNDING), trace.waves_per_period[-1])
-    every = np.arange(1, trace.waves_per_period[-1] + 1)
-    variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
-    variance_of_wave = np.asarray(
-        np.bincount(trace.waves_per_period, variance)[every], float
-    )  # 0 for waves not there
-    band = slice(math.ceil(period / first / DECIMAL_ROUNDING) - 1, finest)
-    k, power = every[band], variance_of_wave[band]
-    _check_power(k, every[_has_power(every, variance_of_wave)], period)
-    beta, scatter = _exponent(k, power), SCATTER[trace.ends]
-    D_influence, bias = _influence_on_D(k, beta, scatter)
-    D, D_error = (5 - beta) / 2 - bias, math.sqrt(scatter * D_influence @ D_influence)
-    n = np.arange(m)
-    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
-    part = variances / variances.sum()
-    P_share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
-    slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
-    curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
-    g_0_influence = P_share / 2 - slope * D_influence
-    error = math.sqrt(scatter * g_0_influence @ g_0_influence)
-    bias = -scatter * P_share @ P_share / 4 - curvature * D_error**2
-    g_0 = math.sqrt(2 * power.sum() / (KEPT_VARIANCE[trace.ends] * variances.sum())) * math.exp(-bias)
-    values = (ratio, m), (D, D_error), (g_0, error)
-    artefact = _artefact(trace, k, *values)
-    if not 1 < D < 2:
-        artefact = artefact or _artefact(trace, k, *values, width=2)
+    z, length = _untapered(trace)
+    whole = _spectrum(trace, z, length)
+    first, last = _band(trace, length, longest, shortest, ratio)
+    _check_power(whole.between(first, last).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
+    law, rolloff, doubt = _law(whole, first, last, ratio), None, np.zeros(2)
+    artefact = _artefact(trace, z, law)
+    if not artefact:  # Scratches have corners in their spectra.
+        law, rolloff, doubt = _law_below_corner(whole, law, last, refuse=longest is not None)
+        artefact = _artefact(trace, z, law) if rolloff else ""
+    if not 1 < law.D < 2:
+        artefact = artefact or _artefact(trace, z, law, width=2)
         raise ValueError(
-            f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * D:.3g} from {first:g} to "
-            f"{last:g} m: {artefact or 'take other wavelengths'}"
+            f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * law.D:.3g} from "
+            f"{law.longest:g} to {law.shortest:g} m: {artefact or 'take other wavelengths'}"
         )
     if artefact:
         warnings.warn(artefact, stacklevel=2)
-    return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * error, trace.source)
+    D_error, g_0_error = np.sqrt(law.errors**2 + law.misfit + doubt).tolist()
+    lambda_0 = law.longest / math.sqrt(ratio)
+    return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
 
 
 def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
@@ -186,8 +184,10 @@ def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
         raise ValueError(f"trace {trace.source}: {error}" if getattr(trace, "source", "") else str(error)) from None
 
 
-def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
-    """Return the longest wavelength that is compared, in m, and the waves down to the shortest one."""
+def _band(
+    trace: Trace, length: float, longest: float | None, shortest: float | None, ratio: Fraction
+) -> tuple[float, float]:
+    """Return the longest and the shortest wavelength that are compared, in m, on this length of the trace."""
     finest = trace.lambda_0 * trace.period / trace.finest
     least = min(finest, trace.shortest)  # The second was given by the user, and is within one wave of the first.
     last = checked_number(
@@ -197,16 +197,221 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         lambda x: least <= x * DECIMAL_ROUNDING,
         units.METRE,
     )
-    fewest = max(MIN_RATIO, float(ratio)) * last
+    fewest = _least_ratio(ratio) * last
     first = checked_number(
         "longest",
-        trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
+        length / WAVES_IN_LENGTH if longest is None else longest,
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
-        f"trace, {trace.lambda_0:.6g} m",
-        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= trace.lambda_0 * DECIMAL_ROUNDING,
+        f"trace, {length:.6g} m",
+        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= length * DECIMAL_ROUNDING,
         units.METRE,
     )
-    return first, math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
+    return first, last
+
+
+def _least_ratio(ratio: Fraction) -> float:
+    """Return the least ratio of the wavelengths at the ends of a band."""
+    return max(MIN_RATIO, float(ratio))
+
+
+def _untapered(trace: Trace) -> tuple[Array, float]:
+    """Return the heights that no taper has changed, and their length, both in m.
+
+    A taper turns heights at the ends into waves of its own length, so that the tapered line has no spectrum of the
+    surface there if waves longer than the line are high.
+    """
+    z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
+    if trace.ends == TAPERED:
+        ends = math.ceil(TAPER * z.size)
+        z = detrended(z[ends:-ends], trace.detrend)
+    return z, trace.lambda_0 * z.size / trace.samples
+
+
+def _extended(trace: Trace, z: Array) -> Array:
+    """Return one period of these heights of a trace, which is mirrored unless it is periodic."""
+    return z if trace.ends == PERIODIC else np.concatenate([z, z[::-1]])
+
+
+class Spectrum(NamedTuple):
+    """Variances of the waves of heights, in m^2, with k waves in a period, in m.
+
+    `scatter` is the relative variance of such a variance on a random surface.
+    """
+
+    k: Indices
+    variance: Array
+    period: float
+    scatter: float
+
+    def between(self, longest: float, shortest: float) -> Spectrum:
+        """Return the part of the spectrum between two wavelengths, in m."""
+        most, least = (self.period / wavelength for wavelength in (shortest, longest))
+        part = (self.k >= least / DECIMAL_ROUNDING) & (self.k <= most * DECIMAL_ROUNDING)
+        return self._replace(k=self.k[part], variance=self.variance[part])
+
+
+def _spectrum(trace: Trace, z: Array, length: float) -> Spectrum:
+    """Return the spectrum of heights of a trace on this length, in m, down to the shortest wave of the trace."""
+    whole = _extended(trace, z)
+    period = length * whole.size / z.size
+    most = math.floor(period / trace.lambda_0 / trace.period * trace.finest * DECIMAL_ROUNDING)
+    variance = 2 * np.abs(np.fft.rfft(whole)[1 : most + 1] / whole.size) ** 2
+    scatter = PERIODIC_SCATTER if trace.ends == PERIODIC else MIRRORED_SCATTER
+    return Spectrum(np.arange(1, variance.size + 1), variance, period, scatter)
+
+
+class Law(NamedTuple):
+    """The series with the spectrum of the waves between two wavelengths, in m.
+
+    The errors are those of D and ln g_0 on a random surface. `misfit` is the variance to be added to their squares,
+    since the mean power of some half octaves is further from the law than on a random surface.
+    """
+
+    longest: float
+    shortest: float
+    ratio: Fraction
+    m: int
+    D: float
+    g_0: float
+    errors: Array
+    misfit: Array
+
+
+def _law(whole: Spectrum, first: float, last: float, ratio: Fraction) -> Law:
+    """Return the law between two wavelengths, the second of which is raised to a whole number of terms."""
+    m = math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
+    last = first / float(ratio) ** m
+    k, variance, _, scatter = whole.between(first, last)
+    beta = _exponent(k, variance)
+    D_influence, D_bias = _influence_on_D(k, beta, scatter)
+    D = (5 - beta) / 2 - D_bias
+    n = np.arange(m)
+    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
+    part = variances / variances.sum()
+    share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
+    slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
+    curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
+    influences = np.array([D_influence, share / 2 - slope * D_influence])
+    errors = np.sqrt(scatter * (influences**2).sum(axis=1))
+    bias = -scatter * share @ share / 4 - curvature * float(errors[0]) ** 2
+    g_0 = math.sqrt(2 * variance.sum() / variances.sum()) * math.exp(-bias)
+    half_octave, excess = _excess(k, variance, beta, scatter)
+    of_half_octaves = np.array([np.bincount(half_octave, influence) for influence in influences])
+    return Law(first, last, ratio, m, D, g_0, errors, of_half_octaves**2 @ excess)
+
+
+def _excess(k: Indices, variance: Array, beta: float, scatter: float) -> tuple[Indices, Array]:
+    """Return the half octave of each wave, and the square of its mean power over the law, minus 1, where outlying."""
+    half_octave = np.floor(2 * np.log2(k / k[0])).astype(int)
+    half_octave = np.unique(half_octave, return_inverse=True)[1]
+    weight, x = _weights(k)
+    weighted = scipy.special.softmax(_log(weight * variance) + beta * x)  # by weights, the power over the law
+    mean = np.bincount(half_octave, weighted) / np.bincount(half_octave, weight)
+    theory = scatter / np.bincount(half_octave)
+    return half_octave, np.maximum((mean - 1) ** 2 - OUTLYING**2 * theory, 0)
+
+
+class Corner(NamedTuple):
+    """A spectrum k^-beta below a corner at ln k = `place`, which is flat above it.
+
+    `gain` is twice the logarithm of its likelihood over that of a power law without a corner.
+    """
+
+    gain: float
+    beta: float
+    place: float
+    sharpness: float
+
+    def bent(self, x: Array) -> Array:
+        """Return q at x = ln k: the spectrum is exp(-beta q)."""
+        return np.asarray(np.logaddexp(self.sharpness * x, self.sharpness * self.place) / self.sharpness)
+
+    @property
+    def end(self) -> float:
+        """Return ln k from which the spectrum has the slope of the law."""
+        return self.place - math.log(TURNED) / self.sharpness
+
+
+def _law_below_corner(whole: Spectrum, law: Law, last: float, refuse: bool) -> tuple[Law, float | None, Array]:
+    """Return the law below all significant corners, the shortest of these, in m, and the doubt about another one.
+
+    The doubt is a variance of D and ln g_0: the square of what the likeliest corner that is not significant would do
+    to them, times its probability; the odds of a corner are exp((gain - CORNER)/2).
+
+    Raises
+    ------
+    ValueError
+        If there is a certain corner and `refuse`.
+    """
+    rolloff, doubt = None, np.zeros(2)
+    while corner := _corner(whole.between(law.longest, last), _least_ratio(law.ratio)):
+        wavelength, longest = (whole.period / math.exp(x) for x in (corner.place, corner.end))
+        if refuse and corner.gain > CERTAIN_CORNER:
+            raise ValueError(
+                f"the spectrum must be one power law from {law.longest:.6g} to {law.shortest:.6g} m, got a roll-off "
+                f"at {wavelength:.3g} m: take longest={longest:.3g}, or none"
+            )
+        if refuse or corner.gain <= CORNER:
+            x = np.log(whole.k)
+            with_corner, without = (
+                _law(whole._replace(variance=np.exp(-corner.beta * q)), law.longest, last, law.ratio)
+                for q in (corner.bent(x), x)
+            )
+            shift = with_corner.D - without.D, math.log(with_corner.g_0 / without.g_0)
+            doubt = np.square(shift) * scipy.special.expit((corner.gain - CORNER) / 2)
+            break
+        law, rolloff = _law(whole, longest, last, law.ratio), wavelength
+    return law, rolloff, doubt
+
+
+def _corner(band: Spectrum, least_ratio: float) -> Corner | None:
+    """Return the likeliest corner above a law with enough octaves; None if there is none.
+
+    Raises
+    ------
+    ValueError
+        If a corner that leaves no room for a law is certainly likelier than all that do.
+    """
+    top, bottom = math.log(band.k[0]), math.log(band.k[-1])
+    places = np.arange(top, bottom - math.log(2), math.log(2) / CORNERS_PER_OCTAVE).tolist()
+    corners = _rated(band, [Corner(0, 0, place, sharpness) for place in places for sharpness in SHARPNESS])
+    corners = sorted((corner for corner in corners if corner.beta < KINKED), key=lambda corner: -corner.gain)
+    room = [corner for corner in corners if corner.end <= bottom - math.log(least_ratio / DECIMAL_ROUNDING)]
+    if corners and corners[0].gain > CERTAIN_CORNER + max([0.0, *(corner.gain for corner in room)]):
+        raise ValueError(
+            f"the spectrum must be a power law on {least_ratio:g} times the shortest wavelength, got a roll-off at "
+            f"{band.period / math.exp(corners[0].place):.3g} m and {band.period / band.k[-1]:.3g} m as the shortest: "
+            "measure shorter waves"
+        )
+    return room[0] if room else None
+
+
+def _rated(band: Spectrum, corners: list[Corner]) -> list[Corner]:
+    """Return corners with their exponents and gains.
+
+    On a random surface, P_k/S_k is chi^2 distributed with 2/scatter degrees of freedom, over their number. With S_k =
+    A exp(-beta q_k) the likelihood of N waves is greatest where L = ln sum P_k exp(beta (q_k - mean q)) is least, and
+    its logarithm then is -N L/scatter. A power law has q = ln k. The waves of a bin share their q. Where P_k/S_k
+    scatters more than on a random surface, gains are divided by the ratio of the variances.
+    """
+    x = np.log(band.k)
+    bins = np.unique(np.floor(BINS_PER_OCTAVE * np.log2(band.k / band.k[0])), return_inverse=True)[1]
+    waves, log_power = np.bincount(bins), _log(np.asarray(np.bincount(bins, band.variance), float))
+    mean_x = np.bincount(bins, x) / waves
+
+    def rated(q: Array) -> tuple[float, float]:
+        q = q - waves @ q / x.size
+        beta = _balanced(log_power, q)
+        return beta, -2 * x.size / band.scatter * float(scipy.special.logsumexp(log_power + beta * q))
+
+    straight = rated(mean_x)[1]
+    fitted = [(corner, *rated(corner.bent(mean_x))) for corner in corners]
+    found = [corner._replace(beta=beta, gain=gain - straight) for corner, beta, gain in fitted]
+    best = max(found, key=lambda corner: corner.gain if corner.beta < KINKED else -math.inf)
+    over_law = scipy.special.softmax(_log(band.variance) + best.beta * best.bent(x))
+    effective = 1 / float(over_law @ over_law) - 3  # waves, less the parameters
+    dispersion = max(1.0, (x.size / max(effective, 1e-9) - 1) / band.scatter)
+    return [corner._replace(gain=corner.gain / dispersion) for corner in found]
 
 
 def _has_power(k: Indices, power: Array) -> Flags:
@@ -239,42 +444,37 @@ def _check_power(k: Indices, known: Indices, period: float) -> None:
         raise ValueError(f"{problem} longer than {first:.3g} m: take longest={first:.3g}")
 
 
-def _artefact(
-    trace: Trace,
-    k: Indices,
-    series: tuple[Fraction, int],
-    D: tuple[float, float],
-    g_0: tuple[float, float],
-    width: int = 1,
-) -> str:
+def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     """Return a sentence on the part of the line that dominates the fit, as a scratch does; empty if none does.
 
-    Each window of `width` parts is replaced by a straight line, which removes its fine waves from the spectrum. D and
-    g_0 are given with the standard errors of D and ln g_0, and `series` is the ratio and the number of waves.
+    Each window of `width` parts of the heights z is replaced by a straight line, which removes its fine waves from
+    the spectrum.
     """
-    z = trace.sampled_height(trace.period * trace.samples)
-    ends = np.linspace(0, trace.samples, PARTS + 1).astype(int)
+    ends = np.linspace(0, z.size, PARTS + 1).astype(int)
     windows = list(zip(ends[:-width].tolist(), ends[width:].tolist(), strict=True))
+    length = trace.lambda_0 * z.size / trace.samples
+    around = _extended(trace, z)
     without = np.empty((2, len(windows)))  # D and ln g_0
     for part, (start, end) in enumerate(windows):
-        flat = z[: trace.samples].copy()
-        flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], z[[start - 1, end % z.size]])
-        whole = flat if trace.period == 1 else np.concatenate([flat, flat[::-1]])
-        power = np.abs(np.fft.rfft(whole)[k]) ** 2
-        own = (5 - _exponent(k, power)) / 2
-        variances = amplitude(np.arange(series[1]), own, float(series[0])) ** 2
-        without[:, part] = own, math.log(power.sum() / variances.sum()) / 2
+        flat = z.copy()
+        flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], around[[start - 1, end % around.size]])
+        k, variance, *_ = _spectrum(trace, flat, length).between(law.longest, law.shortest)
+        own = (5 - _exponent(k, variance)) / 2
+        variances = amplitude(np.arange(law.m), own, float(law.ratio)) ** 2
+        without[:, part] = own, math.log(variance.sum() / variances.sum()) / 2
     shift = without - np.median(without, axis=1, keepdims=True)
-    over_error = np.abs(shift) / [[D[1]], [g_0[1]]]
+    over_error = np.abs(shift) / law.errors[:, np.newaxis]
     quantity, at = np.unravel_index(int(over_error.argmax()), shift.shape)
     if not over_error[quantity, at] > DOMINANT:
         return ""
-    x = np.array(windows[at]) / trace.samples * trace.lambda_0
+    cut = (trace.samples - z.size) // 2  # tapered heights at either end
+    x = (cut + np.array(windows[at])) / trace.samples * trace.lambda_0
+    D_error, g_0_error = law.errors.tolist()
     if quantity == 0:
-        what = f"D: it is {D[0]:.3g} +- {D[1]:.1g} with them and {D[0] + shift[0, at]:.3g} without"
+        what = f"D: it is {law.D:.3g} +- {D_error:.1g} with them and {law.D + shift[0, at]:.3g} without"
     else:
-        gone = g_0[0] * math.exp(shift[1, at])
-        what = f"g_0: it is {g_0[0]:.3g} +- {g_0[0] * g_0[1]:.1g} m with them and {gone:.3g} m without"
+        gone = law.g_0 * math.exp(shift[1, at])
+        what = f"g_0: it is {law.g_0:.3g} +- {law.g_0 * g_0_error:.1g} m with them and {gone:.3g} m without"
     return (
         f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on {what}. Is "
         "there a scratch or dust? Cut the line there, or write the heights as missing, nan, and say "
@@ -290,12 +490,21 @@ def _weights(k: Indices) -> tuple[Array, Array]:
     return weight, x - weight @ x
 
 
+def _log(power: Array) -> Array:
+    """Return the logarithm of a power over the greatest one."""
+    return np.asarray(np.log(np.maximum(power / power.max(), 1e-300)))
+
+
+def _balanced(log_power: Array, x: Array) -> float:
+    """Return the exponent beta for which the powers times exp(beta x) have their centre at x = 0."""
+    softmax = scipy.special.softmax  # powers times exp(beta x) over their sum, which may overflow
+    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
+
+
 def _exponent(k: Indices, power: Array) -> float:
     """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
-    log_power = np.log(np.maximum(weight * power / power.max(), 1e-300))
-    softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
-    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
+    return _balanced(_log(weight * power), x)
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:
