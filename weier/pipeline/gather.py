@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Collection, Mapping
-from contextlib import suppress
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -22,13 +21,13 @@ from numpy.typing import NDArray
 from weier.data import dataset, netcdf, provenance
 from weier.data.files import replacing
 from weier.data.variables import LABEL, attributes
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings, defaults
 from weier.pipeline.batches import Solutions
 from weier.scene.case import short_keys
 from weier.scene.cases import Layout, Scene
-from weier.surface.spectrum import fit
+from weier.surface.spectrum import columns_of_fits
 
 Values = tuple[tuple[str, ...], NDArray[Any]]  # dimensions and values of a variable
 DATES_OF_VALUES = ("date_created", "date_modified")
@@ -144,18 +143,14 @@ def case_labels(scene: Scene) -> xr.Dataset:
     )
 
 
-def _fits(scene: Scene) -> dict[str, Array]:
-    """The fit of a series to each trace, with its standard errors; NaN where no series has its spectrum."""
+def _fits(scene: Scene) -> dict[str, NDArray[Any]]:
+    """The fit of a series to each trace, with its standard errors; NaN and the reason where none has its spectrum."""
     if not any("trace" in product.axes for product in scene.products):
         return {}
-    names = "trace_fit_D", "trace_fit_D_error", "trace_fit_g_0", "trace_fit_g_0_error"
-    found = np.full((len(names), len(scene.distinct)), np.nan)
-    for number, case in enumerate(scene.distinct):
-        if "trace" in case.parameters:
-            with suppress(ValueError):
-                fitted = fit(case.profile)
-                found[:, number] = fitted.D, fitted.D_error, fitted.g_0, fitted.g_0_error
-    return dict(zip(names, found, strict=True))
+    return columns_of_fits(
+        (case.profile, case.parameters["trace"].get("longest")) if "trace" in case.parameters else None
+        for case in scene.distinct
+    )
 
 
 def _of_study(name: str) -> dict[str, Any]:

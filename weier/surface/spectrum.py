@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
+from numpy.typing import NDArray
 
 from weier import units
 from weier.checks import checked_number, shown
@@ -170,10 +171,35 @@ def fit(
             f"{law.longest:g} to {law.shortest:g} m: {artefact or 'take other wavelengths'}"
         )
     if artefact:
-        warnings.warn(artefact, stacklevel=2)
+        warnings.warn(f"trace {trace.source}: {artefact}" if trace.source else artefact, stacklevel=2)
     D_error, g_0_error = np.sqrt(law.errors**2 + law.misfit + doubt).tolist()
     lambda_0 = law.longest / math.sqrt(ratio)
     return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
+
+
+def columns_of_fits(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
+    """Return the fits of traces, each with its `longest`, as columns of results; None stands for another surface.
+
+    Where a trace has no fit, its numbers are NaN, and the remark is the reason. Where a part of the line dominates a
+    fit, the remark says so.
+    """
+    names = "D", "D_error", "g_0", "g_0_error", "lambda_0", "rolloff"
+    rows, remarks = list[list[float]](), list[str]()
+    for one in traces:
+        found, remark = None, ""
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                found = fit(*one) if one else None
+            except ValueError as error:
+                remark = str(error)
+        rows.append([value if (value := getattr(found, name, None)) is not None else math.nan for name in names])
+        remarks.append(remark or " ".join(str(warning.message) for warning in caught))
+    numbers = np.array(rows, float).reshape(-1, len(names)).T
+    columns: dict[str, NDArray[Any]] = {
+        f"trace_fit_{name}": values for name, values in zip(names, numbers, strict=True)
+    }
+    return columns | {"trace_fit_remark": np.array(remarks, str)}
 
 
 def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
