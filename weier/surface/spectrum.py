@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from weier import units
 from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.surface.bends import BENT, CERTAINLY_BENT, LONG, SHORT, Spectrum, likeliest_bend, log_of
 from weier.surface.measured.artefacts import detrended
 from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, TAPER, TAPERED, Trace
 from weier.surface.profile import Profile, checked_ratio
@@ -43,15 +44,6 @@ AROUND = math.sqrt(2)  # half an octave on either side
 # trace, and one square in a mirrored one.
 PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
 STEEPEST = 40.0  # bracket of the exponent; a series has 1 to 3
-# Twice the gain in log likelihood from which a corner counts, the 0.95 quantile of chi^2 with one degree of freedom:
-# `python -m weier.accuracy artefacts` counts the power laws that are cut off
-CORNER = 3.84
-KINKED = 4.0  # a corner counts if the spectrum falls more slowly below it; lines with kinks have this exponent
-CERTAIN_CORNER = 10.8  # the same of the 0.999 quantile, from which a given band is refused
-SHARPNESS = (2.0, 8.0)  # of corners: (k^s + k_c^s)^(-beta/s) turns smoothly or abruptly
-CORNERS_PER_OCTAVE = 4  # places at which a corner is tried; results hardly change with eight
-BINS_PER_OCTAVE = 16  # of waves for the likelihood, which varies little within
-TURNED = 1 / 16  # (k_c/k)^s from which the law below a corner is fitted: its slope is within 6 % there
 # standard deviations of the mean power of half an octave about the law, beyond which the law does not hold there
 OUTLYING = 3.0
 
@@ -159,13 +151,14 @@ def fit(
     whole = _spectrum(trace, z, length)
     first, last = _band(trace, length, longest, shortest, ratio)
     _check_power(whole.between(first, last).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
-    law, rolloff, doubt = _law(whole, first, last, ratio), None, np.zeros(2)
-    artefact = _artefact(trace, z, law)
-    if not artefact:  # Scratches have corners in their spectra.
-        law, rolloff, doubt = _law_below_corner(whole, law, last, refuse=longest is not None)
-        artefact = _artefact(trace, z, law) if rolloff else ""
+    law = whole_law = _law(whole, first, last, ratio)
+    rolloff, doubt = None, np.zeros(2)
+    artefact = _artefact(trace, z, law) or ("" if 1 < law.D < 2 else _artefact(trace, z, law, width=2))
+    if not artefact:  # The spectra of scratches have bends.
+        given = {LONG: longest is not None, SHORT: shortest is not None}
+        law, rolloff, doubt = _straight_law(whole, law, last, given)
+        artefact = _artefact(trace, z, law) if law is not whole_law else ""
     if not 1 < law.D < 2:
-        artefact = artefact or _artefact(trace, z, law, width=2)
         raise ValueError(
             f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * law.D:.3g} from "
             f"{law.longest:g} to {law.shortest:g} m: {artefact or 'take other wavelengths'}"
@@ -258,24 +251,6 @@ def _extended(trace: Trace, z: Array) -> Array:
     return z if trace.ends == PERIODIC else np.concatenate([z, z[::-1]])
 
 
-class Spectrum(NamedTuple):
-    """Variances of the waves of heights, in m^2, with k waves in a period, in m.
-
-    `scatter` is the relative variance of such a variance on a random surface.
-    """
-
-    k: Indices
-    variance: Array
-    period: float
-    scatter: float
-
-    def between(self, longest: float, shortest: float) -> Spectrum:
-        """Return the part of the spectrum between two wavelengths, in m."""
-        most, least = (self.period / wavelength for wavelength in (shortest, longest))
-        part = (self.k >= least / DECIMAL_ROUNDING) & (self.k <= most * DECIMAL_ROUNDING)
-        return self._replace(k=self.k[part], variance=self.variance[part])
-
-
 def _spectrum(trace: Trace, z: Array, length: float) -> Spectrum:
     """Return the spectrum of heights of a trace on this length, in m, down to the shortest wave of the trace."""
     whole = _extended(trace, z)
@@ -331,113 +306,48 @@ def _excess(k: Indices, variance: Array, beta: float, scatter: float) -> tuple[I
     half_octave = np.floor(2 * np.log2(k / k[0])).astype(int)
     half_octave = np.unique(half_octave, return_inverse=True)[1]
     weight, x = _weights(k)
-    weighted = scipy.special.softmax(_log(weight * variance) + beta * x)  # by weights, the power over the law
+    weighted = scipy.special.softmax(log_of(weight * variance) + beta * x)  # by weights, the power over the law
     mean = np.bincount(half_octave, weighted) / np.bincount(half_octave, weight)
     theory = scatter / np.bincount(half_octave)
     return half_octave, np.maximum((mean - 1) ** 2 - OUTLYING**2 * theory, 0)
 
 
-class Corner(NamedTuple):
-    """A spectrum k^-beta below a corner at ln k = `place`, which is flat above it.
+def _straight_law(
+    whole: Spectrum, law: Law, last: float, given: Mapping[int, bool]
+) -> tuple[Law, float | None, Array]:
+    """Return the law between all significant bends, the wavelength of the roll-off, in m, and the doubt about a bend.
 
-    `gain` is twice the logarithm of its likelihood over that of a power law without a corner.
-    """
-
-    gain: float
-    beta: float
-    place: float
-    sharpness: float
-
-    def bent(self, x: Array) -> Array:
-        """Return q at x = ln k: the spectrum is exp(-beta q)."""
-        return np.asarray(np.logaddexp(self.sharpness * x, self.sharpness * self.place) / self.sharpness)
-
-    @property
-    def end(self) -> float:
-        """Return ln k from which the spectrum has the slope of the law."""
-        return self.place - math.log(TURNED) / self.sharpness
-
-
-def _law_below_corner(whole: Spectrum, law: Law, last: float, refuse: bool) -> tuple[Law, float | None, Array]:
-    """Return the law below all significant corners, the shortest of these, in m, and the doubt about another one.
-
-    The doubt is a variance of D and ln g_0: the square of what the likeliest corner that is not significant would do
-    to them, times its probability; the odds of a corner are exp((gain - CORNER)/2).
+    The doubt is a variance of D and ln g_0: the square of what the likeliest bend that is not significant would do to
+    them, times its probability; the odds of a bend are exp((gain - BENT)/2).
 
     Raises
     ------
     ValueError
-        If there is a certain corner and `refuse`.
+        If there certainly is a bend beyond which a `given` end of the band lies.
     """
-    rolloff, doubt = None, np.zeros(2)
-    while corner := _corner(whole.between(law.longest, last), _least_ratio(law.ratio)):
-        wavelength, longest = (whole.period / math.exp(x) for x in (corner.place, corner.end))
-        if refuse and corner.gain > CERTAIN_CORNER:
+    first, rolloff, doubt = law.longest, None, np.zeros(2)
+    while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):
+        at, end = (whole.period / math.exp(x) for x in (bend.place, bend.end))
+        if given[bend.side] and bend.gain > CERTAINLY_BENT:
+            what = "roll-off" if bend.is_rolloff else "bend"
+            advice = "longest" if bend.side == LONG else "shortest"
             raise ValueError(
-                f"the spectrum must be one power law from {law.longest:.6g} to {law.shortest:.6g} m, got a roll-off "
-                f"at {wavelength:.3g} m: take longest={longest:.3g}, or none"
+                f"the spectrum must be one power law from {first:.6g} to {last:.6g} m, got a {what} at {at:.3g} m: "
+                f"take {advice}={end:.3g}, or none"
             )
-        if refuse or corner.gain <= CORNER:
+        if given[bend.side] or bend.gain <= BENT:
             x = np.log(whole.k)
-            with_corner, without = (
-                _law(whole._replace(variance=np.exp(-corner.beta * q)), law.longest, last, law.ratio)
-                for q in (corner.bent(x), x)
+            with_bend, without = (
+                _law(whole._replace(variance=np.exp(-bend.beta * q)), first, last, law.ratio)
+                for q in (bend.bent(x), x)
             )
-            shift = with_corner.D - without.D, math.log(with_corner.g_0 / without.g_0)
-            doubt = np.square(shift) * scipy.special.expit((corner.gain - CORNER) / 2)
+            shift = with_bend.D - without.D, math.log(with_bend.g_0 / without.g_0)
+            doubt = np.square(shift) * scipy.special.expit((bend.gain - BENT) / 2)
             break
-        law, rolloff = _law(whole, longest, last, law.ratio), wavelength
+        first, last = (end, last) if bend.side == LONG else (first, end)
+        rolloff = at if bend.is_rolloff else rolloff
+        law = _law(whole, first, last, law.ratio)
     return law, rolloff, doubt
-
-
-def _corner(band: Spectrum, least_ratio: float) -> Corner | None:
-    """Return the likeliest corner above a law with enough octaves; None if there is none.
-
-    Raises
-    ------
-    ValueError
-        If a corner that leaves no room for a law is certainly likelier than all that do.
-    """
-    top, bottom = math.log(band.k[0]), math.log(band.k[-1])
-    places = np.arange(top, bottom - math.log(2), math.log(2) / CORNERS_PER_OCTAVE).tolist()
-    corners = _rated(band, [Corner(0, 0, place, sharpness) for place in places for sharpness in SHARPNESS])
-    corners = sorted((corner for corner in corners if corner.beta < KINKED), key=lambda corner: -corner.gain)
-    room = [corner for corner in corners if corner.end <= bottom - math.log(least_ratio / DECIMAL_ROUNDING)]
-    if corners and corners[0].gain > CERTAIN_CORNER + max([0.0, *(corner.gain for corner in room)]):
-        raise ValueError(
-            f"the spectrum must be a power law on {least_ratio:g} times the shortest wavelength, got a roll-off at "
-            f"{band.period / math.exp(corners[0].place):.3g} m and {band.period / band.k[-1]:.3g} m as the shortest: "
-            "measure shorter waves"
-        )
-    return room[0] if room else None
-
-
-def _rated(band: Spectrum, corners: list[Corner]) -> list[Corner]:
-    """Return corners with their exponents and gains.
-
-    On a random surface, P_k/S_k is chi^2 distributed with 2/scatter degrees of freedom, over their number. With S_k =
-    A exp(-beta q_k) the likelihood of N waves is greatest where L = ln sum P_k exp(beta (q_k - mean q)) is least, and
-    its logarithm then is -N L/scatter. A power law has q = ln k. The waves of a bin share their q. Where P_k/S_k
-    scatters more than on a random surface, gains are divided by the ratio of the variances.
-    """
-    x = np.log(band.k)
-    bins = np.unique(np.floor(BINS_PER_OCTAVE * np.log2(band.k / band.k[0])), return_inverse=True)[1]
-    waves, log_power = np.bincount(bins), _log(np.asarray(np.bincount(bins, band.variance), float))
-    mean_x = np.bincount(bins, x) / waves
-
-    def rated(q: Array) -> tuple[float, float]:
-        q = q - waves @ q / x.size
-        beta = _balanced(log_power, q)
-        return beta, -2 * x.size / band.scatter * float(scipy.special.logsumexp(log_power + beta * q))
-
-    straight = rated(mean_x)[1]
-    fitted = [(corner, *rated(corner.bent(mean_x))) for corner in corners]
-    found = [corner._replace(beta=beta, gain=gain - straight) for corner, beta, gain in fitted]
-    best = max(found, key=lambda corner: corner.gain if corner.beta < KINKED else -math.inf)
-    over_law = scipy.special.softmax(_log(band.variance) + best.beta * best.bent(x))
-    effective = 1 / float(over_law @ over_law) - 3  # waves, less the parameters
-    dispersion = max(1.0, (x.size / max(effective, 1e-9) - 1) / band.scatter)
-    return [corner._replace(gain=corner.gain / dispersion) for corner in found]
 
 
 def _has_power(k: Indices, power: Array) -> Flags:
@@ -516,21 +426,12 @@ def _weights(k: Indices) -> tuple[Array, Array]:
     return weight, x - weight @ x
 
 
-def _log(power: Array) -> Array:
-    """Return the logarithm of a power over the greatest one."""
-    return np.asarray(np.log(np.maximum(power / power.max(), 1e-300)))
-
-
-def _balanced(log_power: Array, x: Array) -> float:
-    """Return the exponent beta for which the powers times exp(beta x) have their centre at x = 0."""
-    softmax = scipy.special.softmax  # powers times exp(beta x) over their sum, which may overflow
-    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
-
-
 def _exponent(k: Indices, power: Array) -> float:
     """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
-    return _balanced(_log(weight * power), x)
+    log_power = log_of(weight * power)
+    softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
+    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:
