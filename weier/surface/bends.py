@@ -19,7 +19,7 @@ from weier.kernels.arrays import Array, Indices
 # freedom. Other bends need more, since they are rarer. `python -m weier.accuracy artefacts` counts wrong verdicts.
 BENT, MORE_FOR_OTHERS = 3.84, 3.0
 CERTAINLY_BENT = 10.8  # the same of the 0.999 quantile, from which a given band is refused
-LEAST_STEEP, KINKED = 0.5, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
+LEAST_STEEP, KINKED = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
 BISECTIONS = 30  # of the exponent, to 1e-8
 SHARPNESS = (2.0, 8.0)  # of bends, which are smooth or abrupt
 FLAT, STEEP = 0.0, 3.0  # slopes beyond a bend over that of the law; those of other bends lie between
@@ -138,11 +138,11 @@ def _rated(band: Spectrum, bends: list[Bend]) -> list[Bend]:
 
 
 def _exponents(log_power: Array, q: Array) -> Array:
-    """Return the likeliest exponent of each row of q, between -KINKED and KINKED, by bisection.
+    """Return the likeliest exponent of each row of q, by bisection between -2 KINKED and 2 KINKED.
 
     The powers times exp(beta q) then have their centre at q = 0.
     """
-    low, high = np.full(len(q), -KINKED), np.full(len(q), KINKED)
+    low, high = np.full(len(q), -2 * KINKED), np.full(len(q), 2 * KINKED)
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         right = np.sum(scipy.special.softmax(log_power + middle[:, np.newaxis] * q, axis=1) * q, axis=1) > 0

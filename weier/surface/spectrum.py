@@ -99,7 +99,8 @@ def fit(
     trace : Trace or sequence of Trace
         The measured surface, or several lines of it.
     longest, shortest : float, optional
-        Band of wavelengths, in m; by default from a quarter of the length of the trace to its shortest wavelength.
+        Band of wavelengths, in m; by default from a quarter of the length of the trace (of the untapered part) to its
+        shortest wavelength, or the part of it without bends of the spectrum.
         Each term represents a band from gamma^(-1/2) to gamma^(1/2) times its wavelength, so that lambda_0 is
         `longest`/gamma^(1/2).
     gamma : int, Fraction, str or float
@@ -114,7 +115,8 @@ def fit(
     ------
     ValueError
         If the band is narrower than two octaves or gamma, or not in the trace, if the trace has no waves at an end of
-        the band, or if the slope of its spectrum gives no D with 1 < D < 2.
+        the band, if the slope of its spectrum gives no D with 1 < D < 2, or if the spectrum bends within a given band
+        or leaves no law on two octaves; the message names the wavelength to take.
 
     Warns
     -----
@@ -128,9 +130,12 @@ def fit(
     c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
 
     Standard errors are those of a random surface with the fitted spectrum and independent waves, from the derivatives
-    of D and ln g_0 with respect to ln P_k and their correlation. The bias is removed to second order. On the default
-    band, errors cover the true values as those of a normal distribution (docs/measured.rst). Weierstrass series are
-    not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+    of D and ln g_0 with respect to ln P_k and their correlation, and larger where the spectrum is no power law or may
+    bend. The bias is removed to second order. docs/measured.rst has the part of true values within the errors.
+    Weierstrass series are not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+
+    A likelihood-ratio test finds bends: a roll-off, as ground surfaces have, waviness, noise, or a filter. Without
+    `longest`, the law below a roll-off is fitted, and `rolloff` is its wavelength.
 
     Examples
     --------
@@ -318,7 +323,8 @@ def _straight_law(
     """Return the law between all significant bends, the wavelength of the roll-off, in m, and the doubt about a bend.
 
     The doubt is a variance of D and ln g_0: the square of what the likeliest bend that is not significant would do to
-    them, times its probability; the odds of a bend are exp((gain - BENT)/2).
+    them, times its probability. The odds of the likeliest of many bends are taken as exp(gain - BENT), so that errors
+    cover power laws and spectra with bends alike (docs/measured.rst).
 
     Raises
     ------
@@ -342,7 +348,7 @@ def _straight_law(
                 for q in (bend.bent(x), x)
             )
             shift = with_bend.D - without.D, math.log(with_bend.g_0 / without.g_0)
-            doubt = np.square(shift) * scipy.special.expit((bend.gain - BENT) / 2)
+            doubt = np.square(shift) * scipy.special.expit(bend.gain - BENT)
             break
         first, last = (end, last) if bend.side == LONG else (first, end)
         rolloff = at if bend.is_rolloff else rolloff
