@@ -2,12 +2,14 @@
 
 import math
 import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from weier.accuracy.artefacts import within_errors, without_power
 from weier.surface import spectrum
+from weier.surface.bends import BENT, LONG, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 from weier.surface.spectrum import columns_of_fits, fit
@@ -385,3 +387,39 @@ def test_columns_of_fits_have_reasons_and_catch_warnings():
     assert "beta between 1 and 3" in remarks[3]
     assert "longest must lie between" in remarks[4]
     assert list(columns_of_fits([])) == list(found)
+
+
+def without_scatter(law):
+    """Waves 8 to 512 of a period of 1 m, each as high as on average."""
+    k = np.arange(8, 513)
+    return Spectrum(k, law(k), 1.0, 2.0)
+
+
+def test_a_half_octave_off_the_law_widens_the_errors():
+    """By what its excess, beyond three standard deviations, moves D."""
+    plain, raised = (
+        without_scatter(lambda k, more=more: k**-2.0 * np.where((k >= 64) & (k < 90), more, 1)) for more in (1, 5)
+    )
+    law, off = (spectrum._law(one, 1 / 8, 1 / 512, Fraction(2)) for one in (plain, raised))
+    assert law.misfit.tolist() == [0, 0]
+    assert np.all(off.misfit > 0.01 * off.errors**2)
+    weight, x = spectrum._weights(plain.k)
+    half_octave = (plain.k >= 64) & (plain.k < 90.51)
+    moved = np.sum((weight * x)[half_octave]) / (weight @ x**2) / 2
+    mean = (weight * raised.variance * raised.k ** (5 - 2 * off.D))[half_octave].sum() / weight[half_octave].sum()
+    mean /= weight @ (raised.variance * raised.k ** (5 - 2 * off.D))
+    excess = (mean - 1) ** 2 - 9 * 2 / half_octave.sum()
+    assert off.misfit[0] == pytest.approx(moved**2 * excess, rel=0.1)
+
+
+def test_a_bend_that_is_not_significant_adds_its_effect_times_its_probability():
+    k_c = 8 * 2**0.25  # one of the places that are tried
+    band = without_scatter(lambda k: (k**2 + k_c**2) ** -1.2)
+    law = spectrum._law(band, 1 / 8, 1 / 512, Fraction(2))
+    bend = likeliest_bend(band, 4.0)
+    assert 0 < bend.gain < BENT
+    same, rolloff, doubt = spectrum._straight_law(band, law, 1 / 512, {LONG: False, SHORT: False})
+    assert (same, rolloff) == (law, None)
+    pure = spectrum._law(band._replace(variance=band.k**-2.4), 1 / 8, 1 / 512, Fraction(2))
+    bias = np.array([law.D - pure.D, math.log(law.g_0 / pure.g_0)])
+    np.testing.assert_allclose(doubt * (1 + math.exp(BENT - bend.gain)), bias**2, rtol=0.15)
