@@ -343,6 +343,14 @@ def test_what_is_no_power_law_is_refused():
         fit(Trace(noise, 1.0, unit="m"))
 
 
+@pytest.mark.parametrize("waves", [(8, 40), (5, 40), (4, 63)])
+def test_two_waves_are_refused(waves):
+    x = 2 * np.pi * np.arange(128) / 128
+    z = np.cos(waves[0] * x) + 0.1 * np.cos(waves[1] * x + 1)
+    with pytest.raises(ValueError, match="the spectrum must"):
+        fit(Trace(z, 1e-3, ends="periodic", height_unit="um"))
+
+
 def test_the_fits_of_an_ensemble_are_those_of_its_traces():
     random = np.random.default_rng(5)
     traces = [

@@ -155,8 +155,8 @@ def fit(
     z, length = _untapered(trace)
     whole = _spectrum(trace, z, length)
     first, last = _band(trace, length, longest, shortest, ratio)
-    _check_power(whole.between(first, last).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
     law = whole_law = _law(whole, first, last, ratio)
+    _check_power(whole.between(first, law.shortest).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
     rolloff, doubt = None, np.zeros(2)
     artefact = _artefact(trace, z, law) or ("" if 1 < law.D < 2 else _artefact(trace, z, law, width=2))
     if not artefact:  # The spectra of scratches have bends.
@@ -436,8 +436,13 @@ def _exponent(k: Indices, power: Array) -> float:
     """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
     log_power = log_of(weight * power)
-    softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
-    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
+
+    def centre(beta: float) -> float:
+        return float(scipy.special.softmax(log_power + beta * x) @ x)  # w_k P_k k^beta itself may overflow
+
+    if not centre(-STEEPEST) < 0 < centre(STEEPEST):  # few waves, beside none
+        return math.copysign(STEEPEST, -centre(0))
+    return float(scipy.optimize.brentq(centre, -STEEPEST, STEEPEST))
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:
