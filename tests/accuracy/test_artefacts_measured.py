@@ -3,7 +3,7 @@
 import pytest
 
 from weier.accuracy import artefacts
-from weier.surface import spectrum
+from weier.surface import bends, spectrum
 from weier.surface.measured import artefacts as checks
 
 
@@ -29,3 +29,11 @@ def test_fits_to_roughness_are_seldom_doubted(monkeypatch):
     assert fits > 20
     monkeypatch.setattr(spectrum, "DOMINANT", 0.5)
     assert artefacts.doubted_fits(2)[0] > 10
+
+
+def test_fits_to_power_laws_are_seldom_cut_off(monkeypatch):
+    bent, fits = artefacts.bent_laws(5)
+    assert bent <= 0.15 * fits
+    assert fits > 25
+    monkeypatch.setattr(bends, "MORE_FOR_OTHERS", -3.0)
+    assert artefacts.bent_laws(5)[0] > 0.3 * fits

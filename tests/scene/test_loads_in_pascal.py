@@ -1,5 +1,7 @@
 """Scenes with loads in Pa: common pressures of traces and series, and results in SI units."""
 
+import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -138,7 +140,7 @@ def test_a_compliance_has_its_slope_between_the_loads(solved):
 
 def test_traces_have_their_fits_beside_their_curves(tmp_path):
     files = sorted(Path("config/scenes/measured").resolve().glob("shaft_*.csv"))
-    options = {"file": list(map(str, files)), "length": 2e-3, "height_unit": "um", "shortest": 40e-6}
+    options = {"file": list(map(str, files)), "length": 2.0, "x_unit": "mm", "height_unit": "um", "shortest": 20e-3}
     changes = {"loads": ["50 MPa"], "methods": ["bem"], "studies": {"shaft": {"trace": options}}, "figures": {}}
     loaded = scene_in(tmp_path, SCENE | changes)
     write_data(solve_scene(loaded, tmp_path / "curves"), tmp_path / "contact.nc")
@@ -147,8 +149,35 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
     with weier.open_dataset(tmp_path / "contact.nc") as data:
         assert data.trace_fit_D.values == pytest.approx(D, rel=1e-12)
         assert data.trace_fit_g_0.values == pytest.approx(g_0, rel=1e-12)
+        assert data.trace_fit_lambda_0.values == pytest.approx([fit.lambda_0 for fit in fits], rel=1e-12)
+        rolloff = [fit.rolloff or math.nan for fit in fits]
+        np.testing.assert_allclose(data.trace_fit_rolloff.values, rolloff, rtol=1e-12)
+        assert list(data.trace_fit_remark.values) == ["", "", ""]
         ensemble = data.weier.ensemble().iloc[0]
         assert explorer._labels(data, "trace")[0].startswith(f"shaft_1.csv: D = {D[0]:.2f} ± ")
     assert ensemble["trace_fit_D_mean"] == pytest.approx(D.mean())
     assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(g_0.std(ddof=1))
     assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))
+    assert ensemble["trace_fits"] == 3
+
+
+def test_the_band_of_fits_is_a_key_of_traces_and_fits_that_fail_say_why(tmp_path):
+    """In the unit of positions. Another band is another case; one that contains the roll-off has no fit."""
+    file = str(Path("config/scenes/measured/shaft_1.csv").resolve())
+    options = {"file": file, "length": 2.0, "x_unit": "mm", "height_unit": "um", "shortest": 10e-3}
+    studies = {"fine": {"trace": options | {"longest": 0.1}}, "long": {"trace": options | {"longest": "1.5"}}}
+    loaded = scene_in(tmp_path, SCENE | {"loads": ["50 MPa"], "methods": ["bem"], "studies": studies, "figures": {}})
+    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
+    found = weier.fit(loaded.study("fine")[0].profile, longest=0.1e-3)
+    with weier.open_dataset(tmp_path / "contact.nc") as data:
+        assert data.trace_fit_D.values == pytest.approx([found.D, math.nan], nan_ok=True)
+        good, bad = data.trace_fit_remark.values.tolist()
+        assert not good
+        assert re.search(r"must be one power law .*, got a roll-off at .*: take longest=", bad)
+        labels = explorer._labels(data, "trace")
+        assert "no fit, since the spectrum must be one power law" in labels[1]
+        ensemble = data.weier.ensemble().iloc[0]
+    assert ensemble["trace_fits"] == 1
+    assert ensemble["trace_fit_remarks"] == bad
+    with pytest.raises(SceneError, match="longest must be positive and at most the length of the trace, 2, got 3"):
+        scene_in(tmp_path, SCENE | {"studies": {"bad": {"trace": options | {"longest": 3}}}, "figures": {}})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -113,6 +114,18 @@ def doubted_fits(rounds: int) -> tuple[int, int]:
     return sum(found), len(found)
 
 
+def bent_laws(rounds: int) -> tuple[int, int]:
+    """Return the number of fits to lines of a power law that are cut off at a bend, and of all fits."""
+    random, found = np.random.default_rng(1), list[bool]()
+    for _, samples, D in product(range(rounds), (400, 2000), (1.3, 1.5, 1.7)):
+        trace = Trace(power_law(random, 4 * samples, D)[:samples], 5e-6 * samples, height_unit="um")
+        with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # of parts that decide, and of no D
+            fitted = fit(trace)
+            longest, finest = trace.lambda_0 / spectrum.WAVES_IN_LENGTH, trace.lambda_0 * trace.period / trace.finest
+            found.append(fitted.lambda_0 * math.sqrt(2) < 0.99 * longest or 2**fitted.m < longest / finest / 2)
+    return sum(found), len(found)
+
+
 def without_power(rounds: int, shortest: float) -> tuple[int, int]:
     """Return the number of mirrored lines that are refused as they have no power in the band, and of all lines."""
     random, found = np.random.default_rng(0), list[bool]()
@@ -156,6 +169,7 @@ def main(rounds: int, factor: float) -> Page:
             with scaled(limit, scale):
                 limits.append([limit, f"{scale:.2f}", *map(str, wrong(rounds))])
     doubted, fits = doubted_fits(rounds)
+    bent, laws = bent_laws(rounds)
     spectra = []
     for times in (0.1, 1, 3, 10):
         with scaled("EMPTY", times, spectrum):
@@ -168,6 +182,7 @@ def main(rounds: int, factor: float) -> Page:
         [
             markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
             f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
+            f"{bent} of {laws} fits to power laws are cut off at a bend.",
             markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
             markdown.table(of_bands, bands),
         ]

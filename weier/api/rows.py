@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from typing import Any
 
 from weier.api.task import CurveTask
@@ -13,8 +12,6 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.registry import find_method
 from weier.surface.limits import resolvable
-from weier.surface.measured.trace import Trace
-from weier.surface.spectrum import fit
 from weier.surface.waves import Waves
 from weier.theory.bounds import first_contact, infinite_series_bounds
 
@@ -50,8 +47,4 @@ def surface_row(surface: Waves) -> dict[str, Any]:
     }
     if math.isfinite(surface.m) and resolvable(surface):
         row["first_contact"] = first_contact(surface)
-    if isinstance(surface, Trace):
-        with suppress(ValueError):  # where no series has its spectrum
-            fitted = fit(surface)
-            row |= {f"trace_fit_{name}": getattr(fitted, name) for name in ("D", "D_error", "g_0", "g_0_error")}
     return row

@@ -172,9 +172,19 @@ class CurvesAccessor:
                 own, its_error = (data[each].reset_coords(drop=True) for each in (name, f"{name}_error"))
                 columns[f"{name}_mean"], columns[f"{name}_deviation"] = own.mean("case"), own.std("case", ddof=1)
                 columns[f"{name}_standard_error"] = its_error.mean("case")
+        columns |= _remarks_on_fits(data)
         frame = xr.Dataset(columns).to_dataframe(dim_order=curve[1:]).reset_index()
         frame = frame[frame["cases"] > 0][[*CURVE[1:], *columns]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
+
+
+def _remarks_on_fits(data: xr.Dataset) -> dict[str, Any]:
+    """Return the number of traces with a fit, and the remarks on all fits, for a table of an ensemble."""
+    if "trace_fit_remark" not in data.coords:
+        return {}
+    remarks = [text for text in dict.fromkeys(data["trace_fit_remark"].values.astype(str).tolist()) if text]
+    fits = data["trace_fit_D"].notnull().sum("case").reset_coords(drop=True)
+    return {"trace_fits": fits} | ({"trace_fit_remarks": "; ".join(remarks)} if remarks else {})
 
 
 def _traces_in_own_units(data: xr.Dataset) -> bool:

@@ -155,6 +155,13 @@ VARIABLES = {
         "amplitude of the coarsest wave of the series with the spectrum of the trace", "m", least=0
     ),
     "trace_fit_g_0_error": _of_trace("standard error of this amplitude", "m", least=0),
+    "trace_fit_lambda_0": _of_trace("wavelength of this wave", "m", least=0),
+    "trace_fit_rolloff": _of_trace(
+        "wavelength above which the spectrum is flatter than that of the series", "m", least=0
+    ),
+    "trace_fit_remark": _of_trace(
+        "why no series has the spectrum of the trace, or what dominates the fit", dtype="O"
+    ),
     "total_amplitude": Variable(
         ("case",),
         "sum of the amplitudes of the terms",

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from weier.api.rows import curve_row, surface_row
+from weier.api.rows import curve_row
 from weier.data.files import write_text
 from weier.pipeline.curves import SURFACE, Curves, Lacking
-from weier.pipeline.jobs import solve_curve
+from weier.pipeline.jobs import described, solve_curve
 from weier.pipeline.store import ADOPTED, SUFFIX, Store
 
 SAMPLE = 50  # curves of each kind that are solved again, evenly spread over those that there are
@@ -98,8 +98,8 @@ def _compared(sample: Sequence[tuple[Lacking, int]], known: Store) -> Verdict:
     kind = sample[0][0].part.kind
     identical, within, largest = True, True, np.nan
     for lacking, number in sample:
-        surface = lacking.part.case(number).profile
-        new = surface_row(surface) if kind.method == SURFACE else curve_row(*solve_curve(surface, kind))
+        case = lacking.part.case(number)
+        new = described(case) if kind.method == SURFACE else curve_row(*solve_curve(case.profile, kind))
         key = lacking.part.keys[number : number + 1]
         old = {name: found[0] for name in new if (found := known.read(kind, key, name)) is not None}
         names = [name for name in new if name not in NOT_COMPARED and (kind.contact_edges or np.ndim(new[name]) < 2)]

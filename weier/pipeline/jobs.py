@@ -17,6 +17,7 @@ from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.pipeline.curves import SURFACE, Kind, Lacking
 from weier.pipeline.store import Store
 from weier.scene.case import Case
+from weier.surface.spectrum import columns_of_fits
 from weier.surface.waves import Waves
 
 # Seconds of work that are lost with a job, and most of its time that may go into writing; rows that fit into memory.
@@ -94,10 +95,19 @@ def solve_curve(surface: Waves, kind: Kind) -> tuple[CurveTask, Any]:
         return curve, error.with_traceback(None)  # the traceback would keep the arrays of the solver
 
 
+def described(case: Case) -> dict[str, Any]:
+    """Return what describes the surface of a case, and the fit of a series to a trace."""
+    row = surface_row(case.profile)
+    if "trace" in case.parameters:
+        fits = columns_of_fits([(case.profile, case.parameters["trace"].get("longest"))])
+        row |= {name: column[0] for name, column in fits.items()}
+    return row
+
+
 def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
     """Return the row of one curve of a kind, or of a surface."""
     if kind.method == SURFACE:
-        return surface_row(case.profile)
+        return described(case)
     curve, outcome = solve_curve(case.profile, kind)
     if isinstance(outcome, Exception):
         say(f"{case.profile.describe()}, {kind.method}: {outcome}")

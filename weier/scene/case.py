@@ -16,20 +16,21 @@ from typing import Any
 
 import numpy as np
 
-from weier.checks import checked_file, readable
+from weier.checks import checked_file, checked_number, readable
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
-from weier.surface.measured.trace import Trace
+from weier.surface.measured.trace import DECIMAL_ROUNDING, Trace
+from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 
 # Limit of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
 # The parameters of a trace that are numbers.
-NUMBERS_OF_TRACE = ("shortest", "length")
+NUMBERS_OF_TRACE = ("shortest", "longest", "length")
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
 # Copies and locks that editors and office programs leave beside a file.
@@ -117,7 +118,7 @@ def identity(name: str, value: Any) -> Any:
     A trace is its name and its content, not the location of its file.
     """
     if name == "trace":
-        return [value.get("name", value["file"]), value["digest"]]
+        return [value.get("name", value["file"]), value["digest"], *_given(value, "longest")]
     if name == "gamma":
         return str(checked_ratio(value))
     if name == "seed":
@@ -190,14 +191,32 @@ def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, A
     parameters = {"source": readable(source)} | dict(values) | numbers | {"file": str(folder / values["file"])}
     found = Trace.read(**_arguments(parameters))
     traces = [found] if isinstance(found, Trace) else found
+    if "longest" in numbers:
+        parameters["longest"] = _in_metres(numbers["longest"], parameters, min(trace.lambda_0 for trace in traces))
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
     names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
     return [parameters | line | name for line, name in zip(lines, names, strict=True)]
 
 
+def _in_metres(longest: Any, parameters: Mapping[str, Any], length: float) -> float:
+    """Return the longest wavelength of the fits, in m, from one in the unit of positions."""
+    unit = UNITS[next((parameters[name] for name in ("unit", "x_unit") if name in parameters), "m")]
+    return unit * checked_number(
+        "longest",
+        longest,
+        f"be positive and at most the length of the trace, {length / unit:.6g}",
+        lambda x: 0 < x * unit <= length * DECIMAL_ROUNDING,
+    )
+
+
+def _given(values: Mapping[str, Any], name: str) -> list[Any]:
+    return [values[name]] if name in values else []
+
+
 def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return the parameters of a trace as arguments of `Trace.read`."""
-    given = {name: value for name, value in parameters.items() if name not in ("file", "name", "digest")}
+    others = ("file", "name", "digest", "longest")
+    given = {name: value for name, value in parameters.items() if name not in others}
     return {"path": parameters["file"], **given}
 
 

@@ -255,6 +255,11 @@ class TraceKeys(Part):
         description="Shortest wavelength, in m or in x_unit or unit; two steps by default. A list makes one case per "
         "file and value.",
     )
+    longest: Number = Field(
+        ABSENT,
+        description="Longest wavelength of the series that is fitted to the spectrum, in m or in x_unit or unit; by "
+        "default a quarter of the length, or less where the spectrum rolls off.",
+    )
     length: Number = Field(
         ABSENT, description="Length of the trace if the file does not give it, in m or in x_unit or unit."
     )

@@ -9,18 +9,21 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
+from numpy.typing import NDArray
 
 from weier import units
 from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.surface.measured.trace import DECIMAL_ROUNDING, MIRRORED, PERIODIC, TAPER, TAPERED, Trace
+from weier.surface.bends import BENT, CERTAINLY_BENT, LONG, SHORT, Spectrum, likeliest_bend, log_of
+from weier.surface.measured.artefacts import detrended
+from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, TAPER, TAPERED, Trace
 from weier.surface.profile import Profile, checked_ratio
 from weier.surface.series import amplitude
 
@@ -37,13 +40,12 @@ MIN_RATIO = 4.0  # of the wavelengths: on two octaves 0.68 of the lines have a D
 # refused, nor at three times as much; at ten times three are
 EMPTY = 0.01
 AROUND = math.sqrt(2)  # half an octave on either side
-# fraction of the variance kept by the extension: sin^2 tapers of length a at both ends keep 1 - 5 a/4
-KEPT_VARIANCE = {MIRRORED: 1.0, PERIODIC: 1.0, TAPERED: 1 - 5 * TAPER / 4}
-# Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a
-# periodic trace, and one square in a mirrored one. A taper correlates neighbours, which raises the variance of sums
-# by the mean of the fourth power of the window, 1 - 93 a/64, over the square of the mean of its second power.
-SCATTER = {MIRRORED: 2.0, PERIODIC: 1.0, TAPERED: (1 - 93 * TAPER / 64) / KEPT_VARIANCE[TAPERED] ** 2}
+# Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a periodic
+# trace, and one square in a mirrored one.
+PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
 STEEPEST = 40.0  # bracket of the exponent; a series has 1 to 3
+# standard deviations of the mean power of half an octave about the law, beyond which the law does not hold there
+OUTLYING = 3.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,9 @@ class Fit:
         Wavelength of the coarsest wave, in m.
     g_0, g_0_error : float
         Its amplitude, and the standard error of it, in m.
+    rolloff : float or None
+        Wavelength, in m, above which the spectrum is flatter than the power law, so that lambda_0 lies below it; None
+        if the law holds up to the longest wavelength compared.
     source : str
         Name of the trace.
     """
@@ -73,6 +78,7 @@ class Fit:
     lambda_0: float
     g_0: float
     g_0_error: float
+    rolloff: float | None = None
     source: str = ""
 
     def profile(self, phases: Any = 0.0, *, m: float | None = None, seed: int | None = None) -> Profile:
@@ -93,7 +99,8 @@ def fit(
     trace : Trace or sequence of Trace
         The measured surface, or several lines of it.
     longest, shortest : float, optional
-        Band of wavelengths, in m; by default from a quarter of the length of the trace to its shortest wavelength.
+        Band of wavelengths, in m; by default from a quarter of the length of the trace (of the untapered part) to its
+        shortest wavelength, or the part of it without bends of the spectrum.
         Each term represents a band from gamma^(-1/2) to gamma^(1/2) times its wavelength, so that lambda_0 is
         `longest`/gamma^(1/2).
     gamma : int, Fraction, str or float
@@ -108,7 +115,8 @@ def fit(
     ------
     ValueError
         If the band is narrower than two octaves or gamma, or not in the trace, if the trace has no waves at an end of
-        the band, or if the slope of its spectrum gives no D with 1 < D < 2.
+        the band, if the slope of its spectrum gives no D with 1 < D < 2, or if the spectrum bends within a given band
+        or leaves no law on two octaves; the message names the wavelength to take.
 
     Warns
     -----
@@ -122,9 +130,12 @@ def fit(
     c = sum w_k ln k/sum w_k. No bins are needed. g_0 gives the series the variance of the band.
 
     Standard errors are those of a random surface with the fitted spectrum and independent waves, from the derivatives
-    of D and ln g_0 with respect to ln P_k and their correlation. The bias is removed to second order. On the default
-    band, errors cover the true values as those of a normal distribution (docs/measured.rst). Weierstrass series are
-    not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+    of D and ln g_0 with respect to ln P_k and their correlation, and larger where the spectrum is no power law or may
+    bend. The bias is removed to second order. docs/measured.rst has the part of true values within the errors.
+    Weierstrass series are not random; on lengths of 20 `longest` and more the fit finds their D within 0.01.
+
+    A likelihood-ratio test finds bends: a roll-off, as ground surfaces have, waviness, noise, or a filter. Without
+    `longest`, the law below a roll-off is fitted, and `rolloff` is its wavelength.
 
     Examples
     --------
@@ -141,41 +152,52 @@ def fit(
     if not isinstance(trace, Trace):
         raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)
-    first, m = _band(trace, longest, shortest, ratio)
-    last, period = first / float(ratio) ** m, trace.lambda_0 * trace.period
-    finest = min(math.floor(period / last * DECIMAL_ROUNDING), trace.waves_per_period[-1])
-    every = np.arange(1, trace.waves_per_period[-1] + 1)
-    variance = (trace.g_0 * trace.amplitude) ** 2 / 2  # m^2
-    variance_of_wave = np.asarray(
-        np.bincount(trace.waves_per_period, variance)[every], float
-    )  # 0 for waves not there
-    band = slice(math.ceil(period / first / DECIMAL_ROUNDING) - 1, finest)
-    k, power = every[band], variance_of_wave[band]
-    _check_power(k, every[_has_power(every, variance_of_wave)], period)
-    beta, scatter = _exponent(k, power), SCATTER[trace.ends]
-    D_influence, bias = _influence_on_D(k, beta, scatter)
-    D, D_error = (5 - beta) / 2 - bias, math.sqrt(scatter * D_influence @ D_influence)
-    n = np.arange(m)
-    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
-    part = variances / variances.sum()
-    P_share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
-    slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
-    curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
-    g_0_influence = P_share / 2 - slope * D_influence
-    error = math.sqrt(scatter * g_0_influence @ g_0_influence)
-    bias = -scatter * P_share @ P_share / 4 - curvature * D_error**2
-    g_0 = math.sqrt(2 * power.sum() / (KEPT_VARIANCE[trace.ends] * variances.sum())) * math.exp(-bias)
-    values = (ratio, m), (D, D_error), (g_0, error)
-    artefact = _artefact(trace, k, *values)
-    if not 1 < D < 2:
-        artefact = artefact or _artefact(trace, k, *values, width=2)
+    z, length = _untapered(trace)
+    whole = _spectrum(trace, z, length)
+    first, last = _band(trace, length, longest, shortest, ratio)
+    law = whole_law = _law(whole, first, last, ratio)
+    _check_power(whole.between(first, law.shortest).k, whole.k[_has_power(whole.k, whole.variance)], whole.period)
+    rolloff, doubt = None, np.zeros(2)
+    artefact = _artefact(trace, z, law) or ("" if 1 < law.D < 2 else _artefact(trace, z, law, width=2))
+    if not artefact:  # The spectra of scratches have bends.
+        given = {LONG: longest is not None, SHORT: shortest is not None}
+        law, rolloff, doubt = _straight_law(whole, law, last, given)
+        artefact = _artefact(trace, z, law) if law is not whole_law else ""
+    if not 1 < law.D < 2:
         raise ValueError(
-            f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * D:.3g} from {first:g} to "
-            f"{last:g} m: {artefact or 'take other wavelengths'}"
+            f"the spectrum must fall as k^-beta with beta between 1 and 3, got {5 - 2 * law.D:.3g} from "
+            f"{law.longest:g} to {law.shortest:g} m: {artefact or 'take other wavelengths'}"
         )
     if artefact:
-        warnings.warn(artefact, stacklevel=2)
-    return Fit(D, D_error, ratio, m, first / math.sqrt(ratio), g_0, g_0 * error, trace.source)
+        warnings.warn(f"trace {trace.source}: {artefact}" if trace.source else artefact, stacklevel=2)
+    D_error, g_0_error = np.sqrt(law.errors**2 + law.misfit + doubt).tolist()
+    lambda_0 = law.longest / math.sqrt(ratio)
+    return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
+
+
+def columns_of_fits(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
+    """Return the fits of traces, each with its `longest`, as columns of results; None stands for another surface.
+
+    Where a trace has no fit, its numbers are NaN, and the remark is the reason. Where a part of the line dominates a
+    fit, the remark says so.
+    """
+    names = "D", "D_error", "g_0", "g_0_error", "lambda_0", "rolloff"
+    rows, remarks = list[list[float]](), list[str]()
+    for one in traces:
+        found, remark = None, ""
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                found = fit(*one) if one else None
+            except ValueError as error:
+                remark = str(error)
+        rows.append([value if (value := getattr(found, name, None)) is not None else math.nan for name in names])
+        remarks.append(remark or " ".join(str(warning.message) for warning in caught))
+    numbers = np.array(rows, float).reshape(-1, len(names)).T
+    columns: dict[str, NDArray[Any]] = {
+        f"trace_fit_{name}": values for name, values in zip(names, numbers, strict=True)
+    }
+    return columns | {"trace_fit_remark": np.array(remarks, str)}
 
 
 def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
@@ -186,8 +208,10 @@ def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
         raise ValueError(f"trace {trace.source}: {error}" if getattr(trace, "source", "") else str(error)) from None
 
 
-def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fraction) -> tuple[float, int]:
-    """Return the longest wavelength that is compared, in m, and the waves down to the shortest one."""
+def _band(
+    trace: Trace, length: float, longest: float | None, shortest: float | None, ratio: Fraction
+) -> tuple[float, float]:
+    """Return the longest and the shortest wavelength that are compared, in m, on this length of the trace."""
     finest = trace.lambda_0 * trace.period / trace.finest
     least = min(finest, trace.shortest)  # The second was given by the user, and is within one wave of the first.
     last = checked_number(
@@ -197,16 +221,139 @@ def _band(trace: Trace, longest: float | None, shortest: float | None, ratio: Fr
         lambda x: least <= x * DECIMAL_ROUNDING,
         units.METRE,
     )
-    fewest = max(MIN_RATIO, float(ratio)) * last
+    fewest = _least_ratio(ratio) * last
     first = checked_number(
         "longest",
-        trace.lambda_0 / WAVES_IN_LENGTH if longest is None else longest,
+        length / WAVES_IN_LENGTH if longest is None else longest,
         f"lie between {fewest:.6g} m, {MIN_RATIO:g} and gamma times the shortest wavelength, and the length of the "
-        f"trace, {trace.lambda_0:.6g} m",
-        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= trace.lambda_0 * DECIMAL_ROUNDING,
+        f"trace, {length:.6g} m",
+        lambda x: fewest <= x * DECIMAL_ROUNDING and x <= length * DECIMAL_ROUNDING,
         units.METRE,
     )
-    return first, math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
+    return first, last
+
+
+def _least_ratio(ratio: Fraction) -> float:
+    """Return the least ratio of the wavelengths at the ends of a band."""
+    return max(MIN_RATIO, float(ratio))
+
+
+def _untapered(trace: Trace) -> tuple[Array, float]:
+    """Return the heights that no taper has changed, and their length, both in m.
+
+    A taper turns heights at the ends into waves of its own length, so that the tapered line has no spectrum of the
+    surface there if waves longer than the line are high.
+    """
+    z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
+    if trace.ends == TAPERED:
+        ends = math.ceil(TAPER * z.size)
+        z = detrended(z[ends:-ends], trace.detrend)
+    return z, trace.lambda_0 * z.size / trace.samples
+
+
+def _extended(trace: Trace, z: Array) -> Array:
+    """Return one period of these heights of a trace, which is mirrored unless it is periodic."""
+    return z if trace.ends == PERIODIC else np.concatenate([z, z[::-1]])
+
+
+def _spectrum(trace: Trace, z: Array, length: float) -> Spectrum:
+    """Return the spectrum of heights of a trace on this length, in m, down to the shortest wave of the trace."""
+    whole = _extended(trace, z)
+    period = length * whole.size / z.size
+    most = math.floor(period / trace.lambda_0 / trace.period * trace.finest * DECIMAL_ROUNDING)
+    variance = 2 * np.abs(np.fft.rfft(whole)[1 : most + 1] / whole.size) ** 2
+    scatter = PERIODIC_SCATTER if trace.ends == PERIODIC else MIRRORED_SCATTER
+    return Spectrum(np.arange(1, variance.size + 1), variance, period, scatter)
+
+
+class Law(NamedTuple):
+    """The series with the spectrum of the waves between two wavelengths, in m.
+
+    The errors are those of D and ln g_0 on a random surface. `misfit` is the variance to be added to their squares,
+    since the mean power of some half octaves is further from the law than on a random surface.
+    """
+
+    longest: float
+    shortest: float
+    ratio: Fraction
+    m: int
+    D: float
+    g_0: float
+    errors: Array
+    misfit: Array
+
+
+def _law(whole: Spectrum, first: float, last: float, ratio: Fraction) -> Law:
+    """Return the law between two wavelengths, the second of which is raised to a whole number of terms."""
+    m = math.floor(math.log(first / last * DECIMAL_ROUNDING) / math.log(ratio))
+    last = first / float(ratio) ** m
+    k, variance, _, scatter = whole.between(first, last)
+    beta = _exponent(k, variance)
+    D_influence, D_bias = _influence_on_D(k, beta, scatter)
+    D = (5 - beta) / 2 - D_bias
+    n = np.arange(m)
+    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
+    part = variances / variances.sum()
+    share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
+    slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
+    curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
+    influences = np.array([D_influence, share / 2 - slope * D_influence])
+    errors = np.sqrt(scatter * (influences**2).sum(axis=1))
+    bias = -scatter * share @ share / 4 - curvature * float(errors[0]) ** 2
+    g_0 = math.sqrt(2 * variance.sum() / variances.sum()) * math.exp(-bias)
+    half_octave, excess = _excess(k, variance, beta, scatter)
+    of_half_octaves = np.array([np.bincount(half_octave, influence) for influence in influences])
+    return Law(first, last, ratio, m, D, g_0, errors, of_half_octaves**2 @ excess)
+
+
+def _excess(k: Indices, variance: Array, beta: float, scatter: float) -> tuple[Indices, Array]:
+    """Return the half octave of each wave, and the square of its mean power over the law, minus 1, where outlying."""
+    half_octave = np.floor(2 * np.log2(k / k[0])).astype(int)
+    half_octave = np.unique(half_octave, return_inverse=True)[1]
+    weight, x = _weights(k)
+    weighted = scipy.special.softmax(log_of(weight * variance) + beta * x)  # by weights, the power over the law
+    mean = np.bincount(half_octave, weighted) / np.bincount(half_octave, weight)
+    theory = scatter / np.bincount(half_octave)
+    return half_octave, np.maximum((mean - 1) ** 2 - OUTLYING**2 * theory, 0)
+
+
+def _straight_law(
+    whole: Spectrum, law: Law, last: float, given: Mapping[int, bool]
+) -> tuple[Law, float | None, Array]:
+    """Return the law between all significant bends, the wavelength of the roll-off, in m, and the doubt about a bend.
+
+    The doubt is a variance of D and ln g_0: the square of what the likeliest bend that is not significant would do to
+    them, times its probability. The odds of the likeliest of many bends are taken as exp(gain - BENT), so that errors
+    cover power laws and spectra with bends alike (docs/measured.rst).
+
+    Raises
+    ------
+    ValueError
+        If there certainly is a bend beyond which a `given` end of the band lies.
+    """
+    first, rolloff, doubt = law.longest, None, np.zeros(2)
+    while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):
+        at, end = (whole.period / math.exp(x) for x in (bend.place, bend.end))
+        if given[bend.side] and bend.gain > CERTAINLY_BENT:
+            what = "roll-off" if bend.is_rolloff else "bend"
+            advice = "longest" if bend.side == LONG else "shortest"
+            raise ValueError(
+                f"the spectrum must be one power law from {first:.6g} to {last:.6g} m, got a {what} at {at:.3g} m: "
+                f"take {advice}={end:.3g}, or none"
+            )
+        if given[bend.side] or bend.gain <= BENT:
+            x = np.log(whole.k)
+            with_bend, without = (
+                _law(whole._replace(variance=np.exp(-bend.beta * q)), first, last, law.ratio)
+                for q in (bend.bent(x), x)
+            )
+            shift = with_bend.D - without.D, math.log(with_bend.g_0 / without.g_0)
+            doubt = np.square(shift) * scipy.special.expit(bend.gain - BENT)
+            break
+        first, last = (end, last) if bend.side == LONG else (first, end)
+        rolloff = at if bend.is_rolloff else rolloff
+        law = _law(whole, first, last, law.ratio)
+    return law, rolloff, doubt
 
 
 def _has_power(k: Indices, power: Array) -> Flags:
@@ -239,42 +386,37 @@ def _check_power(k: Indices, known: Indices, period: float) -> None:
         raise ValueError(f"{problem} longer than {first:.3g} m: take longest={first:.3g}")
 
 
-def _artefact(
-    trace: Trace,
-    k: Indices,
-    series: tuple[Fraction, int],
-    D: tuple[float, float],
-    g_0: tuple[float, float],
-    width: int = 1,
-) -> str:
+def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     """Return a sentence on the part of the line that dominates the fit, as a scratch does; empty if none does.
 
-    Each window of `width` parts is replaced by a straight line, which removes its fine waves from the spectrum. D and
-    g_0 are given with the standard errors of D and ln g_0, and `series` is the ratio and the number of waves.
+    Each window of `width` parts of the heights z is replaced by a straight line, which removes its fine waves from
+    the spectrum.
     """
-    z = trace.sampled_height(trace.period * trace.samples)
-    ends = np.linspace(0, trace.samples, PARTS + 1).astype(int)
+    ends = np.linspace(0, z.size, PARTS + 1).astype(int)
     windows = list(zip(ends[:-width].tolist(), ends[width:].tolist(), strict=True))
+    length = trace.lambda_0 * z.size / trace.samples
+    around = _extended(trace, z)
     without = np.empty((2, len(windows)))  # D and ln g_0
     for part, (start, end) in enumerate(windows):
-        flat = z[: trace.samples].copy()
-        flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], z[[start - 1, end % z.size]])
-        whole = flat if trace.period == 1 else np.concatenate([flat, flat[::-1]])
-        power = np.abs(np.fft.rfft(whole)[k]) ** 2
-        own = (5 - _exponent(k, power)) / 2
-        variances = amplitude(np.arange(series[1]), own, float(series[0])) ** 2
-        without[:, part] = own, math.log(power.sum() / variances.sum()) / 2
+        flat = z.copy()
+        flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], around[[start - 1, end % around.size]])
+        k, variance, *_ = _spectrum(trace, flat, length).between(law.longest, law.shortest)
+        own = (5 - _exponent(k, variance)) / 2
+        variances = amplitude(np.arange(law.m), own, float(law.ratio)) ** 2
+        without[:, part] = own, math.log(variance.sum() / variances.sum()) / 2
     shift = without - np.median(without, axis=1, keepdims=True)
-    over_error = np.abs(shift) / [[D[1]], [g_0[1]]]
+    over_error = np.abs(shift) / law.errors[:, np.newaxis]
     quantity, at = np.unravel_index(int(over_error.argmax()), shift.shape)
     if not over_error[quantity, at] > DOMINANT:
         return ""
-    x = np.array(windows[at]) / trace.samples * trace.lambda_0
+    cut = (trace.samples - z.size) // 2  # tapered heights at either end
+    x = (cut + np.array(windows[at])) / trace.samples * trace.lambda_0
+    D_error, g_0_error = law.errors.tolist()
     if quantity == 0:
-        what = f"D: it is {D[0]:.3g} +- {D[1]:.1g} with them and {D[0] + shift[0, at]:.3g} without"
+        what = f"D: it is {law.D:.3g} +- {D_error:.1g} with them and {law.D + shift[0, at]:.3g} without"
     else:
-        gone = g_0[0] * math.exp(shift[1, at])
-        what = f"g_0: it is {g_0[0]:.3g} +- {g_0[0] * g_0[1]:.1g} m with them and {gone:.3g} m without"
+        gone = law.g_0 * math.exp(shift[1, at])
+        what = f"g_0: it is {law.g_0:.3g} +- {law.g_0 * g_0_error:.1g} m with them and {gone:.3g} m without"
     return (
         f"the heights from x = {x[0]:.4g} to {x[1]:.4g} m, a {PARTS // width}th of the line, decide on {what}. Is "
         "there a scratch or dust? Cut the line there, or write the heights as missing, nan, and say "
@@ -293,9 +435,14 @@ def _weights(k: Indices) -> tuple[Array, Array]:
 def _exponent(k: Indices, power: Array) -> float:
     """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
-    log_power = np.log(np.maximum(weight * power / power.max(), 1e-300))
-    softmax = scipy.special.softmax  # w_k P_k k^beta over their sum, which may overflow
-    return float(scipy.optimize.brentq(lambda beta: softmax(log_power + beta * x) @ x, -STEEPEST, STEEPEST))
+    log_power = log_of(weight * power)
+
+    def centre(beta: float) -> float:
+        return float(scipy.special.softmax(log_power + beta * x) @ x)  # w_k P_k k^beta itself may overflow
+
+    if not centre(-STEEPEST) < 0 < centre(STEEPEST):  # few waves, beside none
+        return math.copysign(STEEPEST, -centre(0))
+    return float(scipy.optimize.brentq(centre, -STEEPEST, STEEPEST))
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:

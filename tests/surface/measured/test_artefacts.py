@@ -199,6 +199,41 @@ def test_the_end_of_a_period_is_given_once(phase):
     assert trace(wave(np.linspace(0, 1, 101)), ends="mirrored").samples == 101
 
 
-def test_a_period_that_is_symmetric_about_its_ends_repeats_no_height():
-    for z in (np.cos(2 * np.pi * (N + 0.5) / 200), np.minimum(np.cos(2 * np.pi * N / 200), 0.5)):
-        assert trace(z, ends="periodic").samples == 200
+PERIODS = {
+    "flat to fourth order": lambda x: np.cos(x) - np.cos(2 * x) / 4,
+    "flat to sixth order": lambda x: 15 * np.cos(x) - 6 * np.cos(2 * x) + np.cos(3 * x),
+    "nearly square": lambda x: np.tanh(3 * np.cos(x)),
+    "flat valley": lambda x: -np.tanh(3 * np.cos(x)),
+    "square, 4 waves": lambda x: sum((-1) ** j * np.cos((2 * j + 1) * x) / (2 * j + 1) for j in range(4)),
+    "sharp crest": lambda x: np.exp(-8 * (1 - np.cos(x))),
+    "one wave": np.cos,
+}
+
+
+@pytest.mark.parametrize("count", [64, 100, 128, 333])
+@pytest.mark.parametrize("start", [0, 0.5, 11])
+@pytest.mark.parametrize("name", PERIODS)
+def test_only_a_repeated_height_is_repeated(name, start, count):
+    """On a crest, with equal heights on both sides of it, and on a flank; doubled, the flat crest is as smooth."""
+    z = PERIODS[name](2 * np.pi * (np.arange(count) + start) / count)
+    assert trace(z, ends="periodic").samples == count
+    if start == 11:
+        with pytest.raises(ValueError, match="a period must hold its end once"):
+            trace(np.append(z, z[0]), ends="periodic")
+
+
+@pytest.mark.parametrize("D", [1.1, 1.5, 1.9])
+def test_rough_periods_that_repeat_a_height_are_refused(D):
+    random, k = np.random.default_rng(2), np.arange(1, 200)
+    for _ in range(20):
+        z = np.fft.irfft(np.append(0, k ** (D - 2.5) * np.exp(2j * np.pi * random.random(k.size))), 400)
+        assert trace(z / np.ptp(z), ends="periodic").samples == 400
+        with pytest.raises(ValueError, match="a period must hold its end once"):
+            trace(np.append(z, z[0]) / np.ptp(z), ends="periodic")
+    coarse = np.round(z / np.ptp(z), 2)  # Here many neighbours are equal.
+    end = int(np.flatnonzero(np.diff(coarse) == 0)[0]) + 1
+    assert trace(np.roll(coarse, -end), ends="periodic").samples == 400
+
+
+def test_a_plateau_at_the_ends_of_a_period_repeats_no_height():
+    assert trace(np.minimum(np.cos(2 * np.pi * N / 200), 0.5), ends="periodic").samples == 200

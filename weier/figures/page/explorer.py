@@ -166,8 +166,11 @@ def _labels(data: xr.Dataset, name: str) -> list[str]:
 def _fit(data: xr.Dataset, row: int) -> str:
     """The fit of a series to the trace of a case, if it has one, as the end of its label."""
     names = ("trace_fit_D", "trace_fit_D_error", "trace_fit_g_0", "trace_fit_g_0_error")
-    if names[0] not in data.variables or np.isnan(data[names[0]].values[row]):
+    if names[0] not in data.variables:
         return ""
+    if np.isnan(data[names[0]].values[row]):
+        remark = label_text(data["trace_fit_remark"].values[row]) if "trace_fit_remark" in data.variables else ""
+        return f": no fit, since {remark}" if remark else ""
     D, D_error, g_0, g_0_error = (float(data[name].values[row]) for name in names)
     return f": D = {D:.2f} \N{PLUS-MINUS SIGN} {D_error:.2f}, g_0 = {g_0:.2g} \N{PLUS-MINUS SIGN} {g_0_error:.1g} m"
 

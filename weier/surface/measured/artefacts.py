@@ -44,6 +44,9 @@ ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
 # A period that repeats its first height at its end does so to this part of the range of heights.
 SAME_HEIGHT = 1e-6
+# Omitting a height changes the fine waves of rough lines by less than this factor. Neighbours may then be equal by
+# chance if more than this part of all are, since the heights have few digits or lie on a plateau.
+SMOOTHER, RECURRING_NEIGHBOURS = 2.0, 0.01
 
 
 class Filled(NamedTuple):
@@ -225,18 +228,28 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
 def check_end_of_period(z: Array) -> None:
     """Refuse a period whose last height repeats the first one.
 
-    Two equal heights may also lie on both sides of a crest, or on a flat one. The third differences across the ends
-    are then smaller with both heights than without one of them.
+    Two equal heights may also lie on both sides of a crest, or on a flat one. A repeated height delays the line by
+    one step, which raises the finer half of the waves of a smooth line; so does the omission of a height that belongs
+    there. A rough line has these waves anyway: there, equal heights are no chance unless other neighbours are equal.
     """
-    if abs(z[-1] - z[0]) > SAME_HEIGHT * np.ptp(z):
+    same = SAME_HEIGHT * np.ptp(z)
+    if abs(z[-1] - z[0]) > same:
         return
-    both, one = np.concatenate([z[-3:], z[:3]]), np.concatenate([z[-3:], z[1:3]])
-    kink = np.abs(np.diff(both, 3)).max()
-    if kink > SAME_HEIGHT * np.ptp(z) and np.abs(np.diff(one, 3)).max() < kink:
+    both, one = _fine_power(z), _fine_power(z[:-1])
+    smoother = one > SMOOTHER * both
+    rougher = both > SMOOTHER * one
+    recurring = np.mean(np.abs(np.diff(z)) <= same) > RECURRING_NEIGHBOURS
+    if rougher or not (smoother or recurring):
         raise ValueError(
             f"a period must hold its end once, got {z[-1]:.6g} m as the first and as the last of {z.size} heights: "
             f"leave out the last one, and take the length of {z.size - 1} steps"
         )
+
+
+def _fine_power(z: Array) -> float:
+    """Return the mean power of the finer half of the waves over that of all, or over rounding."""
+    power = np.abs(np.fft.rfft(z)[1:]) ** 2
+    return float(np.mean(power[power.size // 2 :]) / power.sum()) + np.finfo(float).eps ** 2
 
 
 def detrended(z: Array, detrend: str) -> Array:

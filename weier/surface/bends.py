@@ -1,0 +1,150 @@
+"""Bends of a spectrum: where it turns from a power law to another slope, by the likelihood of its waves.
+
+docs/api/trace.rst derives the likelihood. Ground and honed surfaces roll off, which flattens the spectrum above a
+wavelength; waviness makes it steeper there. Towards short waves, noise flattens it, and filters make it steeper.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy  # Its submodules are loaded on first use.
+
+from weier.kernels.arrays import Array, Indices
+
+# Twice the gain in log likelihood from which a roll-off counts: the 0.95 quantile of chi^2 with one degree of
+# freedom. Other bends need more, since they are rarer. `python -m weier.accuracy artefacts` counts wrong verdicts.
+BENT, MORE_FOR_OTHERS = 3.84, 3.0
+CERTAINLY_BENT = 10.8  # the same of the 0.999 quantile, from which a given band is refused
+LEAST_STEEP, KINKED = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
+BISECTIONS = 30  # of the exponent, to 1e-8
+SHARPNESS = (2.0, 8.0)  # of bends, which are smooth or abrupt
+FLAT, STEEP = 0.0, 3.0  # slopes beyond a bend over that of the law; those of other bends lie between
+LONG, SHORT = -1, 1  # sides of a bend, beyond which the law does not hold
+BENDS_PER_OCTAVE = 4  # places at which a bend is tried; results hardly change with eight
+BINS_PER_OCTAVE = 16  # of waves for the likelihood, which varies little within
+TURNED = 1 / 16  # (k_b/k)^s, or (k/k_b)^s, from which the slope is nearly that of the law
+
+
+class Spectrum(NamedTuple):
+    """Variances of the waves of heights, in m^2, with k waves in a period, in m.
+
+    `scatter` is the relative variance of such a variance on a random surface.
+    """
+
+    k: Indices
+    variance: Array
+    period: float
+    scatter: float
+
+    def between(self, longest: float, shortest: float, tolerance: float = 1 + 1e-9) -> Spectrum:
+        """Return the part of the spectrum between two wavelengths, in m."""
+        most, least = (self.period / wavelength for wavelength in (shortest, longest))
+        part = (self.k >= least / tolerance) & (self.k <= most * tolerance)
+        return self._replace(k=self.k[part], variance=self.variance[part])
+
+
+class Bend(NamedTuple):
+    """A spectrum k^-beta with another slope beyond a bend at ln k = `place`, by a factor on one side.
+
+    `gain` is twice the logarithm of its likelihood over that of a power law without a bend.
+    """
+
+    side: int
+    factor: float
+    place: float
+    sharpness: float
+    beta: float = math.nan
+    gain: float = -math.inf
+
+    def bent(self, x: Array) -> Array:
+        """Return q at x = ln k: the spectrum is exp(-beta q)."""
+        s = self.side * self.sharpness
+        return np.asarray(x + (self.factor - 1) * np.logaddexp(s * (x - self.place), 0) / s)
+
+    @property
+    def is_rolloff(self) -> bool:
+        """Return whether the spectrum is flat above a wavelength."""
+        return (self.side, self.factor) == (LONG, FLAT)
+
+    @property
+    def end(self) -> float:
+        """Return ln k at which the law ends."""
+        return self.place + self.side * math.log(TURNED) / self.sharpness
+
+
+def likeliest_bend(band: Spectrum, least_ratio: float) -> Bend | None:
+    """Return the likeliest bend beside a law on this ratio of wavelengths at least; None if there is none.
+
+    Raises
+    ------
+    ValueError
+        If a bend that leaves no room for a law is certainly likelier than all that do.
+    """
+    top, bottom = math.log(band.k[0]), math.log(band.k[-1])
+    steps = np.arange(0, bottom - top - math.log(2), math.log(2) / BENDS_PER_OCTAVE).tolist()
+    kinds = product((LONG, SHORT), (FLAT, STEEP), SHARPNESS, steps)
+    bends = [Bend(side, f, top + x if side == LONG else bottom - x, s) for side, f, s, x in kinds]
+    bends = sorted(_rated(band, bends), key=lambda bend: -bend.gain)
+    length = math.log(least_ratio / (1 + 1e-9))
+    other_end = {LONG: bottom, SHORT: top}
+    best = next((bend for bend in bends if bend.side * (bend.end - other_end[bend.side]) >= length), None)
+    if bends and bends[0].gain > CERTAINLY_BENT + max(0.0, best.gain if best else 0.0):
+        raise ValueError(
+            f"the spectrum must be a power law from one wavelength to {least_ratio:g} times of it at least, got a "
+            f"bend at {band.period / math.exp(bends[0].place):.3g} m between {band.period / band.k[0]:.3g} and "
+            f"{band.period / band.k[-1]:.3g} m: measure a longer line, or shorter waves"
+        )
+    return best
+
+
+def log_of(power: Any) -> Array:
+    """Return the logarithm of a power over the greatest one."""
+    return np.asarray(np.log(np.maximum(power / np.max(power), 1e-300)))
+
+
+def _rated(band: Spectrum, bends: list[Bend]) -> list[Bend]:
+    """Return the bends of laws that waves have, with exponents and gains.
+
+    On a random surface, P_k/S_k is chi^2 distributed with 2/scatter degrees of freedom, over their number. With S_k =
+    A exp(-beta q_k) the likelihood of N waves is greatest where L = ln sum P_k exp(beta (q_k - mean q)) is least, and
+    its logarithm then is -N L/scatter. A power law has q = ln k. The waves of a bin share their q. Where P_k/S_k
+    scatters more than on a random surface, gains are divided by the ratio of the variances.
+    """
+    x = np.log(band.k)
+    bins = np.unique(np.floor(BINS_PER_OCTAVE * np.log2(band.k / band.k[0])), return_inverse=True)[1]
+    waves, log_power = np.bincount(bins), log_of(np.bincount(bins, band.variance))
+    mean_x = np.bincount(bins, x) / waves
+    q = np.array([mean_x, *(bend.bent(mean_x) for bend in bends)])
+    q -= (q @ waves / x.size)[:, np.newaxis]
+    beta = _exponents(log_power, q)
+    least = scipy.special.logsumexp(log_power + beta[:, np.newaxis] * q, axis=1)
+    gain = 2 * x.size / band.scatter * (least[0] - least[1:])
+    found = [
+        bend._replace(beta=own, gain=more - (0 if bend.is_rolloff else MORE_FOR_OTHERS))
+        for bend, own, more in zip(bends, beta[1:].tolist(), gain.tolist(), strict=True)
+        if LEAST_STEEP < own < KINKED
+    ]
+    if not found:
+        return []
+    best = max(found, key=lambda bend: bend.gain)
+    over_law = scipy.special.softmax(log_of(band.variance) + best.beta * best.bent(x))
+    effective = 1 / float(over_law @ over_law) - 3  # waves, less the parameters
+    dispersion = max(1.0, (x.size / max(effective, 1e-9) - 1) / band.scatter)
+    return [bend._replace(gain=bend.gain / dispersion) for bend in found]
+
+
+def _exponents(log_power: Array, q: Array) -> Array:
+    """Return the likeliest exponent of each row of q, by bisection between -2 KINKED and 2 KINKED.
+
+    The powers times exp(beta q) then have their centre at q = 0.
+    """
+    low, high = np.full(len(q), -2 * KINKED), np.full(len(q), 2 * KINKED)
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        right = np.sum(scipy.special.softmax(log_power + middle[:, np.newaxis] * q, axis=1) * q, axis=1) > 0
+        low, high = np.where(right, low, middle), np.where(right, middle, high)
+    return np.asarray((low + high) / 2)
