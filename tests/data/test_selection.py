@@ -318,6 +318,29 @@ def test_a_curve_gives_its_profile_back(profile, tmp_path):
         weier.profile_of(both)
 
 
+def test_neighbouring_seeds_are_told_apart():
+    seeds = [2**53 - 1, 2**53 - 2, 2**52, 2**52 + 1, 10**6, 10**6 + 1]
+    profiles = [weier.Profile(1.5, 5, 3, seed=seed) for seed in seeds]
+    data = weier.solve(profiles, [0.1], ["demelio"])
+    assert np.unique(data["case"]).size == len(seeds)
+    for seed, profile in zip(seeds, profiles, strict=True):
+        assert weier.profile_of(data.weier.cases(seed=seed)) == profile
+    with pytest.raises(ValueError, match=r"no case has seed = 1000002: choose from 1000000, 1000001, 45"):
+        data.weier.cases(seed=10**6 + 2)
+
+
+def test_a_profile_has_the_phases_of_its_curve_whatever_its_seed_gives():
+    """The seed may be one that a float has rounded, or of another generator of random numbers."""
+    profile = weier.Profile(1.5, 5, 3, seed=3)
+    curve = weier.solve(profile, [0.1], "demelio")
+    for seed in (4.0, 2.0**60):
+        changed = curve.assign_coords(seed=seed)
+        assert np.array_equal(weier.profile_of(changed).phase, profile.phase)
+    infinite = weier.solve(weier.Profile(1.5, 5, np.inf, seed=3), [0.1], "demelio").assign_coords(seed=2.0**60)
+    with pytest.raises(ValueError, match="seed must be at most"):
+        weier.profile_of(infinite)
+
+
 def test_phases_are_numbers_over_the_terms_in_memory_too():
     curve = weier.solve(PROFILES[0], [0.1], "demelio")
     assert (curve.phases.dims, curve.phases.values.tolist(), curve.phases.units) == (("term",), [0, 1, 2], "rad")

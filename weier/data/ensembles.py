@@ -136,7 +136,7 @@ def _surfaces(data: xr.Dataset) -> Indices:
     phases = data["phases"].values + 0.0 if "phases" in data.coords else nothing[:, None]  # -0 becomes 0
     seeds = data["seed"].values if "seed" in data.coords else nothing
     digests = data["trace_digest"].values if "trace_digest" in data.coords else np.full(nothing.size, "")
-    unknown: Flags = np.isnan(phases).all(axis=1)
+    unknown: Flags = np.asarray(np.isnan(phases).all(axis=1))
     names = np.empty(nothing.size, object)
     for number, digest in enumerate(digests.tolist()):
         if digest:

@@ -19,8 +19,8 @@ from weier.checks import checked_number, checked_numbers, shown
 from weier.data import ensembles
 from weier.data.ensembles import CLOSE
 from weier.data.variables import CURVE, LOAD, LOADS, VARIABLES
-from weier.kernels.arrays import Flags
-from weier.surface.profile import PARAMETERS, Profile, checked_ratio
+from weier.kernels.arrays import Array, Flags
+from weier.surface.profile import MAX_SEED, PARAMETERS, Profile, checked_ratio, random_phases
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
@@ -236,11 +236,18 @@ def profile_of(data: xr.Dataset) -> Profile:
     if np.isnan(case["D"]):
         raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
     m, seed = float(case["m"]), float(case.coords.get("seed", np.nan))
-    phases = case["phases"].values[: int(m) if np.isfinite(m) else 2]
-    given: dict[str, Any] = {"phases": tuple(phases.tolist()) if np.isfinite(m) else float(phases[-1])}
-    if np.isfinite(seed):
-        given = {"seed": int(seed)}
-    return Profile(float(case["D"]), float(case["gamma"]), m, **given)
+    listed = case["phases"].values[: int(m) if np.isfinite(m) else 2]
+    phases: Any = tuple(listed.tolist()) if np.isfinite(m) else float(listed[-1])
+    if np.isfinite(seed) and _has_phases(int(seed), listed):
+        phases = random_phases(int(seed))
+    return Profile(float(case["D"]), float(case["gamma"]), m, phases)
+
+
+def _has_phases(seed: int, listed: Array) -> bool:
+    """Return whether a seed has these phases, as another generator of random numbers has not; m = inf lists none."""
+    if np.isnan(listed).all():
+        return True
+    return seed <= MAX_SEED and np.array_equal(random_phases(seed).first(listed.size), listed)
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
@@ -281,7 +288,9 @@ def label_text(value: Any) -> str:
         alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
         return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known))
     if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.6g}"
+        # All digits of a whole number, since seeds may differ in the last one.
+        digits = 16 if value.is_integer() and abs(value) <= MAX_SEED else 6
+        return "" if np.isnan(value) else f"{value:.{digits}g}"
     return str(value)
 
 
@@ -304,8 +313,10 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
         fits = np.array([[text in _texts(name, label) for text in texts] for label in labels])
     else:
         numbers = np.array([_number(name, value, units.unit_of(data[name]) or units.NONE) for value in wanted])
-        # Equality is tested as well, for inf.
-        fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
+        # Whole numbers, such as seeds, and inf are equal or not.
+        whole = (np.floor(labels) == labels)[:, None] & (np.floor(numbers) == numbers)
+        near = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole
+        fits = (labels[:, None] == numbers) | near
     if not fits.any(axis=0).all():
         absent = wanted[int(np.argmin(fits.any(axis=0)))]
         raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(name, labels)}")

@@ -28,6 +28,8 @@ from weier.surface.waves import Waves
 PARAMETERS = ("D", "gamma", "m")
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
+# largest seed: data hold seeds as floats, which have all integers up to here
+MAX_SEED = 2**53 - 1
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ def random_phases(seed: int) -> RandomPhases:
     Raises
     ------
     ValueError
-        If `seed` is not a non-negative integer.
+        If `seed` is not a non-negative integer up to 2^53 - 1.
 
     Examples
     --------
@@ -57,6 +59,8 @@ def random_phases(seed: int) -> RandomPhases:
     """
     if isinstance(seed, bool | np.timedelta64) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a non-negative integer, got {shown(seed)}")
+    if seed > MAX_SEED:
+        raise ValueError(f"seed must be at most 2^53 - 1 = {MAX_SEED}, got {shown(seed)}: data hold no larger one")
     return RandomPhases(int(seed))
 
 
@@ -79,7 +83,7 @@ class Profile(Waves):
     phases : float, sequence of m floats, or RandomPhases
         Phases, in radians. A number is phi_n for every n >= 1, with phi_0 = 0.
     seed : int, optional
-        Seed of random phases, instead of `phases`.
+        Seed of random phases, instead of `phases`, at most 2^53 - 1.
 
     Raises
     ------
