@@ -21,6 +21,7 @@ from weier.api.solve import solve
 from weier.api.task import CurveTask
 from weier.checks import checked_numbers, checked_word
 from weier.data import variables
+from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods import patches
@@ -133,7 +134,7 @@ def loads_for(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
             stacklevel=3,  # at the call of `find_load`
         )
-    return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
+    return marked(curve.assign({ERROR: ("mean_pressure", errors, attributes)}))
 
 
 class _Search:

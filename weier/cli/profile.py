@@ -14,6 +14,7 @@ from weier import units
 from weier.cli.bodies import read_bodies
 from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
 from weier.data.bodies import to_normalised
+from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
@@ -48,7 +49,7 @@ class Request(NamedTuple):
         if self.found is not None:
             errors = dict(zip(self.loads.tolist(), self.found[ERROR].values.tolist(), strict=True))
             own = [errors[load] for load in data["mean_pressure"].values.tolist()]
-            data = data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)})
+            data = marked(data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)}))
         if self.bodies is None:
             return data
         curves = self.bodies.in_si(data)

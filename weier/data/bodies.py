@@ -157,8 +157,8 @@ class Bodies:
         ----------
         data : Dataset
             Results of weier, such as a curve of `weier.solve`: the attribute `normalised_by` is the unit of a
-            variable. Curves of traces are converted by the length and height of each trace, others by lambda_0 and
-            g_0 of this interface.
+            variable. Curves of traces are converted by the length and height of each trace, which are coordinates,
+            those of series, with a coordinate D, by lambda_0 and g_0 of this interface.
 
         Returns
         -------
@@ -171,7 +171,8 @@ class Bodies:
         Raises
         ------
         ValueError
-            If this is no data of weier, is in SI units already, or has lost a unit.
+            If this is no data of weier, is in SI units already, has lost a unit or its coordinates, or comes from
+            arithmetic, which keeps attributes: xarray's selections and joins are accepted, and anything from a file.
 
         Examples
         --------
@@ -191,12 +192,16 @@ class Bodies:
 
     def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
-        own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
-        if not np.isfinite(own).all():
-            own = [
-                np.where(np.isfinite(values), values, of_series)
-                for values, of_series in zip(own, self._scale(), strict=True)
-            ]
+        names = ("D", *OF_TRACE.values())
+        D, *own = (np.asarray(data.variables.get(name, math.nan), float) for name in names)
+        of_trace = np.isfinite(own[0]) & np.isfinite(own[1])
+        if (np.isnan(D) & ~of_trace).any():
+            raise ValueError(
+                "data must have the coordinate D of a series, or trace_length and trace_height of a trace, which "
+                "give its units: convert the whole curve before coordinates are dropped"
+            )
+        if not of_trace.all():
+            own = [np.where(of_trace, *both) for both in zip(own, self._scale(), strict=True)]
         lambda_0, g_0 = own if _varies(own) else [values.flat[0] for values in own]
         return lambda_0, g_0
 

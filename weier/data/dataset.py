@@ -21,6 +21,7 @@ from weier.checks import shown
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
+from weier.data.si import marked
 from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.units import NORMALISED_PRESSURE
@@ -48,7 +49,7 @@ def curve(
     # netCDF has no booleans.
     plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
-    return xr.Dataset(data, coordinates, provenance.of_results() | plain)
+    return marked(xr.Dataset(data, coordinates, provenance.of_results() | plain))
 
 
 def blank(
@@ -75,11 +76,12 @@ def blank(
     data = xr.Dataset({name: variables.blank(name, sizes) for name in names})
     data = data.set_coords([name for name in names if name in COORDINATES])
     data["status"].values[:] = Status.not_requested
-    return data.assign_coords(
+    data = data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure", unit=unit)),
         term=("term", np.arange(terms, dtype="i4"), variables.attributes("term")),
     )
+    return marked(data)
 
 
 def write(

@@ -231,7 +231,9 @@ class Reader:
             if "numerics" in found:
                 _writable(found, "numerics")[:, column] = code
         found["key"] = np.array(short_keys(self._keys[cases]), object)
-        filled = {name: (one[name].dims, values, one[name].attrs) for name, values in found.items()}
+        filled = {
+            name: (one[name].dims, values, one[name].attrs, one[name].encoding) for name, values in found.items()
+        }
         return one.isel(case=0, drop=True).assign(filled).set_coords(list(one.coords))
 
     def files(self) -> list[Path]:
