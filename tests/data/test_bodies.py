@@ -279,9 +279,8 @@ ARITHMETIC = {
     "scaled": assign("resistance", lambda R: R * 1e3),
     "of both": lambda data: data.assign(resistance=data.resistance / data.compliance),
     "loads": lambda data: data.assign_coords(mean_pressure=2 * data.mean_pressure),
-    "in place": lambda data: data.assign(
-        resistance=("mean_pressure", -data.resistance.values, data.resistance.attrs)
-    ),
+    "negative": lambda data: data.assign(resistance=data.resistance.copy(data=-data.resistance.values)),
+    "number": lambda data: data.assign(resistance=data.resistance.copy(data=data.resistance.values.astype(int))),
 }
 SELECTION = {
     "by position": lambda data: data.isel(mean_pressure=[2, 0]),
