@@ -257,6 +257,10 @@ def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodi
     assert (answer["mean_pressure"], answer["units"]["resistance"]) == ([1e7, 1e6], "ohm m^2")
     assert answer["interface"]["mu_1"] == pytest.approx(210e9 / 2.6)
     assert "normalisation" not in answer
+    assert run("solve", *options, "--pressures", "1e7,1e6", "--csv")[2].startswith(
+        "--pressures 1e7,1e6: taken in Pa, since no unit is given"
+    )
+    assert run("solve", *options, "--pressures", "10,1MPa", "--csv")[2] == ""
     assert run("solve", *options, "--pressures", "1:10:2MPa", "-o", str(tmp_path / "si.nc"))[0] == 0
     with xr.open_dataset(tmp_path / "si.nc") as found:
         assert found.mean_pressure.values == pytest.approx([1e6, 1e7], rel=1e-15)
@@ -274,6 +278,11 @@ def test_the_load_for_a_resistance_by_one_command(run, bodies):
     assert answer["mean_pressure"] == expected.mean_pressure.values.tolist()
     assert answer["mean_pressure_error"] == expected.mean_pressure_error.values.tolist()
     assert answer["methods"]["patches"]["resistance"] == pytest.approx([1.5, 0.5], rel=1e-9)
+    for given in (["--resistance", "1e-10"], ["--compliance", "1e-7"]):
+        unit = {"--resistance": "ohm m^2", "--compliance": "m"}[given[0]]
+        said = f"{given[0]} {given[1]}: taken in {unit}, since no unit is given"
+        assert said in run("solve", *SERIES, *given, "--si", bodies)[2]
+        assert "taken in" not in run("solve", *SERIES, given[0], "0.5")[2]
     code, out, _ = run("solve", *SERIES, "--compliance", "100, 500 nm", "--si", bodies)
     answer, expected = (
         json.loads(out),
@@ -293,6 +302,7 @@ def test_the_load_for_a_resistance_by_one_command(run, bodies):
         (["--pressures", "1,x"], 2, 'pressures must read "1,10 Pa" or "first:last:count Pa"'),
         (["--pressures", "1:2mm"], 2, "pressures must read"),
         (["--pressures", "1:2:1MPa"], 2, "pressures must be 2 to 10000 positive numbers"),
+        (["--pressures", "1MPa,5"], 2, "pressures must all have a unit, as some are in MPa, or none"),
         (["--pressures", "1mm"], 2, "pressures must be in Pa, got values in mm"),
         (["--pressures", "0"], 2, "pressures must be positive"),
         (["--si", "none.yaml"], 1, "none.yaml cannot be read"),

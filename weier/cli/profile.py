@@ -12,7 +12,16 @@ from click.core import ParameterSource
 
 from weier import units
 from weier.cli.bodies import read_bodies
-from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
+from weier.cli.options import (
+    INTO,
+    LOADS,
+    PLOTTED_LOADS,
+    SolvingCommand,
+    listed_in_si,
+    of_one_profile,
+    output,
+    profile_or_trace,
+)
 from weier.data.bodies import to_normalised
 from weier.data.si import marked
 from weier.data.variables import VARIABLES
@@ -86,7 +95,10 @@ def _request(
         return Request(profile, loads, both, pressures, None)
     ((name, text),) = wanted.items()
     unit = VARIABLES[name].unit
-    values: Any = units.listed(name, text, own.scales[unit][1] if own and unit in own.scales else unit)
+    if own and unit in own.scales:
+        values: Any = listed_in_si(name, text, own.scales[unit][1])
+    else:
+        values = units.listed(name, text, unit)
     normalised = to_normalised(own, name, unit, values) if own else values
     found = inverse.loads_for(surface, name, normalised, own.scales if own else None)
     return Request(profile, found["mean_pressure"].values, both, None, found)
