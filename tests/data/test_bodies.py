@@ -82,8 +82,15 @@ def test_interface_refuses_what_cannot_be(changed, message):
         ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_1": 80}, r"mu_1 = 80 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
-        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-09 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
-        ({"rho_2": 1e14}, r"rho_2 = 1e\+14 ohm m is above 1e\+12 ohm m"),
+        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-08 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
+        ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is above 0.001 ohm m: conductors have 1e-8 to 1e-3 ohm m"),
+        ({"rho_2": 4.5e7}, r"rho_2 = 4.5e\+07 ohm m is above 0.001 ohm m: .* or is it a conductivity, in S/m\?"),
+        ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
+        (
+            {"lambda_0": 0.1, "g_0": 1e-9},
+            "coarsest wave has a root mean square slope of 4.44e-08, from g_0 = 1e-09 m",
+        ),
+        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is above 1 m: is it in mm or um"),
     ],
 )
 def test_unusual_materials_are_doubted(changed, message):
@@ -92,13 +99,20 @@ def test_unusual_materials_are_doubted(changed, message):
     assert len(warned) == 1
     assert warned[0].filename == __file__
     interface(mu_1=np.inf, rho_1=0.0)  # a rigid body, a perfect conductor
+    interface(rho_1=1e-8, rho_2=1e-3, lambda_0=1.0, g_0=0.05)
 
 
-def test_a_wave_that_is_too_steep_for_any_surface_is_refused():
+def test_the_limits_of_traces_are_those_of_the_coarsest_wave():
     for g_0, lambda_0 in ((0.54, 0.8e-3), (0.54e-6, 0.8e-7)):
         with pytest.raises(ValueError, match=r"g_0 must give the coarsest wave a .* slope of at most 10, got"):
             interface(g_0=g_0, lambda_0=lambda_0)
-    assert interface(g_0=2.2, lambda_0=1.0).g_0 == 2.2
+    with pytest.raises(
+        ValueError, match=r"g_0 must give the coarsest wave a .* slope of at least 1e-07, got 4.44e-08"
+    ):
+        interface(g_0=1e-9, lambda_0=0.1)
+    for g_0, lambda_0 in ((1.0, 800.0), (1e-11, 1e-10)):
+        with pytest.raises(ValueError, match=r"lambda_0 must be from 2e-10 to 100 m, got .* m: is a unit wrong"):
+            interface(g_0=g_0, lambda_0=lambda_0)
 
 
 CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
@@ -152,7 +166,7 @@ def test_a_quantity_of_another_unit_is_refused():
         interface().in_si([1.0])
 
 
-@pytest.mark.filterwarnings("ignore:(mu|rho)_")  # the doubts about values that no material has
+@pytest.mark.filterwarnings("ignore:(mu|rho|lambda)_", "ignore:p_0")  # the doubts about values that no material has
 def test_scalars_of_numpy_neither_overflow_nor_round():
     """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
     byte, half = np.uint8, np.float16

@@ -42,12 +42,13 @@ class Interface(Bodies):
     ------
     ValueError
         If a value is out of range or has a unit of another quantity, if both or neither of mu and E are given, if
-        both bodies are rigid, or if the coarsest wave is steeper than any measured surface.
+        both bodies are rigid, or if the coarsest wave is longer or steeper than any measured surface.
 
     Warns
     -----
     UserWarning
-        If a shear modulus is below 1 MPa or above 10 TPa, or a resistivity below 1e-9 or above 1e12 ohm m.
+        If a shear modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m,
+        lambda_0 above 1 m, a coarsest wave flatter than 1e-7, or p_0* above a shear modulus.
 
     Examples
     --------

@@ -28,6 +28,7 @@ from weier.surface.waves import Waves
 PARAMETERS = ("D", "gamma", "m")
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
+ROUNDING = 1e-9  # relative, of phases of 2 pi
 # largest seed: data hold seeds as floats, which have all integers up to here
 MAX_SEED = 2**53 - 1
 
@@ -236,12 +237,11 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite, units.RADIAN)
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
-    others = np.abs(values[values != 0])
-    # Phases between 2 pi and ten turns are probably in degrees.
-    if others.size and np.all((others > 2 * math.pi) & (others <= 3600)):
+    large = np.abs(values[values != 0]) > 2 * math.pi * (1 + ROUNDING)
+    if large.any():
         warnings.warn(
-            f"all phases that are not 0 exceed 2 pi, got {shown(phases)}: phases are in radians, and numpy.radians "
-            "converts them from degrees",
+            f"{'all phases that are not 0' if large.all() else 'some phases'} exceed 2 pi, got {shown(phases)}: "
+            "phases are in radians, and numpy.radians converts them from degrees",
             stacklevel=3,  # at the call of Profile
         )
     if values.ndim == 0:
