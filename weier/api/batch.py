@@ -16,10 +16,11 @@ from weier.api.progress import LOG_SECONDS
 from weier.api.task import CurveTask
 from weier.api.workers import Outcome, solve_curves
 from weier.data import dataset
-from weier.data.variables import VARIABLES, Status
+from weier.data.variables import LOADS, VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import Method
+from weier.methods.progress import STOPS
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
@@ -79,6 +80,10 @@ def solve_batch(
         Over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
         took; values that could not be solved are NaN, and status has the reason.
 
+    Raises
+    ------
+    KeyboardInterrupt, TimeoutError
+        If the solution is stopped: `curve` is the result so far, up to the case that was being solved, or None.
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     methods, terms, edges, optional = layout_of(cases, contact_edges)
@@ -87,8 +92,8 @@ def solve_batch(
     rows = arrays(data)
     first = 0 if known is None else known.sizes["case"]
     if known is not None:
-        for name in data.data_vars.keys() | data.coords.keys() - data.sizes.keys():
-            rows[str(name)][:first] = known[name].values
+        for variable in data.data_vars.keys() | data.coords.keys() - data.sizes.keys():
+            rows[str(variable)][:first] = known[variable].values
     own = [loads if loads_of is None else loads_of(case.profile) for case in cases[first:]]
     curves = [
         CurveTask(case.profile, name, case.settings.get(name, {}), loads)
@@ -103,9 +108,14 @@ def solve_batch(
                 found = _found(case, name, next(outcomes), own[number - first], failed)
                 _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
                 again += found.get("second_attempts", 0)
-    except KeyboardInterrupt:
-        if keep is not None and number > first:
+    except STOPS as stop:
+        if (part := getattr(stop, "curve", None)) is not None:
+            found = _found_of_part(case, name, part, own[number - first])
+            _store(rows, {"case": number, "solution_method": methods.index(name)}, found)
+        if keep is not None and number > first and isinstance(stop, KeyboardInterrupt):
             keep(data.isel(case=slice(number)))
+        begun = data.isel(case=slice(number + 1))
+        vars(stop)["curve"] = begun if np.isfinite(begun["compliance"]).any() else None
         raise
     if again > 0:
         done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
@@ -122,6 +132,18 @@ def _found(case: Case, name: str, outcome: Outcome, loads: Array, failed: Report
         return found | {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
     return found | solution._asdict() | _bounds(case, method, solution, loads) | {"seconds": seconds}
+
+
+def _found_of_part(case: Case, name: str, part: tuple[Array, Any], loads: Array) -> dict[str, Any]:
+    """Return the stored values of a curve that was stopped: NaN at the loads that are not solved."""
+    solved, solution = part
+    found = _found(case, name, (solution, math.nan), solved, _report)
+    for variable, value in found.items():
+        if variable in VARIABLES and LOADS in VARIABLES[variable].dims and np.ndim(value):
+            whole = np.full((loads.size, *np.shape(value)[1:]), np.nan)
+            whole[np.searchsorted(loads, solved)] = value
+            found[variable] = whole
+    return found
 
 
 def arrays(data: xr.Dataset) -> Arrays:

@@ -16,6 +16,7 @@ from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
+from weier.methods.progress import converting
 from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves, checked_surface
 
@@ -112,7 +113,9 @@ class Interface(Bodies):
         for one in surface if isinstance(surface, list | tuple) else ():
             checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
-        return self.in_si(in_order(solve_under(surface, loads, self._loads(loads), method, **options), position))
+        with converting(self.in_si):
+            solved = solve_under(surface, loads, self._loads(loads), method, **options)
+        return self.in_si(in_order(solved, position))
 
     def _loads(self, pressures: Array) -> LoadsOf:
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""

@@ -28,6 +28,7 @@ from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.solver import MIN_LOAD
 from weier.methods.patches.start import TOLERANCE
+from weier.methods.progress import converting
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -123,7 +124,8 @@ def loads_for(
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
     search = _Search(profile, name, scales or {})
-    found = [search.load(float(value)) for value in targets]
+    with converting(lambda curve: None):  # which is one of the search
+        found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
     attributes = variables.attributes(ERROR)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -147,9 +148,10 @@ def solve(
 ) -> None:
     """Compute the compliance and resistance of one profile.
 
-    Prints JSON to standard output and progress to standard error; Ctrl-C keeps the loads that patches have solved.
-    Lengths along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output
-    keeps; netCDF has each once, increasing.
+    Prints JSON to standard output and progress to standard error. After Ctrl-C or --max-seconds, the loads that
+    patches, bem or auto have solved are printed, or written beside the output, as curve.part.nc for curve.nc. Lengths
+    along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
+    netCDF has each once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -181,11 +183,19 @@ def solve(
     if output is None:
         click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
     else:
-        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), output)
+        path = output if stop is None else _part_beside(output)
+        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), path)
     if stop is not None:
-        click.echo(f"stopped: {done.sum()} of {done.size} loads were written", err=True)
+        where = "printed" if output is None else f"in {path}"
+        click.echo(f"weier: {done.sum()} of {done.size} loads are solved, and {where}", err=True)
         raise stop
     result.check_solved(data)
+
+
+def _part_beside(path: Path) -> Path:
+    """Return the name of a new file for a part of the curve, such as curve.part.nc for curve.nc."""
+    names = (path.with_name(f"{path.stem}.part{number or ''}{path.suffix}") for number in itertools.count())
+    return next(name for name in names if not name.exists())
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))

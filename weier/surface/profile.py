@@ -29,6 +29,7 @@ PARAMETERS = ("D", "gamma", "m")
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
 ROUNDING = 1e-9  # relative, of phases of 2 pi
+WHOLE_RADIANS = 10  # larger whole numbers are probably degrees
 # largest seed: data hold seeds as floats, which have all integers up to here
 MAX_SEED = 2**53 - 1
 
@@ -237,10 +238,12 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     values = checked_numbers("phases", phases, "be finite numbers in radians", np.isfinite, units.RADIAN)
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
-    large = np.abs(values[values != 0]) > 2 * math.pi * (1 + ROUNDING)
-    if large.any():
+    others = np.abs(values[values != 0])
+    beyond = others > 2 * math.pi * (1 + ROUNDING)
+    # A translation adds multiples of other numbers to some phases, but rarely whole numbers.
+    if others.size and (beyond.all() or (np.all(others % 1 == 0) and others.max() > WHOLE_RADIANS)):
         warnings.warn(
-            f"{'all phases that are not 0' if large.all() else 'some phases'} exceed 2 pi, got {shown(phases)}: "
+            f"{'all phases that are not 0' if beyond.all() else 'some phases'} exceed 2 pi, got {shown(phases)}: "
             "phases are in radians, and numpy.radians converts them from degrees",
             stacklevel=3,  # at the call of Profile
         )

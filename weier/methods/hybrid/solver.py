@@ -19,7 +19,7 @@ from weier.methods.bem.error_model import fewest_points
 from weier.methods.errors import ConvergenceError, NotApplicableError, OutOfReachError
 from weier.methods.hybrid.closure import MAX_LOAD, closure_at_nodes
 from weier.methods.hybrid.newton import solve_loads
-from weier.methods.progress import reporting_to
+from weier.methods.progress import converting, reporting_to
 from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
 from weier.theory.bounds import complete_bounds
@@ -136,7 +136,7 @@ def bounds(profile: Profile, mean_pressure: ArrayLike, terms: int) -> tuple[Arra
     kept, loads = profile.truncated(terms), checked_loads(mean_pressure)
     tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
     try:
-        with reporting_to():  # These loads are a part of others.
+        with reporting_to(), converting(lambda curve: None):  # These loads are a part of others.
             solved = bem.curve(kept, loads, *bem.grid(kept, tolerance), with_resistance=False, staircase="kept")
     except OutOfReachError as error:
         raise OutOfReachError(
