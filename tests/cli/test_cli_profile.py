@@ -414,3 +414,11 @@ def test_settings_are_completed():
     (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
     found = [item.value for item in option.shell_complete(None, "bem.po")]
     assert found == ["bem.points_per_wave="]
+
+
+def test_a_figure_that_is_stopped_ends_as_any_command(run, tmp_path):
+    with stopping_after(3, KeyboardInterrupt), pytest.raises(KeyboardInterrupt):
+        run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))
+    with stopping_after(3, TimeoutError):
+        assert run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))[0] == 1
+    assert not list(tmp_path.iterdir())

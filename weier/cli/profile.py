@@ -28,6 +28,7 @@ from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
+from weier.methods.progress import STOPS
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
@@ -167,7 +168,6 @@ def solve(
     weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
-    from weier.pipeline import single
 
     wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
     request = _request(wanted=wanted, **options)
@@ -176,8 +176,10 @@ def solve(
     stop = None
     try:
         data = _solve((), request, methods, tolerance, settings, workers, max_seconds)
-    except single.Stopped as stopped:
-        data, stop = stopped.data, stopped.cause
+    except STOPS as stopped:
+        if getattr(stopped, "curve", None) is None:
+            raise
+        data, stop = vars(stopped)["curve"], stopped
     done = np.isin(request.loads, data["mean_pressure"].values)
     in_order = request.with_units(data.sel(mean_pressure=request.loads[done]))
     if output is None:

@@ -17,7 +17,7 @@ from weier.checks import readable
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import STOPS, reporting_to
+from weier.methods.progress import converting, reporting_to
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case
@@ -28,14 +28,6 @@ from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
 
 OF_CASES = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
-
-
-class Stopped(Exception):  # noqa: N818 - it is no error
-    """An interrupted solution: the curves of the finished loads, and the reason."""
-
-    def __init__(self, data: xr.Dataset, cause: BaseException) -> None:
-        super().__init__(f"stopped after {data.sizes['mean_pressure']} loads")
-        self.data, self.cause = data, cause
 
 
 def solve_one(
@@ -67,8 +59,8 @@ def solve_one(
 
     Raises
     ------
-    Stopped
-        If Ctrl-C or the limit ends the solution after some of the loads, with their curves.
+    KeyboardInterrupt, TimeoutError
+        If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
     """
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
@@ -77,24 +69,20 @@ def solve_one(
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
-    watch, stop = Watch(loads.size, 0.0, max_seconds, silent=True), None
-    with waiting(f"solving by {', '.join(methods)}") as show, reporting_to(watch):
-        try:
-            data = solve_batch(
-                [case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers
-            )
-        except STOPS as stopped:
-            part = getattr(stopped, "curve", None)
-            if part is None:
-                raise
-            data, stop = part.isel(mean_pressure=np.isfinite(part["compliance"].values).any(axis=(0, 1))), stopped
+
+    def described(data: xr.Dataset) -> xr.Dataset:
+        return data.assign_attrs(title=title, scene=_text(title, case, data["mean_pressure"].values))
+
+    def part(data: xr.Dataset) -> xr.Dataset:
+        return described(data.isel(mean_pressure=np.isfinite(data["compliance"].values).any(axis=(0, 1))))
+
+    watch = Watch(loads.size, 0.0, max_seconds, silent=True)
+    with waiting(f"solving by {', '.join(methods)}") as show, reporting_to(watch), converting(part):
+        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers)
     if not (data["status"] == Status.solved).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
-    data = data.assign_attrs(title=title, scene=_text(title, case, data["mean_pressure"].values))
-    if stop is not None:
-        raise Stopped(data, stop)
-    return data
+    return described(data)
 
 
 def applicable(
