@@ -36,6 +36,7 @@ UNNAMED = "-"
 BLOCK = 2**20  # bytes, read at a time
 MAX_VERIFIED = 2**26  # Files are digested when they are opened if they are smaller, which takes 0.1 s.
 REMAKE = "delete it and make it again"
+HDF5 = b"\x89HDF\r\n\x1a\n"  # the first bytes of a file
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
@@ -126,9 +127,9 @@ def check_sealed(path: str | Path, name: str = "") -> None:
     found = _seal_of(path)
     if found is None:
         check_whole(path)
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program: {REMAKE}")
+        raise _changed_error(path, "another program")
     if not found.whole:
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
+        raise _changed_error(path, "another program or the disk")
     if name and found.name != name:
         raise ValueError(f"{path} is another file than its name says: {REMAKE}")
 
@@ -136,7 +137,19 @@ def check_sealed(path: str | Path, name: str = "") -> None:
 def check_intact(path: str | Path) -> None:
     """Refuse a file that has changed since it was sealed; larger ones have the checksums of HDF5 alone."""
     if os.path.getsize(path) < MAX_VERIFIED and (found := _seal_of(path)) and not found.whole:
-        raise ValueError(f"{path} is not as weier wrote it, but changed by another program or the disk: {REMAKE}")
+        raise _changed_error(path, "another program or the disk", f"move it away, since it may be good, or {REMAKE}")
+
+
+def _changed_error(path: str | Path, by: str, advice: str = REMAKE) -> Exception:
+    """Return the error for a file whose bytes have changed, as they do while another process has it open."""
+    return _locked_error(path) or ValueError(f"{path} is not as weier wrote it, but changed by {by}: {advice}")
+
+
+def _locked_error(path: str | Path) -> OSError | None:
+    """Return the error for a file that is open for writing; None if it is not."""
+    with Path(path).open("rb") as file:
+        locked = _is_locked(file)
+    return OSError(f"{path} is open in another program, which may write it: close it there") if locked else None
 
 
 class Seal(NamedTuple):
@@ -189,14 +202,17 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
     if not str(path).isprintable() or not Path(path).is_file():
         return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
     try:
+        if locked := _locked_error(path):
+            return locked
         with Path(path).open("rb") as file:
-            if _is_locked(file):
-                return OSError(f"{path} is locked by another process, which writes it: close it there")
+            head = file.read(len(HDF5))
         found = _seal_of(path)
     except OSError as why:
         return why if str(path) in str(why) else _unreadable(path, why)
     if found and found.whole:
         return OSError(f"{path} is whole, but cannot be opened now ({error}): try again")
+    if head.strip(b"\0") and not head.startswith((HDF5, b"CDF")):
+        return ValueError(f"{path} is no netCDF file: name another one, or move it away and make it again")
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, {REMAKE} ({error})")
 
 
