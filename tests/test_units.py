@@ -168,6 +168,47 @@ def test_spellings_of_resistivities(unit):
     assert factor("rho_1", unit, "ohm m") == pytest.approx(1e-8, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("5", [5]),
+        ("1,10", [1, 10]),
+        ("5kPa", [5e3]),
+        ("1,10MPa", [1e6, 1e7]),
+        ("900 kPa, 2 MPa", [9e5, 2e6]),
+        ("1:100:3", [1, 10, 100]),
+        ("1:100:3 kPa", [1e3, 1e4, 1e5]),
+        ("1:100kPa:3", [1e3, 1e4, 1e5]),
+        ("10 Pa:1kPa:3", [10, 100, 1000]),
+    ],
+)
+def test_a_unit_of_a_list_is_that_of_each_number_or_of_all(text, values):
+    assert units.listed("pressures", text, "Pa") == pytest.approx(values, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1MPa,5", "1,10MPa,100", "1MPa,5,6MPa", "1,2kPa,3MPa", "1 MPa:10:4", "1MPa:10:4MPa", "1:10kPa:4MPa", "1 Pa,5"],
+)
+def test_a_list_with_some_units_is_refused(text):
+    """The unit of the others would be a guess, and 1e6 times off."""
+    with pytest.raises(ValueError, match=r"pressures must all have a unit, as some are in (Mk?|k)?Pa, or none"):
+        units.listed("pressures", text, "Pa")
+
+
+def test_a_list_of_quantities_and_numbers_is_refused():
+    bodies = weier.Interface(
+        E_1=210e9, E_2=210e9, nu_1=0.3, nu_2=0.3, rho_1=1e-7, rho_2=1e-7, lambda_0=1e-3, g_0=1e-6
+    )
+    MPa = xr.DataArray(1.0, attrs={"units": "MPa"})
+    for use in (bodies.normalised_pressure, lambda values: bodies.solve(PROFILE, values, "demelio")):
+        with pytest.raises(ValueError, match="pressure must all have a unit, as some are in MPa, or none"):
+            use([MPa, 5])
+    assert bodies.normalised_pressure([MPa, 2 * MPa]) == pytest.approx(bodies.normalised_pressure([1e6, 2e6]))
+    load = xr.DataArray(0.1, attrs={"normalised_by": "p_0*"})
+    assert bodies.pressure([load, 0.2]).tolist() == bodies.pressure([0.1, 0.2]).tolist()
+
+
 NO_UNITS = [
     "Pa",
     "1e-8 ohm m",

@@ -79,11 +79,15 @@ def in_unit(name: str, values: Any, unit: str) -> Any:
     Raises
     ------
     ValueError
-        If the unit is unknown, or is of another quantity.
+        If the unit is unknown, or is of another quantity, or if only some elements of a list have one.
     """
     if type(values) in (float, int):
         return values
     if isinstance(values, list | tuple):
+        named = [unit_of(value) for value in values]
+        foreign = next((given for given in named if given and factor(name, given, unit) != 1), "")
+        if foreign and "" in named:
+            raise ValueError(mixed(name, foreign))
         return [in_unit(name, value, unit) for value in values]
     given = unit_of(values)
     if not given:
@@ -128,23 +132,31 @@ def parsed(name: str, value: Any, unit: str) -> Any:
 def listed(name: str, text: str, unit: str) -> list[float]:
     """Return the numbers of a text as "1,10 MPa", in `unit`; "1:10:40 MPa" are 40 numbers in equal ratios.
 
-    A unit is that of all numbers before it.
+    All numbers have a unit, or none, or the last unit is that of all.
     """
     ranged = ":" in text
     parts = [found for part in text.split(":" if ranged else ",") if (found := NUMBER.fullmatch(part))]
     if len(parts) != (3 if ranged else text.count(",") + 1):
         raise ValueError(f'{name} must read "1,10 {unit}" or "first:last:count {unit}", got {text!r:.80}')
-    given, values = unit, list[float]()
-    for found in reversed(parts):
-        given = found[2] or given
-        values.insert(0, float(found[1]) * factor(name, given, unit))
+    ends = parts[:2] if ranged else parts
+    own, given = [found[2] for found in ends], [found[2] for found in parts if found[2]]
+    if not all(own):
+        if len(given) > 1 or any(own[:-1]):
+            raise ValueError(f"{mixed(name, given[0])}, or one at the end for all, got {text!r:.80}")
+        own = (given or [unit]) * len(ends)
+    values = [float(found[1]) * factor(name, its_unit, unit) for found, its_unit in zip(ends, own, strict=True)]
     if not ranged:
         return values
-    first, last, count = *values[:2], float(parts[2][1])
+    (first, last), count = values, float(parts[2][1])
     within = 2 <= count <= MAX_LISTED and count == int(count)
     if not (within and min(first, last) > 0 and max(first, last) < math.inf):
         raise ValueError(f"{name} must be 2 to {MAX_LISTED} positive numbers, got {text!r:.80}")
     return [float(value) for value in np.geomspace(first, last, int(count))]
+
+
+def mixed(name: str, unit: str) -> str:
+    """Return the message for numbers of which some have a unit."""
+    return f"{name} must all have a unit, as some are in {unit:.{MAX_NAME}}, or none"
 
 
 def bare(values: Any) -> Any:

@@ -8,6 +8,7 @@ import pytest
 import weier
 from weier.api import progress
 from weier.methods import layer
+from weier.methods.progress import reporting_to
 from weier.pipeline.single import solve_one
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
@@ -96,3 +97,62 @@ def test_a_long_search_for_events_says_so_beforehand(capsys, monkeypatch):
 def test_a_short_search_for_events_says_nothing(capsys):
     weier.events(PROFILE, 1e-3, 1.0)
     assert capsys.readouterr() == ("", "")
+
+
+class Stop:
+    """A listener that raises an exception after some loads, as Ctrl-C and a time limit do."""
+
+    def __init__(self, loads, error):
+        self.left, self.error = loads, error
+
+    def __call__(self):
+        """Count one load."""
+        self.left -= 1
+        if self.left == 0:
+            raise self.error("enough")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, TimeoutError])
+@pytest.mark.parametrize(
+    ("method", "settings", "solved"),
+    [
+        ("patches", {}, slice(0, 5)),
+        ("bem", {}, slice(15, 20)),
+        ("auto", {"tolerance": 1e-8}, slice(0, 5)),
+        ("auto", {"tolerance": 1e-2}, slice(15, 20)),
+    ],
+)
+def test_a_stopped_solution_keeps_the_loads_that_are_solved(error, method, settings, solved):
+    """The same bits as those of the whole curve, in p_0* and in Pa."""
+    bodies = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.4e-7, "rho_2": 1.4e-7}
+    steel = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6)
+    for solve, loads in ((weier.solve, LOADS), (steel.solve, steel.pressure(LOADS))):
+        whole = solve(PROFILE, loads[::-1], method, **settings).isel(mean_pressure=slice(None, None, -1))
+        with pytest.raises(error) as stopped, reporting_to(Stop(5, error)):
+            solve(PROFILE, loads[::-1], method, **settings)
+        curve = stopped.value.curve
+        assert curve.mean_pressure.equals(whole.mean_pressure[solved])
+        for name in ("compliance", "resistance", "compliance_error"):
+            np.testing.assert_array_equal(curve[name], whole[name][solved])
+        assert np.array_equal(weier.profile_of(curve).phase, PROFILE.phase)
+
+
+def test_a_stopped_list_keeps_its_cases():
+    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(4)]
+    whole = weier.solve(series, LOADS, ["demelio", "patches"])
+    with pytest.raises(TimeoutError) as stopped, reporting_to(Stop(43, TimeoutError)):
+        weier.solve(series, LOADS, ["demelio", "patches"])
+    curves = stopped.value.curve
+    assert curves["case"].values.tolist() == whole["case"].values[:3].tolist()
+    for name in ("compliance", "resistance", "compliance_lower"):
+        expected = whole[name].values[:3].copy()
+        expected[2, 1, 3:] = np.nan
+        np.testing.assert_array_equal(curves[name].values[:2], expected[:2])
+        if name != "compliance_lower":  # which more loads make tighter
+            np.testing.assert_array_equal(curves[name].values[2], expected[2])
+
+
+def test_a_stopped_search_has_no_curve_of_what_was_solved_for_it():
+    with pytest.raises(TimeoutError) as stopped, reporting_to(Stop(1, TimeoutError)):
+        weier.find_load(PROFILE, resistance=1.0)
+    assert stopped.value.curve is None

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,7 @@ import xarray as xr
 import weier
 from weier import scene
 from weier.cli import profile
-from weier.pipeline import single
+from weier.methods.progress import reporting_to
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
@@ -257,6 +258,10 @@ def test_pressures_and_ohms_of_a_trace_by_one_command(run, shaft, tmp_path, bodi
     assert (answer["mean_pressure"], answer["units"]["resistance"]) == ([1e7, 1e6], "ohm m^2")
     assert answer["interface"]["mu_1"] == pytest.approx(210e9 / 2.6)
     assert "normalisation" not in answer
+    assert run("solve", *options, "--pressures", "1e7,1e6", "--csv")[2].startswith(
+        "--pressures 1e7,1e6: taken in Pa, since no unit is given"
+    )
+    assert run("solve", *options, "--pressures", "10,1MPa", "--csv")[2] == ""
     assert run("solve", *options, "--pressures", "1:10:2MPa", "-o", str(tmp_path / "si.nc"))[0] == 0
     with xr.open_dataset(tmp_path / "si.nc") as found:
         assert found.mean_pressure.values == pytest.approx([1e6, 1e7], rel=1e-15)
@@ -274,6 +279,11 @@ def test_the_load_for_a_resistance_by_one_command(run, bodies):
     assert answer["mean_pressure"] == expected.mean_pressure.values.tolist()
     assert answer["mean_pressure_error"] == expected.mean_pressure_error.values.tolist()
     assert answer["methods"]["patches"]["resistance"] == pytest.approx([1.5, 0.5], rel=1e-9)
+    for given in (["--resistance", "1e-10"], ["--compliance", "1e-7"]):
+        unit = {"--resistance": "ohm m^2", "--compliance": "m"}[given[0]]
+        said = f"{given[0]} {given[1]}: taken in {unit}, since no unit is given"
+        assert said in run("solve", *SERIES, *given, "--si", bodies)[2]
+        assert "taken in" not in run("solve", *SERIES, given[0], "0.5")[2]
     code, out, _ = run("solve", *SERIES, "--compliance", "100, 500 nm", "--si", bodies)
     answer, expected = (
         json.loads(out),
@@ -293,6 +303,7 @@ def test_the_load_for_a_resistance_by_one_command(run, bodies):
         (["--pressures", "1,x"], 2, 'pressures must read "1,10 Pa" or "first:last:count Pa"'),
         (["--pressures", "1:2mm"], 2, "pressures must read"),
         (["--pressures", "1:2:1MPa"], 2, "pressures must be 2 to 10000 positive numbers"),
+        (["--pressures", "1MPa,5"], 2, "pressures must all have a unit, as some are in MPa, or none"),
         (["--pressures", "1mm"], 2, "pressures must be in Pa, got values in mm"),
         (["--pressures", "0"], 2, "pressures must be positive"),
         (["--si", "none.yaml"], 1, "none.yaml cannot be read"),
@@ -316,44 +327,68 @@ def test_a_file_that_exists_is_only_overwritten_by_force(run, tmp_path):
     assert json.loads(path.read_text())["mean_pressure"] == [0.1]
 
 
-@pytest.mark.parametrize("cause", [KeyboardInterrupt, TimeoutError])
-def test_what_is_solved_is_written_where_a_solution_is_stopped(run, tmp_path, monkeypatch, cause):
-    monkeypatch.setattr(single, "LONG", 0.0)
-    monkeypatch.setattr(single, "PART_SECONDS", 1e-3)
-    own, count = single.solve_batch, iter(range(100))
+@contextmanager
+def stopping_after(loads, cause):
+    """Raise an exception after this number of loads, as Ctrl-C or a time limit does."""
+    count = iter(range(1, 10**6))
 
-    def solve_batch(*arguments, **others):
-        if next(count) == 3:
+    def listener():
+        if next(count) == loads:
             raise cause("enough")
-        return own(*arguments, **others)
 
-    monkeypatch.setattr(single, "solve_batch", solve_batch)
-    path = tmp_path / "curve.csv"
-    options = ["solve", *SERIES, "--loads", "0.01:1:40", "-o", str(path)]
-    if cause is KeyboardInterrupt:
-        with pytest.raises(KeyboardInterrupt):
-            run(*options)
-    else:
-        code, _, err = run(*options)
-        assert code == 1
-        assert "enough" in err
-    found = pd.read_csv(path)
-    assert 2 < len(found) < 40
-    monkeypatch.setattr(single, "solve_batch", own)
-    assert run(*options, "--force")[0] == 0
-    whole = pd.read_csv(path)
-    assert len(whole) == 40
-    own = [name for name in found if "_lower" not in name and "_upper" not in name]  # which follow from all loads
-    pd.testing.assert_frame_equal(whole[own].iloc[: len(found)], found[own])
-    monkeypatch.setattr(single, "LONG", 100.0)
-    assert run(*options, "--force")[0] == 0
-    pd.testing.assert_frame_equal(pd.read_csv(path).drop(columns="work"), whole.drop(columns="work"))
+    with reporting_to(listener):
+        yield
+
+
+@pytest.mark.parametrize("cause", [KeyboardInterrupt, TimeoutError])
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".nc"])
+def test_what_is_solved_is_written_beside_the_file_where_a_solution_is_stopped(run, tmp_path, capsys, cause, suffix):
+    """The old file stays, and so does a part of an earlier run."""
+    path, options = tmp_path / f"curve{suffix}", ["solve", *SERIES, "--loads", "0.01:1:12"]
+    assert run(*options, "-o", str(path))[0] == 0
+    whole = path.read_bytes()
+    for part in ("curve.part", "curve.part1"):
+        with stopping_after(5, cause):
+            if cause is KeyboardInterrupt:
+                with pytest.raises(KeyboardInterrupt):
+                    run(*options, "--force", "-o", str(path))
+                err = capsys.readouterr().err
+            else:
+                code, _, err = run(*options, "--force", "-o", str(path))
+                assert code == 1
+                assert "enough" in err
+        assert f"5 of 12 loads are solved, and in {tmp_path / part}{suffix}\n" in err
+        assert path.read_bytes() == whole
+    assert {file.name for file in tmp_path.iterdir()} == {f"curve{end}{suffix}" for end in ("", ".part", ".part1")}
+    if suffix == ".csv":
+        found, expected = pd.read_csv(tmp_path / "curve.part.csv"), pd.read_csv(path)
+        own = [name for name in found if "_lower" not in name and "_upper" not in name]  # which follow from all loads
+        pd.testing.assert_frame_equal(found[own], expected[own].iloc[:5], rtol=1e-15)
+    if suffix == ".nc":
+        with weier.open_dataset(tmp_path / "curve.part.nc") as found:
+            assert found.sizes["mean_pressure"] == 5
+
+
+def test_a_stopped_solution_by_several_methods_keeps_all_that_is_solved(run, tmp_path):
+    """Here all loads by the first method, and the heaviest three by boundary elements."""
+    path = tmp_path / "curves.csv"
+    methods = ["--method", "patches", "--method", "bem", "--method", "demelio"]
+    with stopping_after(15, TimeoutError):
+        assert run("solve", *SERIES, *methods, "--loads", "0.01:1:12", "-o", str(path))[0] == 1
+    assert not path.exists()
+    found = pd.read_csv(tmp_path / "curves.part.csv").groupby("solution_method")["mean_pressure (p_0*)"]
+    assert found.size().to_dict() == {"bem": 3, "patches": 12}
+    assert found.min()["bem"] == pytest.approx(np.geomspace(0.01, 1, 12)[-3])
 
 
 def test_a_limit_of_the_time_ends_a_solution(run):
     code, out, err = run("solve", *SERIES, "--max-seconds", "1e-6")
-    assert (code, out) == (1, "")
+    assert code == 1
+    assert len(json.loads(out)["mean_pressure"]) == 1
+    assert err.startswith("weier: 1 of 40 loads are solved, and printed\n")
     assert "max_seconds = 1e-06 ended the solution after 1 of 40 loads" in err
+    code, out, _ = run("solve", *SERIES, "--method", "layer", "--loads", "0.1,0.2", "--max-seconds", "1e-6")
+    assert code == 0  # which does not count its loads
 
 
 def test_a_backend_of_jupyter_that_is_not_installed_draws_all_the_same(tmp_path):
@@ -379,3 +414,11 @@ def test_settings_are_completed():
     (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
     found = [item.value for item in option.shell_complete(None, "bem.po")]
     assert found == ["bem.points_per_wave="]
+
+
+def test_a_figure_that_is_stopped_ends_as_any_command(run, tmp_path):
+    with stopping_after(3, KeyboardInterrupt), pytest.raises(KeyboardInterrupt):
+        run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))
+    with stopping_after(3, TimeoutError):
+        assert run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))[0] == 1
+    assert not list(tmp_path.iterdir())

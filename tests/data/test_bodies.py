@@ -1,13 +1,14 @@
 """Two bodies, and normalised results in SI units."""
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from weier.api.fields import fields
+from weier.api.fields import events, fields
 from weier.api.solve import solve
 from weier.data.bodies import Bodies
 from weier.methods import westergaard
@@ -81,8 +82,15 @@ def test_interface_refuses_what_cannot_be(changed, message):
         ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_1": 80}, r"mu_1 = 80 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
-        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-09 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
-        ({"rho_2": 1e14}, r"rho_2 = 1e\+14 ohm m is above 1e\+12 ohm m"),
+        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-08 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
+        ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is above 0.001 ohm m: conductors have 1e-8 to 1e-3 ohm m"),
+        ({"rho_2": 4.5e7}, r"rho_2 = 4.5e\+07 ohm m is above 0.001 ohm m: .* or is it a conductivity, in S/m\?"),
+        ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
+        (
+            {"lambda_0": 0.1, "g_0": 1e-9},
+            "coarsest wave has a root mean square slope of 4.44e-08, from g_0 = 1e-09 m",
+        ),
+        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is above 1 m: is it in mm or um"),
     ],
 )
 def test_unusual_materials_are_doubted(changed, message):
@@ -91,13 +99,16 @@ def test_unusual_materials_are_doubted(changed, message):
     assert len(warned) == 1
     assert warned[0].filename == __file__
     interface(mu_1=np.inf, rho_1=0.0)  # a rigid body, a perfect conductor
+    interface(rho_1=1e-8, rho_2=1e-3, lambda_0=1.0, g_0=0.05)
 
 
-def test_a_wave_that_is_too_steep_for_any_surface_is_refused():
+def test_the_limits_of_traces_are_those_of_the_coarsest_wave():
     for g_0, lambda_0 in ((0.54, 0.8e-3), (0.54e-6, 0.8e-7)):
         with pytest.raises(ValueError, match=r"g_0 must give the coarsest wave a .* slope of at most 10, got"):
             interface(g_0=g_0, lambda_0=lambda_0)
-    assert interface(g_0=2.2, lambda_0=1.0).g_0 == 2.2
+    for g_0, lambda_0 in ((1.0, 800.0), (1e-11, 1e-10)):
+        with pytest.raises(ValueError, match=r"lambda_0 must be from 2e-10 to 100 m, got .* m: is a unit wrong"):
+            interface(g_0=g_0, lambda_0=lambda_0)
 
 
 CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
@@ -151,7 +162,7 @@ def test_a_quantity_of_another_unit_is_refused():
         interface().in_si([1.0])
 
 
-@pytest.mark.filterwarnings("ignore:(mu|rho)_")  # the doubts about values that no material has
+@pytest.mark.filterwarnings("ignore:(mu|rho|lambda)_", "ignore:p_0")  # the doubts about values that no material has
 def test_scalars_of_numpy_neither_overflow_nor_round():
     """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
     byte, half = np.uint8, np.float16
@@ -254,6 +265,107 @@ def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
     own = CURVE.assign(ratio=kept[0])
     own["ratio"].attrs = {"normalised_by": "1"}
     np.testing.assert_array_equal(bodies.in_si(own).ratio.values, kept[0].values)
+
+
+def assign(variable, change):
+    return lambda data: data.assign({variable: change(data[variable])})
+
+
+ARITHMETIC = {
+    "reciprocal": lambda data: 1 / data,
+    "square": lambda data: data**2,
+    "double": lambda data: 2 * data,
+    "logarithm": lambda data: np.log(data + 1),
+    "root": lambda data: xr.apply_ufunc(np.sqrt, data, keep_attrs=True),
+    "variance": lambda data: data.var("mean_pressure"),
+    "product": lambda data: data.prod("mean_pressure"),
+    "count": lambda data: data.count("mean_pressure"),
+    "sum": lambda data: data.cumsum("mean_pressure"),
+    "comparison": lambda data: data > 0.3,
+    "known": lambda data: data.notnull(),
+    "whole": lambda data: data.astype(int),
+    "difference": lambda data: data.diff("mean_pressure"),
+    "assigned": assign("resistance", lambda R: 1 / R),
+    "scaled": assign("resistance", lambda R: R * 1e3),
+    "of both": lambda data: data.assign(resistance=data.resistance / data.compliance),
+    "loads": lambda data: data.assign_coords(mean_pressure=2 * data.mean_pressure),
+    "negative": lambda data: data.assign(resistance=data.resistance.copy(data=-data.resistance.values)),
+    "number": lambda data: data.assign(resistance=data.resistance.copy(data=data.resistance.values.astype(int))),
+}
+SELECTION = {
+    "by position": lambda data: data.isel(mean_pressure=[2, 0]),
+    "by load": lambda data: data.sel(mean_pressure=data.mean_pressure[1]),
+    "sorted": lambda data: data.sortby("mean_pressure", ascending=False),
+    "one variable": lambda data: data.resistance.to_dataset(),
+    "joined": lambda data: xr.concat(
+        [data.isel(mean_pressure=[0]), data.isel(mean_pressure=[1, 2])], "mean_pressure"
+    ),
+    "cases": lambda data: data.expand_dims("case").weier.cases(D=1.25),
+    "copied": lambda data: pickle.loads(pickle.dumps(data.copy(deep=True))),
+    "renamed": lambda data: data.rename(resistance="R"),
+    "labelled": lambda data: data.reset_coords().assign_coords(machine="a"),
+    "without phases": lambda data: data.drop_vars(["phases", "seed", "term"]),
+}
+
+
+@pytest.mark.parametrize("change", ARITHMETIC.values(), ids=ARITHMETIC)
+def test_arithmetic_that_keeps_attributes_is_refused(change):
+    curve = CURVE[["compliance", "resistance"]]
+    with xr.set_options(keep_attrs=True), pytest.raises(ValueError, match=r"must be as weier returned it|has lost"):
+        interface().in_si(change(curve))
+
+
+@pytest.mark.parametrize("change", SELECTION.values(), ids=SELECTION)
+def test_selections_and_copies_are_converted(change):
+    own = CURVE.drop_vars("contact_edge", errors="ignore")
+    found, expected = interface().in_si(change(own)), change(interface().in_si(own))
+    for name, values in expected.variables.items():
+        if values.dtype.kind == "f":
+            np.testing.assert_allclose(found.variables[name].values, values.values, rtol=1e-15)
+
+
+def test_a_file_that_xarray_wrote_is_converted(tmp_path):
+    CURVE.to_netcdf(tmp_path / "curve.nc")
+    with xr.open_dataset(tmp_path / "curve.nc") as again:
+        np.testing.assert_array_equal(interface().in_si(again).resistance, interface().in_si(CURVE).resistance)
+        with pytest.raises(ValueError, match="resistance must be as weier returned it"):
+            interface().in_si(again.assign(resistance=again.resistance**2))
+    stated = (CURVE[["resistance"]] * 2).drop_attrs()
+    stated["resistance"].attrs = {"normalised_by": "g_0/p_0*"}
+    expected = 2 * interface().in_si(CURVE).resistance.values
+    np.testing.assert_allclose(interface().in_si(stated.assign_coords(CURVE.coords)).resistance, expected)
+
+
+def test_the_units_of_a_trace_are_never_those_of_a_series():
+    """Its length and height are coordinates, in which a conversion must not be in doubt."""
+    trace = Trace(1e-6 * np.cos(2 * np.pi * np.arange(32) / 32), 1e-3, ends="periodic", unit="m")
+    curve = solve(trace, [0.1, 1.0], "bem", staircase="kept")
+    both = solve([trace, Profile(1.25, 5, 2)], [0.1, 1.0], ["bem"])
+    expected = interface().in_si(curve)
+    assert interface().in_si(curve.reset_coords()).resistance.equals(expected.resistance.reset_coords(drop=True))
+    for lost in (
+        curve.reset_coords(drop=True),
+        curve.drop_vars("trace_length"),
+        curve.drop_vars("trace_height"),
+        curve[["resistance"]].drop_vars(["D", "trace_length", "trace_height"]),
+        both.drop_vars("trace_length"),
+        CURVE.reset_coords(drop=True),
+    ):
+        for use in (interface().in_si, interface().at):
+            with pytest.raises(ValueError, match="data must have the coordinate D of a series, or trace_length"):
+                use(lost)
+
+
+def test_fields_and_events_are_in_units_of_their_trace():
+    x = 2 * np.pi * np.arange(64) / 64
+    trace = Trace(1e-6 * np.cos(x) + 2e-7 * np.cos(5 * x + 1), 1e-3, ends="periodic", unit="m")
+    for found in (fields(trace, 0.1), events(trace, 0.01, 0.5)):
+        own, expected = interface().in_si(found), interface(lambda_0=trace.lambda_0, g_0=trace.g_0).in_si(found)
+        assert own.equals(expected)
+        assert own.attrs["g_0"] == trace.g_0
+    assert own.mean_pressure.values[0] == pytest.approx(
+        found.mean_pressure.values[0] * 2 * np.pi * interface().composite_modulus * trace.g_0 / trace.lambda_0
+    )
 
 
 def test_two_bodies_alone_have_no_scale():

@@ -322,6 +322,29 @@ def test_a_curve_gives_its_profile_back(profile, tmp_path):
         weier.profile_of(both)
 
 
+def test_neighbouring_seeds_are_told_apart():
+    seeds = [2**53 - 1, 2**53 - 2, 2**52, 2**52 + 1, 10**6, 10**6 + 1]
+    profiles = [weier.Profile(1.5, 5, 3, seed=seed) for seed in seeds]
+    data = weier.solve(profiles, [0.1], ["demelio"])
+    assert np.unique(data["case"]).size == len(seeds)
+    for seed, profile in zip(seeds, profiles, strict=True):
+        assert weier.profile_of(data.weier.cases(seed=seed)) == profile
+    with pytest.raises(ValueError, match=r"no case has seed = 1000002: choose from 1000000, 1000001, 45"):
+        data.weier.cases(seed=10**6 + 2)
+
+
+def test_a_profile_has_the_phases_of_its_curve_whatever_its_seed_gives():
+    """The seed may be one that a float has rounded, or of another generator of random numbers."""
+    profile = weier.Profile(1.5, 5, 3, seed=3)
+    curve = weier.solve(profile, [0.1], "demelio")
+    for seed in (4.0, 2.0**60):
+        changed = curve.assign_coords(seed=seed)
+        assert np.array_equal(weier.profile_of(changed).phase, profile.phase)
+    infinite = weier.solve(weier.Profile(1.5, 5, np.inf, seed=3), [0.1], "demelio").assign_coords(seed=2.0**60)
+    with pytest.raises(ValueError, match="seed must be at most"):
+        weier.profile_of(infinite)
+
+
 def test_phases_are_numbers_over_the_terms_in_memory_too():
     curve = weier.solve(PROFILES[0], [0.1], "demelio")
     assert (curve.phases.dims, curve.phases.values.tolist(), curve.phases.units) == (("term",), [0, 1, 2], "rad")
@@ -349,6 +372,48 @@ def test_an_ensemble_has_means_with_their_scatter_and_the_numerical_error():
         largest = by_bem[f"{name}_error"].values.max(axis=0)
         np.testing.assert_array_equal(table[f"{name}_numerical_error"][:2], largest)
     assert table["compliance_numerical_error"][2:].isna().all()
+
+
+def test_each_set_of_parameters_has_an_ensemble_of_its_own():
+    """Means over the phases alone; a surface that occurs twice, under two names too, counts once."""
+    kinds = [(1.25, 3, 2), (1.5, 3, 2), (1.5, 3, 3), (1.5, "5/2", 2)]
+    series = [weier.Profile(*kind, seed=seed) for seed in range(3) for kind in kinds]
+    by_phases = weier.Profile(*kinds[1], phases=series[1].phase)
+    data = weier.solve([*series, series[1], by_phases], [0.1, 1.0], ["bem", "demelio"])
+    table = data.weier.ensemble()
+    assert [(*row,) for row in table[["D", "gamma", "m"]].drop_duplicates().values] == [
+        (D, float(weier.Profile(D, gamma, m).gamma), m) for D, gamma, m in kinds
+    ]
+    assert table["cases"].tolist() == [3] * 4 * len(kinds)
+    for number, kind in enumerate(kinds):
+        alone = weier.solve([weier.Profile(*kind, seed=seed) for seed in range(3)], [0.1, 1.0], ["bem", "demelio"])
+        expected = alone.resistance.values.mean(axis=0).ravel()
+        np.testing.assert_allclose(table["resistance_mean"][4 * number : 4 * number + 4], expected, rtol=1e-12)
+    infinite = [weier.Profile(1.5, 3, np.inf, seed=seed) for seed in (1, 2, 2)]
+    assert weier.solve(infinite, [0.1], ["demelio"]).weier.ensemble()["cases"].tolist() == [2]
+
+
+def test_cutoffs_settings_and_labels_of_a_user_divide_ensembles():
+    steel = weier.Interface(mu_1=8e10, mu_2=8e10, nu_1=0.3, nu_2=0.3, rho_1=2e-7, rho_2=2e-7)
+    x = 2 * np.pi * np.arange(200) / 200
+    a, b = [1e-6 * np.cos(x) + 2e-7 * np.cos(5 * x + phase) for phase in (0, 2)]
+    # Steps of one instrument differ in the last digits, and so do the default cutoffs.
+    given = [(a, 1e-3, None), (b, 1.004e-3, None), (a, 1e-3, 4e-5), (b, 1.004e-3, 4e-5)]
+    traces = [weier.Trace(z, length, unit="m", shortest=cutoff, source=f"{length}") for z, length, cutoff in given]
+    copy = weier.Trace(a, 1e-3, unit="m", source="copy")
+    data = steel.solve([*traces, copy], [1e6], tolerance=1e-2, method=["bem"])
+    table = data.weier.ensemble()
+    assert table["trace_shortest"].round(7).tolist() == [1e-5, 4e-5]
+    assert table["cases"].tolist() == [2, 2]
+    machines = data.isel(case=[0, 1]).assign_coords(machine=("case", ["a", "b"]))
+    assert machines.weier.ensemble()[["machine", "cases"]].values.tolist() == [["a", 1], ["b", 1]]
+    series = [weier.Profile(1.5, 3, 2, seed=seed) for seed in range(2)]
+    both = [weier.solve(series, [0.1], ["bem"], tolerance=tolerance) for tolerance in (1e-2, 1e-4)]
+    table = xr.concat(both, "case", data_vars="all").weier.ensemble()
+    assert table["cases"].tolist() == [2, 2]
+    assert table["settings"].nunique() == 2
+    studies = both[0].assign_coords(study=("case", ["one, two", "two"]))
+    assert studies.weier.ensemble()[["study", "cases"]].values.tolist() == [["one", 1], ["two", 2]]
 
 
 def test_an_ensemble_of_traces_has_common_pressures():

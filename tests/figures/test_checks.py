@@ -90,7 +90,7 @@ CONDUCTORS |= {"rho_1": 1e-7, "lambda_0": 1e-3, "g_0": 1e-6}
         ("compliance", 0, ""),
         ("resistance", 1e-8, ""),
         ("resistance", 0, "two perfect"),
-        ("phases", 1, "phases has no"),
+        ("phases", 1e-6, "phases has no"),
     ],
 )
 def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1, said, tmp_path):

@@ -28,10 +28,16 @@ def test_loads_in_pa_and_phases_in_degrees_are_doubted():
         weier.solve(PROFILE, [1e7], "demelio")
     with pytest.warns(UserWarning, match="all phases that are not 0 exceed 2 pi, got .*0, 90, 180.*radians"):
         weier.Profile(1.25, 5, 3, (0, 90, 180))
+    for phases in ((0, 5, 180), (0, 90, 1), (1, -360, 0), 7.0, (7200, 0, 7200)):
+        with pytest.warns(UserWarning, match="exceed 2 pi, got .*: phases are in radians"):
+            weier.Profile(1.25, 5, 3, phases)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         weier.solve(PROFILE, [1e-3, 1e7], "demelio")  # one load that shows full contact
         weier.Profile(1.25, 5, 3, (0, 7, 1))
+        weier.Profile(1.25, 5, 3, (0, 0.5 - 20 * np.pi, 1))
+        weier.Profile(1.25, 5, 3, (0, 2 * np.pi, -2 * np.pi))
+        weier.Profile(1.25, 5, 3, np.radians([0, 360, 180]))
 
 
 @pytest.mark.parametrize("curve", [weier.solve, bem.curve, patches.curve])

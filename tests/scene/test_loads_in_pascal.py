@@ -167,7 +167,7 @@ def test_the_band_of_fits_is_a_key_of_traces_and_fits_that_fail_say_why(tmp_path
     options = {"file": file, "length": 2.0, "x_unit": "mm", "height_unit": "um", "shortest": 10e-3}
     studies = {"fine": {"trace": options | {"longest": 0.1}}, "long": {"trace": options | {"longest": "1.5"}}}
     loaded = scene_in(tmp_path, SCENE | {"loads": ["50 MPa"], "methods": ["bem"], "studies": studies, "figures": {}})
-    gather(solve_scene(loaded, tmp_path / "batches"), tmp_path / "contact.nc")
+    write_data(solve_scene(loaded, tmp_path / "store"), tmp_path / "contact.nc")
     found = weier.fit(loaded.study("fine")[0].profile, longest=0.1e-3)
     with weier.open_dataset(tmp_path / "contact.nc") as data:
         assert data.trace_fit_D.values == pytest.approx([found.D, math.nan], nan_ok=True)

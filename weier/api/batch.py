@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +17,9 @@ from weier.api.rows import BOUNDS, curve_row, surface_row
 from weier.api.task import CurveTask
 from weier.api.workers import solve_curves
 from weier.data import dataset
-from weier.data.variables import VARIABLES
+from weier.data.variables import LOADS, VARIABLES
 from weier.kernels.arrays import Array
+from weier.methods.progress import STOPS
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
@@ -97,6 +98,10 @@ def solve_batch(
         Over case, method, mean_pressure and term, with bounds on the infinite series and the seconds that each curve
         took; values that could not be solved are NaN, and status has the reason.
 
+    Raises
+    ------
+    KeyboardInterrupt, TimeoutError
+        If the solution is stopped: `curve` is the result so far, up to the case that was being solved, or None.
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
     methods, terms, edges, optional = layout_of(cases, contact_edges)
@@ -109,20 +114,49 @@ def solve_batch(
         for case, loads in zip(cases, own, strict=True)
         for name in case.methods
     ]
-    outcomes, again = zip(curves, solve_curves(curves, workers, pause, done), strict=True), 0
-    for number, case in enumerate(cases):
-        describe_case(rows, number, case, loads)
-        for name in case.methods:
-            curve, outcome = next(outcomes)
-            if isinstance(outcome, Exception):
-                failed(f"{case.profile.describe()}, {name}: {outcome}")
-            found = curve_row(curve, outcome)
-            settings = json.dumps(all_settings(find_method(name), curve.settings), sort_keys=True)
-            _store(rows, {"case": number, "solution_method": methods.index(name)}, found | {"settings": settings})
-            again += found.get("second_attempts", 0)
+    outcomes, position, again = iter(solve_curves(curves, workers, pause, done)), iter(curves), 0
+    number, curve = 0, curves[0]
+    try:
+        for number, case in enumerate(cases):
+            describe_case(rows, number, case, loads)
+            for name in case.methods:
+                curve = next(position)
+                outcome = next(outcomes)
+                if isinstance(outcome, Exception):
+                    failed(f"{case.profile.describe()}, {name}: {outcome}")
+                found = curve_row(curve, outcome)
+                _store_curve(rows, number, methods, curve, found)
+                again += found.get("second_attempts", 0)
+    except STOPS as stop:
+        if (part := getattr(stop, "curve", None)) is not None:
+            _store_curve(rows, number, methods, curve, _row_of_part(curve, part))
+        begun = data.isel(case=slice(number + 1))
+        vars(stop)["curve"] = begun if np.isfinite(begun["compliance"]).any() else None
+        raise
     if again > 0:
         done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
     return data
+
+
+def _store_curve(
+    rows: Arrays, number: int, methods: Sequence[str], curve: CurveTask, found: Mapping[str, Any]
+) -> None:
+    """Write one curve with its settings into its row."""
+    settings = json.dumps(all_settings(find_method(curve.method), curve.settings), sort_keys=True)
+    position = {"case": number, "solution_method": methods.index(curve.method)}
+    _store(rows, position, {**found, "settings": settings})
+
+
+def _row_of_part(curve: CurveTask, part: tuple[Array, Any]) -> dict[str, Any]:
+    """Return a curve that was stopped: NaN at the loads that are not solved."""
+    solved, solution = part
+    found = curve_row(curve._replace(loads=solved), (solution, math.nan))
+    for name, value in found.items():
+        if name in VARIABLES and LOADS in VARIABLES[name].dims and np.ndim(value):
+            whole = np.full((curve.loads.size, *np.shape(value)[1:]), np.nan)
+            whole[np.searchsorted(curve.loads, solved)] = value
+            found[name] = whole
+    return found
 
 
 def arrays(data: xr.Dataset) -> Arrays:

@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 
 from weier import units
-from weier.api.progress import searching
+from weier.data import variables
 from weier.data.provenance import NORMALISED
+from weier.data.si import marked
 from weier.methods import bem, patches
 from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_load
@@ -50,6 +51,7 @@ def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> x
         pressure, in p_0*, gap and displacement, in g_0, over x, in lambda_0; and over the dimension patch the left
         and right edge of each contact, in lambda_0, and the strength k_1 of the pressure there: p = k_1 s^(1/2) at
         the distance s inside an edge, and the gap (4 pi/3) k_1 s^(3/2) outside. The attribute mean_gap is d, in g_0.
+        Scalar coordinates hold the profile.
 
     Raises
     ------
@@ -78,8 +80,7 @@ def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> x
     curves = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
     ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
     ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
-    data = _dataset(("x",), curves, mean_pressure=load, mean_gap=contact.mean_gap)
-    return data.merge(_dataset(("patch",), ends))
+    return _dataset(profile, {"x": curves, "patch": ends}, mean_pressure=load, mean_gap=contact.mean_gap)
 
 
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
@@ -99,7 +100,7 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     Dataset
         Over the dimension event, by increasing load: mean_pressure, in p_0*, x, in lambda_0, birth (True) or merger
         (False), and patch_count just above the load, the same for all events of one load. The resistance drops at
-        births and has a kink at mergers.
+        births and has a kink at mergers. Scalar coordinates hold the profile.
 
     Raises
     ------
@@ -126,14 +127,17 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    expected = patches.METHOD.seconds(profile, np.empty(patches.expected_loads(profile, low, high)))
-    with searching("weier.events", expected) as report:
-        found = patches.events(profile, low, high, report=report)._asdict()
-    return _dataset(("event",), found | {"birth": found["birth"].astype(bool)})
+    found = patches.events(profile, low, high)._asdict()
+    return _dataset(profile, {"event": found | {"birth": found["birth"].astype(bool)}})
 
 
-def _dataset(dims: tuple[str], values: dict[str, np.ndarray], **attributes: object) -> xr.Dataset:
-    data = {}
-    for name, value in values.items():
-        data[name] = (dims, value, units.described(*ATTRIBUTES[name]))
-    return xr.Dataset(data, attrs={"normalisation": NORMALISED, **attributes})
+def _dataset(profile: Waves, values: dict[str, dict[str, np.ndarray]], **attributes: object) -> xr.Dataset:
+    """Return a dataset of values over each dimension, with the labels of the profile as coordinates."""
+    data = {
+        name: (dim, value, units.described(*ATTRIBUTES[name]))
+        for dim, own in values.items()
+        for name, value in own.items()
+    }
+    labels = {name: value for name, value in profile.labels.items() if name != "phases"}
+    coordinates = {name: ((), value, variables.attributes(name)) for name, value in labels.items()}
+    return marked(xr.Dataset(data, coordinates, {"normalisation": NORMALISED, **attributes}))

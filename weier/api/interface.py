@@ -16,6 +16,7 @@ from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
+from weier.methods.progress import converting
 from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves, checked_surface
 
@@ -42,12 +43,13 @@ class Interface(Bodies):
     ------
     ValueError
         If a value is out of range or has a unit of another quantity, if both or neither of mu and E are given, if
-        both bodies are rigid, or if the coarsest wave is steeper than any measured surface.
+        both bodies are rigid, or if the coarsest wave is longer or steeper than any measured surface.
 
     Warns
     -----
     UserWarning
-        If a shear modulus is below 1 MPa or above 10 TPa, or a resistivity below 1e-9 or above 1e12 ohm m.
+        If a shear modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m,
+        lambda_0 above 1 m, a coarsest wave flatter than 1e-7, or p_0* above a shear modulus.
 
     Examples
     --------
@@ -111,7 +113,9 @@ class Interface(Bodies):
         for one in surface if isinstance(surface, list | tuple) else ():
             checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
-        return self.in_si(in_order(solve_under(surface, loads, self._loads(loads), method, **options), position))
+        with converting(self.in_si):
+            solved = solve_under(surface, loads, self._loads(loads), method, **options)
+        return self.in_si(in_order(solved, position))
 
     def _loads(self, pressures: Array) -> LoadsOf:
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""

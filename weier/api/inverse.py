@@ -21,12 +21,14 @@ from weier.api.solve import solve
 from weier.api.task import CurveTask
 from weier.checks import checked_numbers, checked_word
 from weier.data import variables
+from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods import patches
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.solver import MIN_LOAD
 from weier.methods.patches.start import TOLERANCE
+from weier.methods.progress import converting
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -122,7 +124,8 @@ def loads_for(
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
     search = _Search(profile, name, scales or {})
-    found = [search.load(float(value)) for value in targets]
+    with converting(lambda curve: None):  # which is one of the search
+        found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
     attributes = variables.attributes(ERROR)
@@ -133,7 +136,7 @@ def loads_for(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
             stacklevel=3,  # at the call of `find_load`
         )
-    return curve.assign({ERROR: ("mean_pressure", errors, attributes)})
+    return marked(curve.assign({ERROR: ("mean_pressure", errors, attributes)}))
 
 
 class _Search:

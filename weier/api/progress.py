@@ -9,7 +9,7 @@ from time import perf_counter
 
 from weier.data.markdown import significant
 from weier.kernels.jit import COMPILING_SECONDS
-from weier.methods.progress import reporting_to
+from weier.methods.progress import STOPS, reporting_to
 
 ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
 LONG = 10.0  # A solution that takes longer, in seconds, is announced.
@@ -133,12 +133,15 @@ def watching(total: int, expected: float, max_seconds: float | None) -> Iterator
     Raises
     ------
     TimeoutError
-        If they take longer than `max_seconds`.
+        If they take longer than `max_seconds`. Like KeyboardInterrupt, it has the attribute `curve`.
     """
     watch = Watch(total, expected, max_seconds)
     try:
         with reporting_to(watch):
             yield
+    except STOPS as stop:
+        vars(stop).setdefault("curve", None)
+        raise
     finally:
         watch.close()
 

@@ -17,6 +17,7 @@ from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
+from weier.methods.progress import converting
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
@@ -79,8 +80,10 @@ def solve(
         apply to the profile; OutOfReachError if a tolerance cannot be met.
     ConvergenceError
         If a solver misses its tolerance.
-    TimeoutError
-        If the solution takes longer than `max_seconds`.
+    TimeoutError, KeyboardInterrupt
+        If the solution takes longer than `max_seconds`, or at Ctrl-C. The attribute `curve` of the exception is the
+        result so far, as below for increasing loads: of one curve, the loads that "patches", "bem" or "auto" has
+        solved; of a list, the cases. It is None if there is none.
     ChildProcessError
         If a process terminates early, for example without the guard named above.
 
@@ -155,10 +158,7 @@ def solve_under(
     with watching(loads.size * len(applying), expected / min(workers, max(len(applying), 1)), max_seconds):
         if several:
             return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers)
-        solved = _solve_one(curves[0], edges)
-    return (
-        solved if loads_of is None else solved.assign_coords({LOADS: (LOADS, loads, attributes(LOADS, unit=PASCAL))})
-    )
+        return _solve_one(curves[0], edges, loads if loads_of else None)
 
 
 def _list(name: str, given: Any) -> list[Any]:
@@ -168,13 +168,22 @@ def _list(name: str, given: Any) -> list[Any]:
     return listed
 
 
-def _solve_one(curve: CurveTask, edges: bool) -> xr.Dataset:
-    """Return one curve with its labels and settings, over mean_pressure."""
-    solution, seconds = curve.solve()
-    values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
-    labels = curve.profile.labels | {"phases": curve.profile.listed_phases, "solution_method": curve.method}
-    settings = all_settings(find_method(curve.method), curve.settings)
-    return dataset.curve(curve.loads, values | {"seconds": seconds}, labels, settings)
+def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dataset:
+    """Return one curve with its labels and settings, over mean_pressure, or over the same pressures in Pa."""
+
+    def labelled(loads: Array, solution: Any, **others: Any) -> xr.Dataset:
+        values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
+        labels = curve.profile.labels | {"phases": curve.profile.listed_phases, "solution_method": curve.method}
+        settings = all_settings(find_method(curve.method), curve.settings)
+        data = dataset.curve(loads, values | others, labels, settings)
+        if pressures is None:
+            return data
+        exact = pressures[np.searchsorted(curve.loads, loads)]
+        return data.assign_coords({LOADS: (LOADS, exact, attributes(LOADS, unit=PASCAL))})
+
+    with converting(lambda solved: labelled(*solved)):
+        solution, seconds = curve.solve()
+    return labelled(curve.loads, solution, seconds=seconds)
 
 
 def _solve_all(
@@ -192,10 +201,17 @@ def _solve_all(
     cases = tuple(Case.of(surface, tuple(methods), settings) for surface in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
-    data = solve_batch(cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of)
+
+    def named(data: xr.Dataset) -> xr.Dataset:
+        return name_cases(data.assign_attrs(provenance.of_results(title)))
+
+    with converting(named):
+        data = solve_batch(
+            cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of
+        )
     for failure in failures:
         warnings.warn(failure, stacklevel=4)  # at the call of `solve`
-    return name_cases(data.assign_attrs(provenance.of_results(title)))
+    return named(data)
 
 
 def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

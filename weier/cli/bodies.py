@@ -11,7 +11,7 @@ from weier.scene.yaml import parse_yaml
 from weier.units import NONE, WITHOUT, unit_of
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
+    import pandas as pd
     import xarray as xr
 
     from weier.api.interface import Interface

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,14 @@ def parse_phases(text: str) -> float | list[float]:
     except ValueError:
         raise ValueError(f'phases must read "1" or "0,1,2", got {text!r:.80}') from None
     return phases if len(phases) > 1 else phases[0]
+
+
+def listed_in_si(name: str, text: str, unit: str) -> list[float]:
+    """Return numbers in an SI unit from the text of an option; a text without a unit is echoed with the one taken."""
+    values = units.listed(name, text, unit)
+    if not any(found[2] for part in re.split("[,:]", text) if (found := units.NUMBER.fullmatch(part))):
+        click.echo(f"--{name} {text}: taken in {unit}, since no unit is given", err=True)
+    return values
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -234,10 +243,11 @@ OF_BODIES = (
         ["--pressures"],
         callback=_read(
             lambda text: checked_numbers(
-                "pressures", units.listed("pressures", text, units.PASCAL), "be positive", lambda p: p > 0
+                "pressures", listed_in_si("pressures", text, units.PASCAL), "be positive", lambda p: p > 0
             )
         ),
-        help='With --si: mean pressures in Pa, or in a unit, as in "1,10MPa" or "1:100:20MPa", instead of --loads.',
+        help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa", "900kPa,2MPa" or '
+        '"1:100:20MPa"; without a unit in Pa.',
     ),
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,11 +13,22 @@ from click.core import ParameterSource
 
 from weier import units
 from weier.cli.bodies import read_bodies
-from weier.cli.options import INTO, LOADS, PLOTTED_LOADS, SolvingCommand, of_one_profile, output, profile_or_trace
+from weier.cli.options import (
+    INTO,
+    LOADS,
+    PLOTTED_LOADS,
+    SolvingCommand,
+    listed_in_si,
+    of_one_profile,
+    output,
+    profile_or_trace,
+)
 from weier.data.bodies import to_normalised
+from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
+from weier.methods.progress import STOPS
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance
 from weier.scene import Figure
@@ -48,7 +60,7 @@ class Request(NamedTuple):
         if self.found is not None:
             errors = dict(zip(self.loads.tolist(), self.found[ERROR].values.tolist(), strict=True))
             own = [errors[load] for load in data["mean_pressure"].values.tolist()]
-            data = data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)})
+            data = marked(data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)}))
         if self.bodies is None:
             return data
         curves = self.bodies.in_si(data)
@@ -85,7 +97,10 @@ def _request(
         return Request(profile, loads, both, pressures, None)
     ((name, text),) = wanted.items()
     unit = VARIABLES[name].unit
-    values: Any = units.listed(name, text, own.scales[unit][1] if own and unit in own.scales else unit)
+    if own and unit in own.scales:
+        values: Any = listed_in_si(name, text, own.scales[unit][1])
+    else:
+        values = units.listed(name, text, unit)
     normalised = to_normalised(own, name, unit, values) if own else values
     found = inverse.loads_for(surface, name, normalised, own.scales if own else None)
     return Request(profile, found["mean_pressure"].values, both, None, found)
@@ -134,9 +149,10 @@ def solve(
 ) -> None:
     """Compute the compliance and resistance of one profile.
 
-    Prints JSON to standard output and progress to standard error; Ctrl-C keeps the loads that patches have solved.
-    Lengths along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output
-    keeps; netCDF has each once, increasing.
+    Prints JSON to standard output and progress to standard error. After Ctrl-C or --max-seconds, the loads that
+    patches, bem or auto have solved are printed, or written beside the output, as curve.part.nc for curve.nc. Lengths
+    along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
+    netCDF has each once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
@@ -152,7 +168,6 @@ def solve(
     weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
-    from weier.pipeline import single
 
     wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
     request = _request(wanted=wanted, **options)
@@ -161,18 +176,28 @@ def solve(
     stop = None
     try:
         data = _solve((), request, methods, tolerance, settings, workers, max_seconds)
-    except single.Stopped as stopped:
-        data, stop = stopped.data, stopped.cause
+    except STOPS as stopped:
+        if getattr(stopped, "curve", None) is None:
+            raise
+        data, stop = vars(stopped)["curve"], stopped
     done = np.isin(request.loads, data["mean_pressure"].values)
     in_order = request.with_units(data.sel(mean_pressure=request.loads[done]))
     if output is None:
         click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
     else:
-        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), output)
+        path = output if stop is None else _part_beside(output)
+        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), path)
     if stop is not None:
-        click.echo(f"stopped: {done.sum()} of {done.size} loads were written", err=True)
+        where = "printed" if output is None else f"in {path}"
+        click.echo(f"weier: {done.sum()} of {done.size} loads are solved, and {where}", err=True)
         raise stop
     result.check_solved(data)
+
+
+def _part_beside(path: Path) -> Path:
+    """Return the name of a new file for a part of the curve, such as curve.part.nc for curve.nc."""
+    names = (path.with_name(f"{path.stem}.part{number or ''}{path.suffix}") for number in itertools.count())
+    return next(name for name in names if not name.exists())
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))

@@ -26,7 +26,8 @@ SELF = Path("-")  # stands for the data file itself
 @click.option(
     "--ensemble",
     is_flag=True,
-    help="Write the mean over the cases, their standard deviation and the numerical error.",
+    help="Write the mean of each ensemble, the cases of a study that differ in phases, seed or file alone, with the "
+    "standard deviation and the numerical error.",
 )
 @click.option("--study", multiple=True, help="Use the cases of this study; repeatable.")
 def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:

@@ -19,7 +19,7 @@ from weier import units
 from weier.checks import checked_number, checked_numbers
 from weier.data.si import BODIES, OF_DATASETS, check_normalised, converted, scaled
 from weier.kernels.arrays import Array
-from weier.surface.measured.trace import MAX_SLOPE
+from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
 from weier.surface.waves import checked_surface
 from weier.theory.conduction import (
     RANGES,
@@ -35,7 +35,12 @@ if TYPE_CHECKING:
 # ranges outside which a warning names the likely mistake
 USUAL = {
     "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
-    "resistivity": (1e-9, 1e12, "ohm m", "resistivities are in ohm m, and 1 micro-ohm cm is 1e-8 ohm m"),
+    "resistivity": (
+        1e-8,
+        1e-3,
+        "ohm m",
+        "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
+    ),
 }
 # The coordinates of curves that hold the scale of a trace, in m.
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
@@ -51,6 +56,27 @@ def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
         if not least <= value <= most:
             limit = f"below {least:g}" if value < least else f"above {most:g}"
             yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
+
+
+def _doubts_of_scale(lambda_0: float, g_0: float, full: float, modulus: float) -> Iterator[str]:
+    """Yield a warning for a coarsest wave that few surfaces have; ValueError beyond the limits of traces."""
+    got = f"from g_0 = {g_0:g} m over lambda_0 = {lambda_0:g} m"
+    if not 2 * MIN_STEP <= lambda_0 <= MAX_LENGTH:
+        raise ValueError(
+            f"lambda_0 must be from {2 * MIN_STEP:g} to {MAX_LENGTH:g} m, got {lambda_0:g} m: is a unit wrong?"
+        )
+    slope = math.sqrt(2) * math.pi * g_0 / lambda_0
+    if slope > MAX_SLOPE:
+        raise ValueError(
+            f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+            f"{got}: is a unit wrong?"
+        )
+    if slope < MIN_SLOPE:  # finer waves may be steeper
+        yield f"the coarsest wave has a root mean square slope of {slope:.3g}, {got}: are both in m?"
+    if lambda_0 > USUAL_LENGTH:
+        yield f"lambda_0 = {lambda_0:g} m is above {USUAL_LENGTH:g} m: is it in mm or um? Lengths are in m"
+    if full > modulus:
+        yield f"p_0* = {full:.3g} Pa exceeds the shear modulus {modulus:.3g} Pa, {got}: are both in m?"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,8 +109,6 @@ class Bodies:
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # A warning names what was given.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
-        for doubt in _doubts(known):
-            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
         scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
         full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
         if not 0 < full < math.inf:
@@ -92,12 +116,11 @@ class Bodies:
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {full}"
             )
-        slope = math.sqrt(2) * math.pi * scale[1] / scale[0]
-        if self.g_0 is not None and slope > MAX_SLOPE:
-            raise ValueError(
-                f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
-                f"from g_0 = {self.g_0:g} m over lambda_0 = {self.lambda_0:g} m: is a unit wrong?"
-            )
+        doubts = [*_doubts(known)]
+        if self.lambda_0 is not None and self.g_0 is not None:
+            doubts += _doubts_of_scale(self.lambda_0, self.g_0, full, min(self.mu_1, self.mu_2))
+        for doubt in doubts:
+            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
 
     @property
     def composite_modulus(self) -> float:
@@ -157,8 +180,8 @@ class Bodies:
         ----------
         data : Dataset
             Results of weier, such as a curve of `weier.solve`: the attribute `normalised_by` is the unit of a
-            variable. Curves of traces are converted by the length and height of each trace, others by lambda_0 and
-            g_0 of this interface.
+            variable. Curves of traces are converted by the length and height of each trace, which are coordinates,
+            those of series, with a coordinate D, by lambda_0 and g_0 of this interface.
 
         Returns
         -------
@@ -171,7 +194,8 @@ class Bodies:
         Raises
         ------
         ValueError
-            If this is no data of weier, is in SI units already, or has lost a unit.
+            If this is no data of weier, is in SI units already, has lost a unit or its coordinates, or comes from
+            arithmetic, which keeps attributes: xarray's selections and joins are accepted, and anything from a file.
 
         Examples
         --------
@@ -191,12 +215,16 @@ class Bodies:
 
     def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
-        own = [np.asarray(data.coords.get(name, math.nan), float) for name in OF_TRACE.values()]
-        if not np.isfinite(own).all():
-            own = [
-                np.where(np.isfinite(values), values, of_series)
-                for values, of_series in zip(own, self._scale(), strict=True)
-            ]
+        names = ("D", *OF_TRACE.values())
+        D, *own = (np.asarray(data.variables.get(name, math.nan), float) for name in names)
+        of_trace = np.isfinite(own[0]) & np.isfinite(own[1])
+        if (np.isnan(D) & ~of_trace).any():
+            raise ValueError(
+                "data must have the coordinate D of a series, or trace_length and trace_height of a trace, which "
+                "give its units: convert the whole curve before coordinates are dropped"
+            )
+        if not of_trace.all():
+            own = [np.where(of_trace, *both) for both in zip(own, self._scale(), strict=True)]
         lambda_0, g_0 = own if _varies(own) else [values.flat[0] for values in own]
         return lambda_0, g_0
 

@@ -20,6 +20,7 @@ from weier.checks import shown
 from weier.data import netcdf, provenance, variables
 from weier.data.files import replacing
 from weier.data.selection import NEEDED, as_cases, name_cases
+from weier.data.si import marked
 from weier.data.variables import COORDINATES, RUN, VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.units import NORMALISED_PRESSURE
@@ -47,7 +48,7 @@ def curve(
     # netCDF has no booleans.
     plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
-    return xr.Dataset(data, coordinates, provenance.of_results() | plain)
+    return marked(xr.Dataset(data, coordinates, provenance.of_results() | plain))
 
 
 def blank(
@@ -79,11 +80,12 @@ def over_cases(values: Mapping[str, Any], methods: Sequence[str], loads: Array, 
     """Return variables of the table as a dataset over cases, methods and loads, in p_0* or Pa."""
     data = xr.Dataset({name: (VARIABLES[name].dims, own, variables.attributes(name)) for name, own in values.items()})
     data = data.set_coords([name for name in values if name in COORDINATES])
-    return data.assign_coords(
+    data = data.assign_coords(
         solution_method=("solution_method", list(methods), variables.attributes("solution_method")),
         mean_pressure=("mean_pressure", loads, variables.attributes("mean_pressure", unit=unit)),
         term=("term", np.arange(data.sizes["term"], dtype="i4"), variables.attributes("term")),
     )
+    return marked(data)
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
 PACKED: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 REMAKE = "delete it and make it again"
+HDF5 = b"\x89HDF\r\n\x1a\n"  # the first bytes of a file
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
@@ -108,9 +109,12 @@ def damaged_error(path: str | Path, error: Exception) -> Exception:
     try:
         with Path(path).open("rb") as file:
             if _is_locked(file):
-                return OSError(f"{path} is locked by another process, which writes it: close it there")
+                return OSError(f"{path} is open in another program, which may write it: close it there")
+            head = file.read(len(HDF5))
     except OSError as why:
         return _unreadable(path, why)
+    if head.strip(b"\0") and not head.startswith((HDF5, b"CDF")):
+        return ValueError(f"{path} is no netCDF file: name another one, or move it away and make it again")
     return ValueError(f"{path} is not a whole netCDF file: if weier made it, {REMAKE} ({error})")
 
 

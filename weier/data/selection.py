@@ -16,20 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier import units
 from weier.checks import checked_number, checked_numbers, shown
+from weier.data import ensembles
+from weier.data.ensembles import CLOSE
 from weier.data.variables import CURVE, LOAD, LOADS, VARIABLES
-from weier.kernels.arrays import Flags
-from weier.surface.profile import PARAMETERS, Profile, checked_ratio
+from weier.kernels.arrays import Array, Flags
+from weier.surface.profile import MAX_SEED, PARAMETERS, Profile, checked_ratio, random_phases
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]  # its stubs are a package more
+    import pandas as pd
 
-CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
-FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
-AVERAGED = ("compliance", "resistance", "contact_fraction")  # the quantities of a table of an ensemble
-COMMON_PRESSURES = (
-    "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
-    "weier.Interface(...).solve([trace, ...], pressures in Pa)"
-)
 MAX_VALUES_IN_MESSAGE = 10  # values listed in a message
 # A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
@@ -125,71 +120,38 @@ class CurvesAccessor:
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
     def ensemble(self) -> pd.DataFrame:
-        """Return the mean of each curve over the cases with its scatter and numerical error, as a DataFrame.
+        """Return the mean curves of each ensemble with their scatter and numerical error, as a DataFrame.
+
+        The cases of an ensemble belong to one study and differ in their phases, seed or file of heights alone: series
+        have the same D, gamma and m; traces the same ends, removed form and `shortest`, within 1 %. A surface that
+        occurs twice counts once.
 
         Returns
         -------
         DataFrame
-            One row for each method and load: the number of `cases` that were solved there, and for the compliance,
-            the resistance and the contact fraction, where there is one, the mean over these cases, `..._mean`; the
-            standard deviation between them, `..._deviation`; and the largest error that a method states,
-            `..._numerical_error`. For traces of a scene also the mean of D and g_0 of their fits, the standard
-            deviation between them, and the mean of their standard errors.
+            One row for each ensemble, method and load: the labels of the ensemble; the number of `cases`, surfaces
+            that were solved there; and for the compliance, the resistance and the contact fraction, where there is
+            one, the mean over these cases, `..._mean`; the standard deviation between them, `..._deviation`; and the
+            largest error that a method states, `..._numerical_error`. For traces of a scene also the mean of D and
+            g_0 of their fits, the standard deviation between them, and the mean of their standard errors.
 
         Raises
         ------
         ValueError
-            If the cases are traces in units of their own height and length, or do not have common pressures:
-            `weier.Interface.solve` takes a list of traces and pressures in Pa.
+            If the cases of an ensemble are traces in units of their own height and length, or do not have common
+            pressures: `weier.Interface.solve` takes a list of traces and pressures in Pa.
 
         Examples
         --------
         >>> import weier
-        >>> series = [weier.Profile(D=1.5, gamma=3, m=2, seed=seed) for seed in range(8)]
-        >>> weier.solve(series, [0.1, 1.0]).weier.ensemble()[["mean_pressure", "compliance_mean"]].round(2)
-           mean_pressure  compliance_mean
-        0            0.1             0.63
-        1            1.0             1.45
+        >>> series = [weier.Profile(D=1.5, gamma=3, m=m, seed=seed) for m in (1, 2) for seed in range(8)]
+        >>> table = weier.solve(series, [0.1]).weier.ensemble()
+        >>> table[["D", "m", "mean_pressure", "cases", "compliance_mean"]].round(2)
+             D    m  mean_pressure  cases  compliance_mean
+        0  1.5  1.0            0.1      8             0.33
+        1  1.5  2.0            0.1      8             0.63
         """
-        data = as_cases(self._data)
-        curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
-        if LOAD in data.dims:
-            pressure = data["mean_pressure"]
-            if not np.allclose(pressure, pressure.isel(case=0), rtol=CLOSE, atol=0):
-                raise ValueError(COMMON_PRESSURES)
-            data = data.drop_vars("mean_pressure").assign_coords(mean_pressure=pressure.isel(case=0, drop=True))
-        elif _traces_in_own_units(data) and data.sizes["case"] > 1:
-            raise ValueError(COMMON_PRESSURES)
-        columns = {"cases": data["compliance"].notnull().sum("case")}
-        for name in AVERAGED:
-            if name in data and data[name].dims == curve:
-                columns[f"{name}_mean"] = data[name].mean("case")
-                columns[f"{name}_deviation"] = data[name].std("case", ddof=1)
-                if (error := f"{name}_error") in data:
-                    columns[f"{name}_numerical_error"] = data[error].max("case")
-        for name in FITTED:
-            if name in data.coords and data[name].notnull().any():
-                own, its_error = (data[each].reset_coords(drop=True) for each in (name, f"{name}_error"))
-                columns[f"{name}_mean"], columns[f"{name}_deviation"] = own.mean("case"), own.std("case", ddof=1)
-                columns[f"{name}_standard_error"] = its_error.mean("case")
-        columns |= _remarks_on_fits(data)
-        frame = xr.Dataset(columns).to_dataframe(dim_order=curve[1:]).reset_index()
-        frame = frame[frame["cases"] > 0][[*CURVE[1:], *columns]]
-        return frame.dropna(axis="columns", how="all").reset_index(drop=True)
-
-
-def _remarks_on_fits(data: xr.Dataset) -> dict[str, Any]:
-    """Return the number of traces with a fit, and the remarks on all fits, for a table of an ensemble."""
-    if "trace_fit_remark" not in data.coords:
-        return {}
-    remarks = [text for text in dict.fromkeys(data["trace_fit_remark"].values.astype(str).tolist()) if text]
-    fits = data["trace_fit_D"].notnull().sum("case").reset_coords(drop=True)
-    return {"trace_fits": fits} | ({"trace_fit_remarks": "; ".join(remarks)} if remarks else {})
-
-
-def _traces_in_own_units(data: xr.Dataset) -> bool:
-    normalised = data["mean_pressure"].attrs.get("units") != units.PASCAL
-    return normalised and "trace_height" in data.coords and bool(np.isfinite(data["trace_height"]).any())
+        return ensembles.means(as_cases(self._data))
 
 
 def as_cases(data: xr.Dataset) -> xr.Dataset:
@@ -274,11 +236,18 @@ def profile_of(data: xr.Dataset) -> Profile:
     if np.isnan(case["D"]):
         raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
     m, seed = float(case["m"]), float(case.coords.get("seed", np.nan))
-    phases = case["phases"].values[: int(m) if np.isfinite(m) else 2]
-    given: dict[str, Any] = {"phases": tuple(phases.tolist()) if np.isfinite(m) else float(phases[-1])}
-    if np.isfinite(seed):
-        given = {"seed": int(seed)}
-    return Profile(float(case["D"]), float(case["gamma"]), m, **given)
+    listed = case["phases"].values[: int(m) if np.isfinite(m) else 2]
+    phases: Any = tuple(listed.tolist()) if np.isfinite(m) else float(listed[-1])
+    if np.isfinite(seed) and _has_phases(int(seed), listed):
+        phases = random_phases(int(seed))
+    return Profile(float(case["D"]), float(case["gamma"]), m, phases)
+
+
+def _has_phases(seed: int, listed: Array) -> bool:
+    """Return whether a seed has these phases, as another generator of random numbers has not; m = inf lists none."""
+    if np.isnan(listed).all():
+        return True
+    return seed <= MAX_SEED and np.array_equal(random_phases(seed).first(listed.size), listed)
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
@@ -323,7 +292,9 @@ def label_text(value: Any) -> str:
         alike = known.size < 2 or (known[0] == 0 and np.ptp(known[1:]) == 0)
         return ", ".join(f"{phase:.4g}" for phase in (known[-1:] if alike else known))
     if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.6g}"
+        # All digits of a whole number, since seeds may differ in the last one.
+        digits = 16 if value.is_integer() and abs(value) <= MAX_SEED else 6
+        return "" if np.isnan(value) else f"{value:.{digits}g}"
     return str(value)
 
 
@@ -346,8 +317,10 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
         fits = np.array([[text in _texts(name, label) for text in texts] for label in labels])
     else:
         numbers = np.array([_number(name, value, units.unit_of(data[name]) or units.NONE) for value in wanted])
-        # Equality is tested as well, for inf.
-        fits = (labels[:, None] == numbers) | np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0)
+        # Whole numbers, such as seeds, and inf are equal or not.
+        whole = (np.floor(labels) == labels)[:, None] & (np.floor(numbers) == numbers)
+        near = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole
+        fits = (labels[:, None] == numbers) | near
     if not fits.any(axis=0).all():
         absent = wanted[int(np.argmin(fits.any(axis=0)))]
         raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(name, labels)}")

@@ -44,6 +44,18 @@ def _is_computed(variable: Any) -> bool:
     return variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
 
 
+def marked(data: xr.Dataset) -> xr.Dataset:
+    """Mark each variable in a normalised unit as one that weier made.
+
+    The mark is in the `encoding`. xarray keeps it when values are selected, sorted or joined, and drops it in any
+    arithmetic, while it keeps `attrs`. What is read from a file has an encoding, too.
+    """
+    for variable in data.variables.values():
+        if units.unit_of(variable) in units.NORMALISED:
+            variable.encoding = {units.NORMALISED_BY: units.unit_of(variable)}
+    return data
+
+
 def check_normalised(data: Any) -> None:
     """Refuse what is no Dataset, or has a variable whose unit is unknown, or is in SI units already."""
     if not hasattr(data, "data_vars"):
@@ -59,7 +71,9 @@ def check_normalised(data: Any) -> None:
             )
         if units.unit_of(variable) in units.NORMALISED and "long_name" in variable.attrs:
             other = described.setdefault(str(variable.attrs["long_name"]), str(name))
-            if other != name and not variable.equals(data.variables[other]):  # A copy has the same unit.
+            if other == name:
+                _check_unchanged(str(name), variable)
+            elif not variable.equals(data.variables[other]):  # A copy has the same unit.
                 raise ValueError(
                     f"{name} must have attributes of its own, got those of {other}, which arithmetic may have kept: "
                     f'set data["{name}"].attrs = {{"normalised_by": "1"}} for a ratio, or its unit instead of "1"'
@@ -69,6 +83,20 @@ def check_normalised(data: Any) -> None:
     if known := {*BODIES} & data.attrs.keys():
         raise ValueError(
             f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
+        )
+
+
+def _check_unchanged(name: str, variable: Any) -> None:
+    """Refuse a variable with attributes of weier whose values are not those of weier."""
+    values, attributes = variable.values, variable.attrs
+    within = values.dtype.kind == "f"
+    within = within and not (values < attributes.get("valid_min", -np.inf)).any()
+    within = within and not (values > attributes.get("valid_max", np.inf)).any()
+    if not (within and variable.encoding):
+        raise ValueError(
+            f"{name} must be as weier returned it, got values that arithmetic may have changed, since it keeps "
+            f"attributes: convert the whole Dataset first and compute with its SI units, or state the unit by "
+            f'data["{name}"].attrs = {{"normalised_by": "{units.unit_of(variable)}"}}, or "1" for a plain number'
         )
 
 

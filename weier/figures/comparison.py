@@ -238,7 +238,7 @@ def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     if name in PARAMETERS:
         return "" if first.parameters["trace"] else style.describe(first.case, name)
     if isinstance(value, float):
-        return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:g}"
+        return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:.0f}"
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
 
 

@@ -240,7 +240,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
     phase = phase[np.isfinite(phase)]
     seed = float(case.get("seed", np.nan))
     if np.isfinite(seed):
-        values["seed"] = f"seed {seed:g}"
+        values["seed"] = f"seed {seed:.0f}"
     elif phase.size and np.ptp(phase) == 0:
         values["phases"] = rf"$\phi={phase[0]:.3g}$"
     return r",  ".join(text for name, text in values.items() if not names or name in names)

@@ -18,6 +18,7 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Style
+from weier.methods.progress import converting
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
 from weier.surface.waves import Waves, checked_surface
@@ -171,9 +172,15 @@ class AutoCurve(NamedTuple):
 
 def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> AutoCurve:
     choice = choose(profile, tolerance, quantity)
-    solved = choice.method.solve(choice.kept, loads, **choice.settings)
+    with converting(lambda solved: (solved[0], _as_curve(profile, choice, *solved))):
+        solved = choice.method.solve(choice.kept, loads, **choice.settings)
     if quantity == RESISTANCE:
         _check_resistance(solved, loads, tolerance)
+    return _as_curve(profile, choice, loads, solved)
+
+
+def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Any) -> AutoCurve:
+    """Return the curve of the whole surface from that of the terms that are solved."""
     h, R, error, R_error = solved.compliance, solved.resistance, solved.compliance_error, solved.resistance_error
     fraction, again = solved.contact_fraction, getattr(solved, "second_attempts", 0)
     if choice.left_out:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,14 +11,13 @@ import numpy as np
 import xarray as xr
 
 from weier.api.batch import solve_batch
-from weier.api.progress import LONG, TERMINAL_SECONDS, Watch, waiting
+from weier.api.progress import TERMINAL_SECONDS, Watch, waiting
 from weier.api.solve import settings_by_method
 from weier.checks import readable
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
-from weier.methods import patches
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import reporting_to
+from weier.methods.progress import converting, reporting_to
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case
@@ -28,18 +26,8 @@ from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
 from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
-from weier.theory.bounds import infinite_series_bounds
 
-PART_SECONDS = 5.0  # seconds of work that Ctrl-C may lose
 OF_CASES = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
-
-
-class Stopped(Exception):  # noqa: N818 - it is no error
-    """An interrupted solution: the curves of the finished loads, and the reason."""
-
-    def __init__(self, data: xr.Dataset, cause: BaseException) -> None:
-        super().__init__(f"stopped after {data.sizes['mean_pressure']} loads")
-        self.data, self.cause = data, cause
 
 
 def solve_one(
@@ -71,8 +59,8 @@ def solve_one(
 
     Raises
     ------
-    Stopped
-        If Ctrl-C or the limit ends the solution after some of the loads, with their curves.
+    KeyboardInterrupt, TimeoutError
+        If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
     """
     check_range(loads)
     case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
@@ -81,57 +69,20 @@ def solve_one(
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
     title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
-    watch, parts, stop = Watch(loads.size, 0.0, max_seconds, silent=True), list[xr.Dataset](), None
-    with waiting(f"solving by {', '.join(methods)}") as show, reporting_to(watch):
-        try:
-            for part in _parts(case, loads):
-                parts.append(
-                    solve_batch(
-                        [case], part, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers
-                    )
-                )
-        except (KeyboardInterrupt, TimeoutError) as stopped:
-            if not parts:
-                raise
-            stop = stopped
-    data = _joined(case, parts)
+
+    def described(data: xr.Dataset) -> xr.Dataset:
+        return data.assign_attrs(title=title, scene=_text(title, case, data["mean_pressure"].values))
+
+    def part(data: xr.Dataset) -> xr.Dataset:
+        return described(data.isel(mean_pressure=np.isfinite(data["compliance"].values).any(axis=(0, 1))))
+
+    watch = Watch(loads.size, 0.0, max_seconds, silent=True)
+    with waiting(f"solving by {', '.join(methods)}") as show, reporting_to(watch), converting(part):
+        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers)
     if not (data["status"] == Status.solved).any():
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
-    data = data.assign_attrs(title=title, scene=_text(title, case, data["mean_pressure"].values))
-    if stop is not None:
-        raise Stopped(data, stop)
-    return data
-
-
-def _parts(case: Case, loads: Array) -> list[Array]:
-    """Return the loads in parts of a few seconds, if all numbers of a load are independent of the other loads."""
-    seconds = sum(case.seconds(name, loads) for name in case.methods)
-    independent = {*case.methods} == {patches.METHOD.name}
-    count = math.ceil(seconds / PART_SECONDS) if independent and seconds > LONG else 1
-    return np.array_split(loads, min(count, loads.size))
-
-
-def _joined(case: Case, parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the curve of one case by one method, under the loads of all parts."""
-    if len(parts) == 1:
-        return parts[0]
-    data = xr.concat(
-        parts, "mean_pressure", data_vars="minimal", coords="minimal", compat="override", join="override"
-    )
-    own = {
-        "status": np.max([part["status"].values for part in parts], axis=0),
-        "seconds": np.sum([part["seconds"].values for part in parts], axis=0),
-    }
-    # The bounds on the infinite series depend on the other loads.
-    loads, (h,), (error,) = (
-        data["mean_pressure"].values,
-        data["compliance"].values[0],
-        data["compliance_error"].values[0],
-    )
-    bounds = {} if math.isnan(case.profile.tail_amplitude) else infinite_series_bounds(case.profile, loads, h, error)
-    own |= {name: values[None, None] for name, values in bounds.items()}
-    return data.assign({name: data[name].copy(data=values) for name, values in own.items()})
+    return described(data)
 
 
 def applicable(

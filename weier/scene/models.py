@@ -44,7 +44,7 @@ from weier.surface.measured.trace import ENDS, MIRRORED
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
 from weier.theory.conduction import RANGES
-from weier.units import NORMALISED_PRESSURE, PASCAL, factor
+from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
 
 MAX_LINE = 200  # characters of a title
@@ -196,7 +196,7 @@ def _loads(parts: list[Any]) -> Loads:
         check_range(loads)
         return Loads(loads.tolist())
     if len(named) < len(given):
-        raise ValueError(f"loads must all have a unit, as some are in {named[0]}, or none")
+        raise ValueError(mixed("loads", named[0]))
     loads, _ = listed_loads([value * factor("loads", unit, PASCAL) for value, unit in given])
     check_pascal(loads)
     return Loads(loads.tolist(), PASCAL)

@@ -28,6 +28,10 @@ from weier.surface.waves import Waves
 PARAMETERS = ("D", "gamma", "m")
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
+ROUNDING = 1e-9  # relative, of phases of 2 pi
+WHOLE_RADIANS = 10  # larger whole numbers are probably degrees
+# largest seed: data hold seeds as floats, which have all integers up to here
+MAX_SEED = 2**53 - 1
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ def random_phases(seed: int) -> RandomPhases:
     Raises
     ------
     ValueError
-        If `seed` is not a non-negative integer.
+        If `seed` is not a non-negative integer up to 2^53 - 1.
 
     Examples
     --------
@@ -57,6 +61,8 @@ def random_phases(seed: int) -> RandomPhases:
     """
     if isinstance(seed, bool | np.timedelta64) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a non-negative integer, got {shown(seed)}")
+    if seed > MAX_SEED:
+        raise ValueError(f"seed must be at most 2^53 - 1 = {MAX_SEED}, got {shown(seed)}: data hold no larger one")
     return RandomPhases(int(seed))
 
 
@@ -79,7 +85,7 @@ class Profile(Waves):
     phases : float, sequence of m floats, or RandomPhases
         Phases, in radians. A number is phi_n for every n >= 1, with phi_0 = 0.
     seed : int, optional
-        Seed of random phases, instead of `phases`.
+        Seed of random phases, instead of `phases`, at most 2^53 - 1.
 
     Raises
     ------
@@ -233,11 +239,12 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     if values.ndim > 1:
         raise ValueError(f"phases must be finite numbers in radians, a number or one list, got {shown(phases)}")
     others = np.abs(values[values != 0])
-    # Phases between 2 pi and ten turns are probably in degrees.
-    if others.size and np.all((others > 2 * math.pi) & (others <= 3600)):
+    beyond = others > 2 * math.pi * (1 + ROUNDING)
+    # A translation adds multiples of other numbers to some phases, but rarely whole numbers.
+    if others.size and (beyond.all() or (np.all(others % 1 == 0) and others.max() > WHOLE_RADIANS)):
         warnings.warn(
-            f"all phases that are not 0 exceed 2 pi, got {shown(phases)}: phases are in radians, and numpy.radians "
-            "converts them from degrees",
+            f"{'all phases that are not 0' if beyond.all() else 'some phases'} exceed 2 pi, got {shown(phases)}: "
+            "phases are in radians, and numpy.radians converts them from degrees",
             stacklevel=3,  # at the call of Profile
         )
     if values.ndim == 0:

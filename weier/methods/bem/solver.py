@@ -17,7 +17,7 @@ from weier.methods.bem import active_set, error_model
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.staircase import ContactPoint, contact_on_nodes, remove_staircase
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import count_load
+from weier.methods.progress import count_load, keeping
 from weier.surface.limits import check_points, check_resolvable
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
@@ -112,17 +112,24 @@ def curve(
     checked_word("staircase", staircase, STAIRCASES)
     points = checked_points(profile, points)
     full = min(full_contact_load(profile, points), profile.full_contact_load)
-    found, partial = [], loads[loads < full]
+    found, partial = list[ContactPoint](), loads[loads < full]
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     if partial.size:  # At loads of full contact no matrix is needed.
         together = LOADS_TOGETHER if points <= MAX_POINTS_TOGETHER else 1
         grid = active_set.NestedSolver(profile, points, max_residual, together)
         solutions = grid.solve_each(partial[::-1], with_resistance or staircase == "removed")
-        for load, solution in zip(map(float, partial[::-1]), solutions, strict=True):
-            check_residual(solution.residual, load, points, max_residual)
-            check_resistance(solution.resistance, load, points)
-            found.append(point_of(solution))
-            count_load()
+
+        def solved() -> tuple[Array, BemCurve]:
+            """Return the heaviest loads, which are solved first, and their curve."""
+            own = loads[partial.size - len(found) :]
+            return own, _as_curve(profile, own, found[::-1], points, with_resistance)
+
+        with keeping(lambda: solved() if found else None):
+            for load, solution in zip(map(float, partial[::-1]), solutions, strict=True):
+                check_residual(solution.residual, load, points, max_residual)
+                check_resistance(solution.resistance, load, points)
+                found.append(point_of(solution))
+                count_load()
     return _as_curve(profile, loads, found[::-1], points, with_resistance)
 
 

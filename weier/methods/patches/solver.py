@@ -7,7 +7,7 @@ compliance" for the stated error.
 from __future__ import annotations
 
 from itertools import zip_longest
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +29,7 @@ from weier.methods.patches.surface import (
     evaluate_at,
     nearest_crests,
 )
-from weier.methods.progress import count_load
+from weier.methods.progress import count_load, keeping
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
@@ -148,16 +148,23 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges, period, again = [], [], float(profile.period), 0
-    for load in map(float, loads):
-        state, steps = solve_state(starts, load)
-        contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]
-        points.append((*_curve_point(starts.surface, state, contacts[2]), steps))
-        again += state is not None and state.route.attempts > 1
-        edges.append(_sorted_contacts(contacts, period)[0].ravel())
-        count_load()
-    padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, loads.size).T
-    return PatchCurve._make([*map(np.array, zip(*points, strict=True)), again, padded])
+    points, edges = list[tuple[Any, ...]](), list[Array]()
+    period, again = float(profile.period), 0
+
+    def solved() -> PatchCurve:
+        padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, len(points)).T
+        return PatchCurve._make([*map(np.array, zip(*points, strict=True)), again, padded])
+
+    with keeping(lambda: (loads[: len(points)], solved()) if points else None):
+        for load in map(float, loads):
+            state, steps = solve_state(starts, load)
+            contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]
+            point = (*_curve_point(starts.surface, state, contacts[2]), steps)
+            edges.append(_sorted_contacts(contacts, period)[0].ravel())
+            points.append(point)
+            again += state is not None and state.route.attempts > 1
+            count_load()
+    return solved()
 
 
 def _curve_point(

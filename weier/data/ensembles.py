@@ -1,0 +1,176 @@
+"""Means over ensembles of curves: cases that differ in their phases, seed or file of heights alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from weier import units
+from weier.data.variables import CASE, CURVE, LOAD
+from weier.kernels.arrays import Array, Flags, Indices
+from weier.surface.profile import PARAMETERS
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+AVERAGED = ("compliance", "resistance", "contact_fraction")
+FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
+CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
+# By default a trace is cut off at two of its steps, whose last digits differ between files of one instrument.
+CLOSE_CUTOFFS = 0.01
+CUTOFF = "trace_shortest"
+# Labels that may differ within an ensemble: phases, and properties of a file.
+WITHIN = (
+    "case",
+    "key",
+    "surface_key",
+    "seed",
+    "trace",
+    "trace_digest",
+    "trace_length",
+    "trace_height",
+    "trace_filled",
+)
+COMMON_PRESSURES = (
+    "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
+    "weier.Interface(...).solve([trace, ...], pressures in Pa)"
+)
+
+
+def means(data: xr.Dataset) -> pd.DataFrame:
+    """Return the mean curves of each ensemble, one row for each ensemble, method and load.
+
+    Parameters
+    ----------
+    data : Dataset
+        Curves with the dimensions of the table of variables: see `selection.as_cases`.
+
+    Raises
+    ------
+    ValueError
+        If the cases of an ensemble have no common pressures.
+    """
+    import pandas as pd
+
+    data = _by_study(data)
+    curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
+    averaged = [name for name in AVERAGED if name in data and data[name].dims == curve]
+    with_error = [name for name in averaged if f"{name}_error" in data]
+    fitted = [name for name in FITTED if name in data.coords]
+    labels = _labels(data)
+
+    case, method, load = (axis.ravel() for axis in np.indices([data.sizes[dim] for dim in curve]))
+    values: dict[str, Any] = {
+        name: data[name].values.ravel() for name in (*averaged, *(f"{name}_error" for name in with_error))
+    }
+    values |= {name: data[name].values[case] for fit in fitted for name in (fit, f"{fit}_error")}
+    values |= {"ensemble": _ensembles(labels)[case], "method": method, "load": load, "case": case}
+    values["settings"] = data["settings"].values[case, method] if "settings" in data.data_vars else ""
+    by = ["ensemble", "method", "load", "settings"]
+    rows = pd.DataFrame(values | {"surface": _surfaces(data)[case]}).dropna(subset="compliance")
+    rows = rows.drop_duplicates([*by, "surface"])
+    grouped = rows.groupby(by)
+    _check_pressures(data, rows, grouped["case"].transform("first").to_numpy())
+
+    table = grouped["case"].agg(["first", "size"]).reset_index()
+    pressures = np.broadcast_to(data["mean_pressure"].values, (data.sizes[CASE], data.sizes[curve[-1]]))
+    columns: dict[str, Any] = {name: own[table["first"]] for name, own in labels.items()}
+    columns["solution_method"] = data["solution_method"].values[table["method"]]
+    columns["mean_pressure"] = pressures[table["first"], table["load"]]
+    if rows.groupby(["ensemble", "method"])["settings"].nunique().gt(1).any():
+        columns["settings"] = table["settings"]
+    columns["cases"] = table["size"]
+    for name in (*averaged, *fitted):
+        columns[f"{name}_mean"], columns[f"{name}_deviation"] = grouped[name].mean(), grouped[name].std()
+        if name in with_error:
+            columns[f"{name}_numerical_error"] = grouped[f"{name}_error"].max()
+        if name in fitted:
+            columns[f"{name}_standard_error"] = grouped[f"{name}_error"].mean()
+    if "trace_fit_remark" in data.coords:
+        remarks = rows.assign(remark=data["trace_fit_remark"].values.astype(str)[rows["case"]]).groupby(by)["remark"]
+        columns["trace_fits"] = grouped[FITTED[0]].count()
+        columns["trace_fit_remarks"] = remarks.agg(lambda own: "; ".join(filter(None, dict.fromkeys(own))))
+    found = pd.DataFrame({name: np.asarray(own) for name, own in columns.items()})
+    return found.dropna(axis="columns", how="all")
+
+
+def _by_study(data: xr.Dataset) -> xr.Dataset:
+    """Return the cases with one study each: a case of several studies occurs in each of them."""
+    if "study" not in data.coords:
+        return data
+    pairs = [(case, name) for case, names in enumerate(data["study"].values) for name in str(names).split(", ")]
+    cases, studies = zip(*pairs, strict=True)
+    return data.isel({CASE: list(cases)}).assign_coords(study=(CASE, np.array(studies, object)))
+
+
+def _labels(data: xr.Dataset) -> dict[str, NDArray[Any]]:
+    """Return the labels that the cases of an ensemble have in common; m of a trace is a property of its file."""
+    names = [str(name) for name in data.coords if data[name].dims == (CASE,)]
+    names = [name for name in names if name not in WITHIN and not name.startswith("trace_fit_")]
+    names.sort(key=lambda name: ("study", *PARAMETERS, name).index(name))
+    labels = {name: data[name].values for name in names}
+    return labels | {"m": np.where(np.isnan(labels["D"]), np.nan, labels["m"])}
+
+
+def _ensembles(labels: Mapping[str, NDArray[Any]]) -> Indices:
+    """Return the number of the ensemble of each case, in order of appearance."""
+    import pandas as pd
+
+    codes = pd.DataFrame(
+        {
+            name: _clusters(values, CLOSE_CUTOFFS if name == CUTOFF else CLOSE)
+            if values.dtype.kind in "fiu"
+            else pd.factorize(values)[0]
+            for name, values in labels.items()
+        }
+    )
+    return np.asarray(codes.groupby(list(codes), sort=False).ngroup())
+
+
+def _clusters(values: Array, tolerance: float) -> Indices:
+    """Return a number for each value, equal for those between which no step exceeds a relative tolerance."""
+    order = np.argsort(values)  # NaN is the last
+    ordered = values[order]
+    step = ordered[1:] > ordered[:-1] + tolerance * np.abs(ordered[:-1])
+    step |= np.isnan(ordered[1:]) & ~np.isnan(ordered[:-1])
+    code = np.empty(values.size, int)
+    code[order] = np.append(0, np.cumsum(step))
+    return code
+
+
+def _surfaces(data: xr.Dataset) -> Indices:
+    """Return a number for each case, equal for cases of an ensemble that have the same surface."""
+    import pandas as pd
+
+    nothing = np.full(data.sizes[CASE], np.nan)
+    phases = data["phases"].values + 0.0 if "phases" in data.coords else nothing[:, None]  # -0 becomes 0
+    seeds = data["seed"].values if "seed" in data.coords else nothing
+    digests = data["trace_digest"].values if "trace_digest" in data.coords else np.full(nothing.size, "")
+    unknown: Flags = np.asarray(np.isnan(phases).all(axis=1))
+    names = np.empty(nothing.size, object)
+    for number, digest in enumerate(digests.tolist()):
+        if digest:
+            names[number] = digest
+        elif not unknown[number]:
+            names[number] = phases[number].tobytes()
+        else:  # the infinite series of a seed; a case without any of these labels has a surface of its own
+            names[number] = ("case", number) if np.isnan(seeds[number]) else float(seeds[number])
+    return np.asarray(pd.factorize(names)[0])
+
+
+def _check_pressures(data: xr.Dataset, rows: pd.DataFrame, first: Indices) -> None:
+    """Refuse traces of an ensemble with pressures of their own; `first` is the first case of each row's ensemble."""
+    pressure, case = data["mean_pressure"], rows["case"].to_numpy()
+    if LOAD in data.dims:
+        load = rows["load"].to_numpy()
+        differing = ~np.isclose(pressure.values[case, load], pressure.values[first, load], rtol=CLOSE, atol=0)
+    elif pressure.attrs.get("units") == units.PASCAL or "trace_height" not in data.coords:
+        return
+    else:
+        differing = np.isfinite(data["trace_height"].values[case]) & (case != first)
+    if differing.any():
+        raise ValueError(COMMON_PRESSURES)
