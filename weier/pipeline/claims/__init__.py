@@ -15,7 +15,7 @@ from weier.pipeline.batches import Solutions
 from weier.pipeline.claims import report
 from weier.pipeline.claims.case import Case, Study
 from weier.pipeline.claims.claim import Claim, Judgement, judge
-from weier.pipeline.claims.paper import CLAIMS
+from weier.pipeline.claims.paper import BOUNDS, CLAIMS
 from weier.scene import Mistake, Scene
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 # Variables that no claim uses, and those that few do: most of the memory of a large study.
-UNUSED = ("indentation", "patch_count", "residual", "work", "settings", "status", "numerics", "contact_edge")
-BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
+UNUSED = ("indentation", "residual", "work", "settings", "status", "numerics", "contact_edge")
+RARELY_USED = (*BOUNDS, "patch_count")
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
@@ -38,7 +38,8 @@ def check_names(scene: Scene) -> Iterator[Mistake]:
 
 def unused(names: Iterable[str]) -> tuple[str, ...]:
     """Return the variables that none of these claims uses."""
-    return UNUSED + BOUNDS * (not any(CLAIMS[name].bounds for name in names))
+    used = {variable for name in names for variable in CLAIMS[name].uses}
+    return UNUSED + tuple(variable for variable in RARELY_USED if variable not in used)
 
 
 def write(solutions: Solutions, path: str | Path, table: str | Path) -> None:
