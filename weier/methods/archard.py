@@ -108,5 +108,6 @@ METHOD = Method(
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf",
     solve=curve,
     uses_phases=False,
+    in_paper=True,
     style=Style("#D55E00", (5, 1.5), "v"),
 )
