@@ -28,7 +28,7 @@ ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as n
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
-    "By contact patches it is an a-posteriori bound by a theorem, with sampled residuals; by boundary elements a "
+    "By contact patches it is an a-posteriori bound, evaluated on samples; by boundary elements a "
     "bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = (
