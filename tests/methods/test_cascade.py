@@ -1,4 +1,4 @@
-"""The theory of 2000 against one wave, nested integrals, its closed form, the balance of load, and contact patches."""
+"""The theory of 2000 against one wave, nested integrals, its closed form, the balance of load, and patches."""
 
 import math
 

@@ -81,8 +81,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     Notes
     -----
     The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
-    middle is returned, with the error G. The kept terms are solved by contact patches, whose a-posteriori
-    bound is evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
+    middle is returned, with the error G. The kept terms are solved by contact patches, whose a-posteriori bound is
+    evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
     solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
     other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
     terms are kept.
