@@ -54,7 +54,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
                 axes.set_ylabel(style.LABELS[quantity])
         style.name_panel(grid[0, column], column, len(shown), rf"$D={own[0]:g}$,  $\gamma={own[1]:g}$")
         grid[-1, column].set_xlabel("number of terms $m$")
-    figure.legend(handles=_legend(tables), loc="outside lower center", ncols=3)
+    figure.legend(handles=_legend(tables), loc="outside lower center", ncols=min(len(shown) + 1, 3))
     style.set_title(figure, title)
     return figure
 
