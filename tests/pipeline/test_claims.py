@@ -289,6 +289,16 @@ def test_what_is_measured_for_a_claim(name, studies, values):
     assert [finding.value for finding in found[: len(values)]] == pytest.approx(values, rel=0.01)
 
 
+def test_one_independent_contact_is_the_contact_of_one_wave():
+    """And N of them in a period have the resistance of one over N."""
+    xi = np.minimum(LOADS, 0.999)
+    for count in (1, 3):
+        curve = {"compliance": NUMERICAL, "contact_fraction": 2 * westergaard.contact_half_width(xi)}
+        data = case(patches=curve | {"patch_count": np.full(LOADS.size, float(count))})
+        found = measures.resistance_of_independent_contacts(Study.of(data).cases[0])
+        np.testing.assert_allclose(found, westergaard.resistance(xi) / count, rtol=1e-9)
+
+
 # Of what holds for every profile the worst one decides, of what usually holds the middle one.
 @pytest.mark.parametrize(
     ("name", "excesses", "said"),

@@ -313,13 +313,13 @@ def growth_of_count(*lengths: Case) -> float:
 
 def factor_of_independent_contacts(*lengths: Case) -> float:
     """Return the factor of the resistance of independent contacts with the last term, geometric mean."""
-    shorter, longer = map(_resistance_of_independent_contacts, lengths[-2:])
+    shorter, longer = map(resistance_of_independent_contacts, lengths[-2:])
     with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
         factor = np.log(longer / shorter)
     return float(np.exp(_mean(*_between(lengths[-1], factor, *INTERMEDIATE))))
 
 
-def _resistance_of_independent_contacts(case: Case) -> Array:
+def resistance_of_independent_contacts(case: Case) -> Array:
     """Return the resistance of as many equal contacts of the same area, evenly spaced; NaN in full contact.
 
     Each of them is the contact of one wave of wavelength 1/N: R = -(1/N) ln sin^2(pi A/2) by (8) and (13).
