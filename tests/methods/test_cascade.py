@@ -47,7 +47,7 @@ def test_two_waves_are_an_integral_in_mpmath(D, gamma, p):
     assert cascade.contact_fraction(p, D, gamma, 2) == pytest.approx(float(exact), rel=1e-9)
 
 
-@pytest.mark.parametrize(("D", "gamma", "p"), [(1.25, 5, 0.1), (1.5, 2, 0.7), (1.5, 5, 2.0)])
+@pytest.mark.parametrize(("D", "gamma", "p"), [(1.25, 5, 0.1), (1.5, 2, 0.4), (1.5, 2, 0.55), (1.5, 5, 2.0)])
 def test_three_waves_are_a_nested_integral(D, gamma, p):
     shrink = gamma ** (1 - D)
 
@@ -73,7 +73,7 @@ def test_it_is_the_area_of_pressures_that_are_drawn_at_random(D, gamma, m, sampl
     np.testing.assert_allclose(cascade.contact_fraction(LOADS, D, gamma, m), sampled, rtol=0.01, atol=6e-5)
 
 
-@pytest.mark.parametrize("m", [1, 2, 5])
+@pytest.mark.parametrize("m", [1, 2, 5, 12])
 def test_light_contacts_are_hertzian_on_every_scale(m):
     """Each wave is steeper than the one before by so much that no peak comes near its full contact."""
     for p in (1e-9, 1e-5):
@@ -123,7 +123,7 @@ def test_contact_is_full_from_the_sum_of_all_full_contact_pressures_on():
 
 @pytest.mark.parametrize("series", [(1.25, 5, 3), (1.5, 2, 4), (1.25, 1.5, 4), (1.9, 10, 6), (1.5, 2, 60)])
 def test_finer_tables_change_less_than_their_accuracy(series, monkeypatch):
-    p = np.geomspace(1e-4, 30, 40)
+    p = np.geomspace(1e-4, 5e3, 40)
     usual = cascade.contact_fraction(p, *series)
     monkeypatch.setattr(cascade, "LIGHT_SPACING", 0.01)
     monkeypatch.setattr(cascade, "HEAVY_SPACING", 0.02)

@@ -289,6 +289,12 @@ def test_what_is_measured_for_a_claim(name, studies, values):
     assert [finding.value for finding in found[: len(values)]] == pytest.approx(values, rel=0.01)
 
 
+def test_the_layer_may_be_best_but_at_the_lightest_loads():
+    found = claims.evaluate("resistance_errors", ratios(0.8, 1.3, np.where(LOADS < 0.02, 2.0, 1.05))).findings
+    best = [finding for finding in found if "best" in finding.statement and "mean of" in finding.ensemble]
+    assert [(finding.outcome, finding.decides) for finding in best] == [(YES, True), (NO, False)]
+
+
 def test_one_independent_contact_is_the_contact_of_one_wave():
     """And N of them in a period have the resistance of one over N."""
     xi = np.minimum(LOADS, 0.999)
