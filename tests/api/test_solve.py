@@ -52,7 +52,9 @@ def test_a_curve_knows_its_profile_and_all_settings_also_in_a_file_and_a_table(m
         assert found.identical(curve)
     with weier.open_dataset(path) as data:
         one = data.weier.cases(D=1.25, gamma=5, m=profile.m).sel(solution_method=method, mean_pressure=0.1)
-        assert one.compliance.item() == curve.compliance.values[1]
+        np.testing.assert_equal(
+            one.compliance.item(), curve.compliance.values[1]
+        )  # NaN of a method of the area alone
     frame = curve.drop_dims("term").to_dataframe()  # the phases are over the terms, all else over the loads
     assert frame.index.tolist() == LOADS
     assert (frame["solution_method"] == method).all()

@@ -40,7 +40,10 @@ MISTAKES = [
     ({"draw": "compliance", "studies": []}, "f.studies: this must have at least 1 entry"),
     ({"draw": "compliance", "without": "studies"}, "f.studies: this key is missing"),
     ({"draw": "contact_tree"}, "f.draw: contact_tree needs contact_edges: true"),
-    ({"draw": "profiles", "colour": "gamma"}, "f: profiles takes no colour.*or draw compliance or resistance"),
+    (
+        {"draw": "profiles", "colour": "gamma"},
+        "f: profiles takes no colour.*or draw compliance or contact_fraction or r",
+    ),
     ({"title": r"$\gama$"}, r"f.title: the formula cannot be typeset: .*Unknown symbol: \\gama"),
     ({"title": r"$\frac{1}$"}, "f.title: the formula cannot be typeset"),
     ({"colour": "density"}, "f.colour: this must be one of method, D.*got 'density'"),

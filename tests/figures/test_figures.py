@@ -59,6 +59,7 @@ def many_cases(methods: tuple[str, ...] = ("archard", "patches", "new")) -> xr.D
         for row in range(case == 0, 3):
             data["compliance"].values[case, row] = (1 + 0.1 * case) * -np.expm1(-loads * (1 + row))
             data["resistance"].values[case, row] = np.exp(-loads * (1 + row))
+            data["contact_fraction"].values[case, row] = -np.expm1(-loads * (1 + row))
             data["status"].values[case, row] = Status.solved
     return data
 
@@ -248,4 +249,42 @@ figures:
 def test_captions_say_what_numbers_are_within(tmp_path: Path) -> None:
     loaded = scene_in(tmp_path, WITHIN)
     assert caption(loaded, "h").text.endswith("The tolerance of the compliance is 0.01 g_0.")
-    assert "tolerance" not in caption(loaded, "R").text
+    assert "The tolerance" not in caption(loaded, "R").text
+
+
+def test_captions_name_the_methods_that_are_not_of_the_paper(tmp_path: Path) -> None:
+    text = WITHIN.replace("tolerance: 1.0e-2", "methods: [archard, persson, layer, bem, patches]")
+    loaded = scene_in(tmp_path, text)
+    assert " Not of the paper: Persson, contact patches. " in caption(loaded, "h").text
+    loaded = scene_in(tmp_path, text.replace("archard, persson, layer, bem, patches", "archard, bem"))
+    assert "Not of the paper" not in caption(loaded, "h").text
+
+
+def with_an_estimate_beyond(kind: str, *methods: str) -> Figure:
+    """One case whose estimates have a resistance, a contact fraction and a compliance far off the numerical ones."""
+    data = many_cases((*methods, "patches")).isel(case=[2])
+    for name in ("resistance", "contact_fraction"):
+        data[name].values[:, :-1] *= 1e3
+    data["compliance"].values[:, :-1] -= 5
+    return sketch(kind, [data])
+
+
+@pytest.mark.parametrize("kind", ["resistance", "contact_fraction", "truncated_resistance"])
+def test_axes_follow_the_methods_of_the_paper_and_numerical_ones(kind: str) -> None:
+    (axes,) = with_an_estimate_beyond(kind, "persson", "cascade").axes
+    assert axes.get_ylim()[1] < 2
+    (axes,) = with_an_estimate_beyond(kind, "archard", "demelio").axes
+    assert (axes.get_ylim()[1] > 100) == (kind != "truncated_resistance")  # which draws numerical curves alone
+
+
+def test_a_negative_compliance_leaves_the_frame() -> None:
+    (axes,) = with_an_estimate_beyond("compliance", "persson", "cascade").axes
+    assert axes.get_ylim()[0] == 0
+
+
+def test_contact_fractions_are_those_of_the_data() -> None:
+    data = many_cases().isel(case=[2])
+    (axes,) = sketch("contact_fraction", [data]).axes
+    assert axes.get_ylabel() == "contact fraction $A$"
+    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    np.testing.assert_array_equal(drawn["contact patches"], data["contact_fraction"].values[0, 1])

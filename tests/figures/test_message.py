@@ -8,10 +8,11 @@ import pytest
 
 from tests.scenes import blank
 from weier.figures import message, values
-from weier.methods import persson
+from weier.methods import cascade, persson
 
 LOADS = np.array([0.01, 0.02, 0.1, 1.0])
 SEEDS, TERMS = 5, (1, 2, 3)
+AREA = "contact_fraction (1)"
 
 
 @pytest.fixture
@@ -33,8 +34,10 @@ def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
     lines = {line.get_label(): line.get_ydata() for line in area.get_lines()}
     for load in message.SHOWN_LOADS:
         np.testing.assert_allclose(lines[f"p = {load:g}, median"], [0.3 * 0.5**m * load for m in TERMS])
-        theory = [float(persson.contact_fraction(load, 1.25, 5, m)) for m in TERMS]
-        np.testing.assert_allclose(lines[f"p = {load:g}, Persson"], theory)
+        for theory, name in ((persson, "Persson"), (cascade, "theory of 2000")):
+            expected = [float(theory.contact_fraction(load, 1.25, 5, m)) for m in TERMS]
+            np.testing.assert_allclose(lines[f"p = {load:g}, {name}"], expected)
+    assert not [line for line in resistance.get_lines() if "2000" in line.get_label()]  # it has no resistance
     band = resistance.collections[0].get_paths()[0].vertices
     assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((3.4, 6.6))
     bars = resistance.containers[0].lines[2][0].get_segments()[0]
@@ -58,5 +61,5 @@ def test_its_values_name_the_series_of_each_panel_and_the_bounds(study):
         if "bounds" in row["curve"]
     }
     assert bounds == {("2.0", "9.0")}
-    areas = [row["contact fraction"] for row in rows if row["curve"] == "p = 0.1, median" and row["contact fraction"]]
+    areas = [row[AREA] for row in rows if row["curve"] == "p = 0.1, median" and row[AREA]]
     assert np.array(areas, float) == pytest.approx(2 * [0.3 * 0.5**m * 0.1 for m in TERMS])

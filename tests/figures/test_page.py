@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bokeh.embed import json_item
-from bokeh.models import Line, Scatter
+from bokeh.models import Line, Plot, Scatter, Select
 
 import weier
 from tests.scenes import blank, scene_in, solve_scene
@@ -61,6 +61,24 @@ def write(folder, data, name="page.html", interface=None):
     text = page.render(data, "<b>Waves</b> & </script>", data.sizes["case"], interface)
     (folder / name).write_text(text, encoding="utf-8")
     return text
+
+
+def test_the_page_opens_on_the_first_case_of_the_scene():
+    """Not on the first one in the order of its lists, and with axes that follow the methods that count."""
+    data = blank(2, ["persson", "patches"], LOADS, 3)
+    for row, values in enumerate([(1.25, 5.0, 3), (1.25, 2.0, 2)]):
+        for name, value in zip(("D", "gamma", "m"), values, strict=True):
+            data[name].values[row] = value
+    data["key"].values[:] = KEYS[:2]
+    data["compliance"].values[:] = data["resistance"].values[:] = 1.0
+    parts = explorer.curve_explorer(data)
+    chosen = {select.name: select.value for select in parts.select({"type": Select})}
+    assert (chosen["gamma"], chosen["m"]) == ("5", "3")
+    ranges = {plot.name: plot.y_range for plot in parts.select({"type": Plot})}
+    assert ranges["compliance"].start == 0
+    assert np.isnan(ranges["resistance"].start)
+    for own in ranges.values():
+        assert [glyph.name for glyph in own.renderers] == ["contact patches"]
 
 
 def test_the_page_needs_no_network(text):

@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from tests.extreme_series import CORNERS, assert_accurate, extreme_cases
 from weier import NotApplicableError, Profile, solve
-from weier.methods import persson, westergaard
+from weier.methods import cascade, persson, westergaard
 from weier.surface.series import MAX_TERMS, leading_amplitude
 
 DIGITS = 50
@@ -113,7 +113,7 @@ def test_area_is_full_under_heavy_loads_and_none_for_the_infinite_series():
 
 
 def test_ensembles_by_contact_patches_agree_as_the_documentation_says():
-    """D = 1.25, gamma = 5, m = 3, mean of 12 phases, from 0.1 to 2 p_0*: the table of docs/persson.md."""
+    """D = 1.25, gamma = 5, m = 3, mean of 12 phases, from 0.1 to 2 p_0*: docs/persson.md and docs/cascade.md."""
     loads, solved = [0.1, 0.3, 0.6, 1.0, 2.0], []
     for seed in range(12):
         curve = solve(Profile(1.25, 5, 3, seed=seed), loads, method="patches", tolerance=1e-6)
@@ -125,6 +125,9 @@ def test_ensembles_by_contact_patches_agree_as_the_documentation_says():
     np.testing.assert_allclose(
         persson.contact_fraction(*p) / area - 1, [-0.23, -0.17, -0.14, -0.10, -0.05], atol=5e-3
     )
+    np.testing.assert_allclose(R / persson.resistance(*p), [0.79, 1.14, 1.04, 0.89, 1.24], atol=6e-3)
+    of_2000 = [-0.16, -0.10, -0.08, -0.05, -0.02]
+    np.testing.assert_allclose(cascade.contact_fraction(*p) / area - 1, of_2000, atol=6e-3)
 
 
 def test_sums_without_an_end_in_reach_are_refused():

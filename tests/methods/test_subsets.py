@@ -21,6 +21,7 @@ CASES = [
     ("demelio", SHORT, {}),
     ("demelio", LONG, {}),
     ("persson", SHORT, {}),
+    ("cascade", SHORT, {}),
     ("layer", SHORT, {}),
     ("layer", LONG, {}),
     ("bem", SHORT, {}),
@@ -47,7 +48,7 @@ def test_every_method_is_here():
 @pytest.mark.parametrize(("method", "profile", "settings"), CASES)
 def test_the_numbers_of_a_load_do_not_depend_on_the_others(method, profile, settings):
     together = solve(profile, LOADS, method, **settings)
-    names = {"compliance", "resistance", "compliance_error", "resistance_error", "patch_count"}
+    names = {"compliance", "resistance", "compliance_error", "resistance_error", "patch_count", "contact_fraction"}
     names -= {"resistance_error"} if method in ("bem", "auto") else set()  # a bound by all loads
     for some in subsets(LOADS.size):
         alone = solve(profile, LOADS[some], method, **settings)

@@ -15,7 +15,7 @@ from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface.profile import Profile
 
-ESTIMATES = ("archard", "demelio", "layer", "persson")
+ESTIMATES = ("archard", "demelio", "layer", "persson", "cascade")
 # D, gamma and m, with 25 to 64 of the finest waves per period
 SERIES = tuple((D, gamma, m) for D in (1.25, 1.5, 1.75) for gamma, m in ((2, 7), (5, 3)))
 LOADS = np.geomspace(0.01, 4, 14)

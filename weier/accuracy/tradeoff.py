@@ -67,13 +67,13 @@ def measure(scene: Scene) -> xr.Dataset:
 
 
 def variants(profile: Profile) -> list[Variant]:
-    """Return all variants that can be run on a finite series."""
+    """Return all variants with compliance and resistance that can be run on a finite series."""
     if math.isinf(profile.m):
         raise ValueError(
             f"m must be finite to trade speed for accuracy, got {profile.describe()}: leave the case out"
         )
     check_resolvable(profile)
-    applicable = [method for method in registry.METHODS if method.takes(profile)]
+    applicable = [method for method in registry.METHODS if method.stiffness and method.takes(profile)]
     return [variant for method in applicable for variant in variants_of(method, profile)]
 
 

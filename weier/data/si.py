@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 SLOPE = " dh/dp"  # The end of the long name of a resistance that is normalised.
 # The symbol changes where the conversion includes more than a unit, here M and the resistivities.
-SI_SYMBOLS = {"R A/(M (rho_1 + rho_2))": "R A"}
+SI_SYMBOLS = {"dh/dp": "M (rho_1 + rho_2) dh/dp"}
 # The units of the scalars of `weier.fields`, which are attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # The coordinates with normalised units.

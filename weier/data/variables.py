@@ -29,7 +29,7 @@ ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as n
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
-    "By contact patches it is an a-posteriori bound by a theorem, with sampled residuals; by boundary elements a "
+    "By contact patches it is an a-posteriori bound, evaluated on samples; by boundary elements a "
     "bound that is proved at first touch and was exceeded at no load that was tried."
 )
 RESISTANCE_ERROR = (
@@ -181,7 +181,8 @@ VARIABLES = {
         "g_0",
         "h",
         files=ALL_MEASURED,
-        comment=f"{DATUM}; for a trace, from first contact. Persson's theory gives negative values at light loads.",
+        comment=f"{DATUM}; for a trace, from first contact. Persson's theory gives negative values at light loads, "
+        "and the theory of 2000 none.",
         axis="compliance $h/g_0$",
         plot="compliance h/g_0",
     ),
@@ -189,7 +190,7 @@ VARIABLES = {
         CURVE,
         "specific contact resistance dh/dp",
         "g_0/p_0*",
-        "R A/(M (rho_1 + rho_2))",
+        "dh/dp",
         least=0,
         files=ALL_MEASURED,
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
@@ -229,7 +230,14 @@ VARIABLES = {
         optional=True,
     ),
     "contact_fraction": Variable(
-        CURVE, "fraction of the surface in contact", least=0, most=1, files=(TRADEOFF,), optional=True
+        CURVE,
+        "fraction of the surface in contact",
+        symbol="A",
+        least=0,
+        most=1,
+        files=(TRADEOFF,),
+        axis="contact fraction $A$",
+        optional=True,
     ),
     "patch_count": Variable(
         CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,), optional=True

@@ -75,7 +75,9 @@ def _kind(module: str) -> FigureKind:
 
 def undrawn(kind: str) -> tuple[str, ...]:
     """Return the variables of curves that figures of a kind do not show."""
-    return UNDRAWN + UNGROUPED * (kind in (found := kinds()) and found[kind].grouped)
+    found = kinds()
+    grouped = kind in found and found[kind].grouped
+    return UNDRAWN + tuple(name for name in UNGROUPED if grouped and name != kind)
 
 
 def draw(

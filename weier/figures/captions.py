@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from weier import figures
 from weier.methods import auto
 from weier.methods.method import COMPLIANCE
-from weier.methods.registry import find_method, numerical_names
+from weier.methods.registry import METHODS, find_method, numerical_names
 from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.surface.profile import PARAMETERS
@@ -53,7 +53,7 @@ def _describe_tolerance(drawn: str, chosen: Sequence[Mapping[str, Any]]) -> list
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
-    """Return sentences that describe panels, colours, lines and bands."""
+    """Return sentences that describe panels, colours, lines and bands, and the methods that are not the paper's."""
     facets = [NOUNS[name].removeprefix("the ") for name in grouping.facet if name in NOUNS]
     parts = ("panel",) if len(facets) == 1 else ("row of panels", "column")
     sentences = [f"Each {part} has one {name}." for part, name in zip(parts, facets, strict=False)]
@@ -68,6 +68,9 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
         sentences.append(
             f"Lines are {line}, and bands hold {'all curves' if band == 'all' else f'{band} of the curves'}."
         )
+    others = [method.label for method in METHODS if method.name in methods and not method.in_paper]
+    if others:
+        sentences.append(f"Not of the paper: {', '.join(others)}.")
     return " ".join(sentences)
 
 

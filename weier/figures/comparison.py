@@ -24,6 +24,7 @@ from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.tables import Extent, Table, codes, extent, tables_of
 from weier.kernels.arrays import Array, Indices
+from weier.methods.method import COMPLIANCE, QUANTITIES
 from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
@@ -214,7 +215,7 @@ def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Ar
     loads = same.rows[0][0].loads
     values = np.concatenate([table.values[rows, column] for table, rows, column in same.rows])
     slope = np.concatenate([table.slope[rows, column] for table, rows, column in same.rows])
-    if quantity == "resistance" or loads.size < 2 or not np.isfinite(slope).all():
+    if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
         return loads, grouping.reduce(values)
     fine = lines.between(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * same.size / MAX_VALUES))
@@ -309,6 +310,8 @@ def _differing(same: Members) -> list[str]:
 
 def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
     """Draw the stated errors of a method as a band; returns its legend entry, or None if the band is invisible."""
+    if quantity not in QUANTITIES:
+        return None
     case = curve.case
     stated, values = (curves.curve(case, name, curve.method) for name in (f"{quantity}_error", quantity))
     if stated is None or values is None:

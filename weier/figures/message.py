@@ -15,17 +15,22 @@ from matplotlib.patches import Patch
 from weier.data import curves
 from weier.figures import style
 from weier.kernels.arrays import Array
-from weier.methods import persson
+from weier.methods import cascade, persson
 
 CAPTION = (
     "Contact fraction and resistance against the number of terms at three loads. Lines: medians over the phases by "
-    "the most accurate method; bands: 10th to 90th percentile; dotted: Persson's theory; bars at the right: bounds "
-    "on the resistance of the infinite series (27), from the longest one."
+    "the most accurate method; bands: 10th to 90th percentile; bars at the right: bounds on the resistance of the "
+    "infinite series (27), from the longest one. Not of the paper: the theory of 2000 (dashed, the contact fraction "
+    "alone) and Persson's theory (dotted)."
 )
 SHOWN_LOADS = (0.01, 0.1, 1.0)  # p_0*: light, intermediate and heavy
 BAND = (10, 90)  # percentiles
 QUANTITIES = ("contact_fraction", "resistance")
 SERIES = ("D", "gamma")  # one column of panels per value
+THEORIES: tuple[tuple[Any, str, Any], ...] = (
+    (cascade, cascade.METHOD.label, (0, cascade.METHOD.style.dashes)),
+    (persson, persson.METHOD.label, ":"),
+)
 WIDTH, HEIGHT = 2.9, 2.3  # inches, of a panel
 LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "s"), (style.BLACK, "^"))  # of the loads
 
@@ -46,10 +51,10 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
                 _draw(axes, [_members(table, own, load) for table in tables], quantity, own, load, LOOKS[number])
             axes.set_yscale("log")
             if column == 0:
-                axes.set_ylabel(style.LABELS.get(quantity, "contact fraction"))
+                axes.set_ylabel(style.LABELS[quantity])
         style.name_panel(grid[0, column], column, len(shown), rf"$D={own[0]:g}$,  $\gamma={own[1]:g}$")
         grid[-1, column].set_xlabel("number of terms $m$")
-    figure.legend(handles=_legend(tables), loc="outside lower center", ncols=3)
+    figure.legend(handles=_legend(tables), loc="outside lower center", ncols=min(len(shown) + 1, 3))
     style.set_title(figure, title)
     return figure
 
@@ -98,9 +103,10 @@ def _draw(
         terms, low, high, color=color, alpha=0.18, linewidth=0, label=f"{label}, {BAND[0]} to {BAND[1]} %"
     )
     axes.plot(terms, middle, color=color, marker=marker, markersize=3, linestyle="-", label=f"{label}, median")
-    function = getattr(persson, quantity)
-    theory = [float(function(load, *series, m)) for m in terms]
-    axes.plot(terms, theory, color=color, linestyle=":", linewidth=0.9, label=f"{label}, Persson")
+    for theory, name, dashes in THEORIES:
+        if function := getattr(theory, quantity, None):
+            values = [float(function(load, *series, m)) for m in terms]
+            axes.plot(terms, values, color=color, linestyle=dashes, linewidth=0.9, label=f"{label}, {name}")
     if quantity == "resistance":
         longest = together["m"] == terms[-1]
         lower, upper = (np.median(together[f"resistance_{side}"][longest]) for side in ("lower", "upper"))
@@ -125,6 +131,9 @@ def _legend(tables: Sequence[dict[str, Array]]) -> list[Any]:
     return [
         *loads,
         Patch(color=style.GREY, alpha=0.18, linewidth=0, label=f"{BAND[0]} to {BAND[1]} % of {count} phases"),
-        Line2D([], [], color=style.GREY, linestyle=":", linewidth=0.9, label="Persson"),
+        *(
+            Line2D([], [], color=style.GREY, linestyle=dashes, linewidth=0.9, label=name)
+            for _, name, dashes in THEORIES
+        ),
         Line2D([], [], color=style.GREY, marker="|", markersize=8, linestyle="none", label="bounds for $m=\\infty$"),
     ]

@@ -49,7 +49,8 @@ LABELS = {
 SI_LABELS = {
     "mean_pressure": r"mean pressure $\bar{p}$ (Pa)",
     "compliance": "compliance $h$ (m)",
-    "resistance": r"resistance $RA$ ($\Omega\,$m$^2$)",
+    "resistance": r"resistance $\times$ nominal area ($\Omega\,$m$^2$)",
+    "contact_fraction": VARIABLES["contact_fraction"].axis,
 }
 
 # Okabe and Ito's colours, which colour-blind readers distinguish; dashes distinguish them in grey.
@@ -84,6 +85,11 @@ def points(method: str) -> dict[str, Any]:
     """Return keywords of Axes.plot for the points of a numerical method on the line of a more accurate one."""
     _, look = _label_and_style(method)
     return line(method) | POINTS | {"marker": look.marker}
+
+
+def counts(method: str) -> bool:
+    """Return whether axes follow the curves of a method: those of the paper, and numerical ones."""
+    return any(entry.in_paper or entry.numerical for entry in registry.METHODS if entry.name == method)
 
 
 def _label_and_style(method: str) -> tuple[str, Style]:

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from weier.data import curves
 from weier.data.bodies import Bodies, scales_of
-from weier.figures import lines
+from weier.figures import lines, style
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
@@ -26,7 +27,7 @@ class Extent(NamedTuple):
     """The loads and values of a figure: the first load and full contact, the least positive value and the largest.
 
     The least is that of the numerical curves, if there are any, since an estimate may vanish long before the contact
-    is full.
+    is full. The largest is that of the methods of the paper and of numerical ones, if there are any.
     """
 
     first_load: float
@@ -59,7 +60,8 @@ class Table:
             self.h, self.slope = self.h * height, self.slope * (height / pressure)
             self.factor = float((resistance * pressure / height).flat[0])
         resistance = self.slope * self.factor if interface else self.slope
-        self.values: Array = self.h if quantity == "compliance" else resistance
+        curves_of = {COMPLIANCE: self.h, RESISTANCE: resistance}
+        self.values: Array = curves_of[quantity] if quantity in curves_of else study[quantity].values
         self.known: Flags = np.asarray(np.isfinite(self.values).any(axis=-1))
         solved, best = curves.most_accurate(study)
         self.best: Indices = np.where(solved, best, -1)
@@ -76,7 +78,7 @@ class Table:
     def line(self, row: int, method: str, points: bool = False) -> tuple[Array, Array]:
         """Return one curve, at its loads and between them, or as points."""
         column = self.methods.index(method)
-        if points:
+        if points or self._quantity not in QUANTITIES:
             return self.loads, self.values[row, column]
         loads, values = lines.between_loads(self._quantity, self.loads, self.h[row, column], self.slope[row, column])
         return loads, values if self._quantity == "compliance" else values * self.factor
@@ -160,13 +162,15 @@ def extent(tables: Sequence[Table]) -> Extent:
         full = max(full, float(curves.full_contact_loads(table.study)[rows].max()))
     least, largest, numerical = np.inf, 0.0, np.inf
     for table, rows in drawn:
-        values = table.values[rows]
+        counting = np.array([style.counts(method) for method in table.methods], bool)
+        counting |= not table.known[rows][:, counting].any()
+        values = table.values[rows][:, counting]
         shown = (table.loads >= first) & (table.loads <= full)
         positive = shown & (values > 0)
         least = min(least, values.min(initial=np.inf, where=positive))
         largest = max(largest, values.max(initial=0.0, where=positive))
         best = table.best[rows]
-        own, there = values[np.arange(best.size), best], (best >= 0)[:, None]
+        own, there = table.values[rows, best], (best >= 0)[:, None]
         numerical = min(numerical, own.min(initial=np.inf, where=there & shown & (own > 0)))
     return Extent(first, full, float(numerical if np.isfinite(numerical) else least), float(largest))
 

@@ -21,7 +21,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     """Draw resistance over mean pressure for each number of terms, with the bounds as a band."""
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
-        longest = tables_of([curves.as_study(cases[-1])], "resistance")
-        style.set_logarithmic_axes(axes, *extent(longest))
+        drawn = curves.as_study(cases[-1]).sel(solution_method=[curves.numerical_method(cases[-1])])
+        style.set_logarithmic_axes(axes, *extent(tables_of([drawn], "resistance")))
         axes.legend(loc="lower left")
     return figure

@@ -23,7 +23,9 @@ from weier.units import IN_SI
 OF_VARIABLES = {"x": "x (lambda_0)", "height": "height (g_0)"}
 OF_VARIABLES |= {name: f"{name} ({entry.unit})" for name, entry in VARIABLES.items()}
 HEADINGS = {label: OF_VARIABLES[name] for name, label in LABELS.items()}
-HEADINGS |= {label: f"{name} ({IN_SI[VARIABLES[name].unit]})" for name, label in SI_LABELS.items()}
+HEADINGS |= {
+    label: f"{name} ({IN_SI.get(VARIABLES[name].unit, VARIABLES[name].unit)})" for name, label in SI_LABELS.items()
+}
 TITLES: tuple[Literal["center", "left", "right"], ...] = ("center", "left", "right")  # Where a panel has its title.
 # Formulas of matplotlib in plain text.
 BRACED, SPACE, WORD = re.compile(r"\\(?:bar|mathrm)\{([^}]*)\}"), re.compile(r"\\[,;!]"), re.compile(r"\\([A-Za-z]+)")

@@ -82,8 +82,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     Notes
     -----
     The omitted terms have a total amplitude G of at most half the tolerance. Since h lies in [h_k, h_k + 2 G], the
-    middle is returned, with the error G. The kept terms are solved by contact patches, whose bound is a theorem with
-    sampled residuals, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
+    middle is returned, with the error G. The kept terms are solved by contact patches, whose a-posteriori bound is
+    evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
     solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
     other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
     terms are kept.
@@ -152,8 +152,7 @@ class AutoCurve(NamedTuple):
 
     compliance : h, in g_0, from the profile whose waves all peak together
     resistance : dh/dp, in g_0/p_0*, of the terms solved
-    compliance_error : in g_0; where terms are left out, and of patches, a bound by a theorem with sampled
-        residuals
+    compliance_error : in g_0; where terms are left out, and of patches, an a-posteriori bound, evaluated on samples
     resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
     contact_fraction : length in contact per length; NaN where terms are left out
     second_attempts : the number of loads at which the first attempt of patches failed; a scalar

@@ -62,5 +62,6 @@ METHOD = Method(
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
     solve=curve,
     uses_phases=False,
+    in_paper=True,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),
 )

@@ -97,6 +97,10 @@ class Method:
         Whether it solves the truncated series itself, so that its curve is exact but for its `compliance_error`.
     uses_phases : bool
         Whether the curve depends on the phases; if not, profiles that differ in nothing else have the same curve.
+    stiffness : bool
+        Whether it has compliance and resistance; if not, they are NaN, as its summary says.
+    in_paper : bool
+        Whether it is a method of the paper: axes of figures follow the curves of these and of numerical methods.
     style : Style
         The look of its curve.
     seconds : callable
@@ -113,6 +117,8 @@ class Method:
     check: Callable[..., None] = lambda profile, **settings: None
     numerical: bool = False
     uses_phases: bool = True
+    stiffness: bool = True
+    in_paper: bool = False
     style: Style = DEFAULT_STYLE
     seconds: Callable[..., float] = lambda profile, loads, **settings: 0.0
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 
 from weier.checks import checked_word
-from weier.methods import archard, auto, bem, demelio, layer, patches, persson, westergaard
+from weier.methods import archard, auto, bem, cascade, demelio, layer, patches, persson, westergaard
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.surface.profile import Profile
@@ -20,6 +20,7 @@ METHODS: tuple[Method, ...] = (
     archard.METHOD,
     demelio.METHOD,
     persson.METHOD,
+    cascade.METHOD,
     layer.METHOD,
     bem.METHOD,
     patches.METHOD,

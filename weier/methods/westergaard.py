@@ -85,5 +85,6 @@ METHOD = Method(
     solve=curve,
     applies=_applies,
     uses_phases=False,
+    in_paper=True,
     style=Style("#CC79A7", (6, 1.5, 1, 1.5, 1, 1.5), "*"),
 )

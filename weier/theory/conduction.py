@@ -89,7 +89,7 @@ def shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: Arra
 
 @beyond_floats
 def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
-    """Return resistance times nominal area, R A = M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
+    """Return resistance times nominal area, M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
 
     dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
     """

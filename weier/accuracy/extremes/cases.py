@@ -54,8 +54,9 @@ def around(loads: ArrayLike) -> Array:
 
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
-    """Return all methods that take the profile and end in time."""
-    return tuple(by_default(method.name) for method in registry.METHODS if _meets(method, profile, loads))
+    """Return all methods with compliance and resistance that take the profile and end in time."""
+    methods = (method for method in registry.METHODS if method.stiffness)
+    return tuple(by_default(method.name) for method in methods if _meets(method, profile, loads))
 
 
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:

@@ -10,7 +10,17 @@ import numpy as np
 import xarray as xr
 from bokeh.document import Document
 from bokeh.layouts import column, row
-from bokeh.models import CDSView, Column, ColumnDataSource, CustomJS, CustomJSTicker, IndexFilter, LogAxis, NoOverlap
+from bokeh.models import (
+    CDSView,
+    Column,
+    ColumnDataSource,
+    CustomJS,
+    CustomJSTicker,
+    DataRange1d,
+    IndexFilter,
+    LogAxis,
+    NoOverlap,
+)
 from bokeh.models.widgets import Checkbox, Select
 from bokeh.plotting import figure
 
@@ -38,7 +48,7 @@ NORMALISED_AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name
 SI_AXES = {
     "mean_pressure": "mean pressure, Pa",
     "compliance": "compliance h, m",
-    "resistance": "resistance R A, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
+    "resistance": "resistance times nominal area, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
 }
 QUANTITIES = [name for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE]
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
@@ -62,7 +72,9 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
         Two bodies, for which the curves are shown in SI units.
 
     """
-    data = data.isel(case=np.lexsort([data[name].values for name in reversed(PARAMETERS)]))
+    order = np.lexsort([data[name].values for name in reversed(PARAMETERS)])
+    first = int(np.argmin(order))  # The page opens on the first case of the scene.
+    data = data.isel(case=order)
     methods = data["solution_method"].values.tolist()
     labels = {name: _labels(data, name) for name in LABELS}
     curves = data if interface is None or "mu_1" in data.attrs else interface.in_si(data)
@@ -87,7 +99,7 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
     axes = NORMALISED_AXES if interface is None else SI_AXES
     plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
-    selects = [_select(name) for name in LABELS]
+    selects = [_select(name, labels[name][first]) for name in LABELS]
     boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
     choose = CustomJS(
         args={
@@ -141,10 +153,10 @@ def _script(name: str) -> str:
     return files("weier.figures.page").joinpath(name).read_text(encoding="utf-8")
 
 
-def _select(name: str) -> Select:
+def _select(name: str, value: str) -> Select:
     width = f"{MIN_WIDTHS[name]}rem"
     grow: dict[str, Any] = {"flex": f"{MIN_WIDTHS[name]} 1 {width}", "min-width": width}
-    return Select(title=TITLES.get(name, name), name=name, styles=grow, **STRETCHED)
+    return Select(title=TITLES.get(name, name), name=name, value=value, styles=grow, **STRETCHED)
 
 
 def _labels(data: xr.Dataset, name: str) -> list[str]:
@@ -199,6 +211,10 @@ def _plot(
     )
     for method, source in zip(methods, sources, strict=True):
         (_draw_points if method in as_points else _draw_line)(plot, method, quantity, source)
+    # The axis follows the methods that count, if there are any; curves of others may leave the frame.
+    counting: Any = [glyph for method, glyph in zip(methods, plot.renderers, strict=True) if style.counts(method)]
+    start: dict[str, Any] = {"start": 0} if quantity == "compliance" else {}
+    plot.y_range = DataRange1d(renderers=counting or "auto", **start)
     code = _script("ticks.js")
     for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
         # The default ticker of bokeh has no labels over two decades.

@@ -113,6 +113,7 @@ METHOD = Method(
     },
     applies=applies_to_resolvable,
     numerical=True,
+    in_paper=True,
     style=Style("#000000", (), "o"),
     seconds=_seconds,
     check=_check,

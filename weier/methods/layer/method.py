@@ -39,6 +39,7 @@ METHOD = Method(
         f"from {MIN_ACCURACY:g} to {MAX_ACCURACY:g}",
     },
     uses_phases=False,
+    in_paper=True,
     style=Style("#009E73", (1.2, 1.2), "s"),
     seconds=_seconds,
     check=check,

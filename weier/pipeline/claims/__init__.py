@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
 # Variables that no claim uses, and those that few do: most of the memory of a large study.
-UNUSED = ("indentation", "patch_count", "residual", "work", "settings", "status", "origin", "contact_edge")
+UNUSED = ("indentation", "residual", "work", "settings", "status", "origin", "contact_edge")
+RARELY_USED = (*BOUNDS, "patch_count")
 
 
 def check_names(scene: Scene) -> Iterator[Mistake]:
@@ -37,7 +38,8 @@ def check_names(scene: Scene) -> Iterator[Mistake]:
 
 def unused(names: Iterable[str]) -> tuple[str, ...]:
     """Return the variables that none of these claims uses."""
-    return UNUSED + BOUNDS * (not any(CLAIMS[name].bounds for name in names))
+    used = {variable for name in names for variable in CLAIMS[name].uses}
+    return UNUSED + tuple(variable for variable in RARELY_USED if variable not in used)
 
 
 def write(curves: Curves, path: str | Path, table: str | Path) -> None:

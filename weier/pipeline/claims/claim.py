@@ -110,7 +110,7 @@ class Ensemble(NamedTuple):
 class Claim:
     """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions.
 
-    bounds : whether its conditions measure the bounds on the infinite series
+    uses : the variables of its conditions that few other claims use
     """
 
     def __init__(
@@ -118,9 +118,9 @@ class Claim:
         statement: str,
         ensembles: Callable[[Cases], list[Ensemble]],
         *conditions: Condition,
-        bounds: bool = False,
+        uses: tuple[str, ...] = (),
     ) -> None:
-        self.statement, self.ensembles, self.conditions, self.bounds = statement, ensembles, conditions, bounds
+        self.statement, self.ensembles, self.conditions, self.uses = statement, ensembles, conditions, uses
 
 
 class Finding(NamedTuple):

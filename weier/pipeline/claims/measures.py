@@ -17,13 +17,14 @@ from weier.methods.registry import find_method
 from weier.pipeline.claims.case import Case
 from weier.pipeline.claims.claim import Cases, MissingError
 from weier.surface.series import full_contact_pressure, tail_amplitude
-from weier.theory.bounds import compliance_bounds, resistance_bounds
+from weier.theory.bounds import resistance_bounds
 
 ESTIMATES = ("archard", "demelio", "layer")  # the approximations of Section 4
 LOW_COMPLIANCE = 0.5  # boundary between low and high loads, as a fraction of the compliance at full contact
-# Resistances are compared in this range of compliance over that at full contact. Below it one contact carries the
-# load, and above it the resistance vanishes, so that ratios are meaningless.
+# Ranges of compliance over that at full contact. Below both, one contact carries the load. Above the first one, the
+# coarse waves are flat and the finest ones alone resist; above the second one, the resistance itself vanishes.
 INTERMEDIATE = (0.1, 0.9)
+PARTIAL = (0.1, curves.FULL_CONTACT_COMPLIANCE)
 MAX_ALIGNED_ANGLE = np.pi / 6  # largest distance of phases "close to zero and pi"
 ROUNDING = 1e-9  # allowance for rounding and iteration in numbers close to 1
 
@@ -124,10 +125,24 @@ def excess(case: Case, method: str) -> Array:
     return curve(case, method) - numerical(case)
 
 
-def least_excess(case: Case, method: str, from_first_contact: bool = False) -> float:
-    """Return the least excess in partial contact; numerical curves may count from first contact."""
-    first = float(case["first_contact"]) if from_first_contact else 0.0
-    return float((excess(case, method) + first)[_partial_contact(case)].min())
+def least_excess_from_first_contact(case: Case, method: str) -> float:
+    """Return the least excess in partial contact over the numerical compliance counted from first contact."""
+    return float((excess(case, method) + float(case["first_contact"]))[_partial_contact(case)].min())
+
+
+def load_of_crossing(case: Case, method: str) -> float:
+    """Return the load above which an estimate of the compliance is too high, in p_0*; the first one if it always is.
+
+    Close to full contact, where all curves meet, the sign of the excess is not examined.
+    """
+    loads, off = case["mean_pressure"], excess(case, method)
+    below = np.flatnonzero((off < 0) & (numerical(case) < PARTIAL[1] * _total(case)))
+    if not below.size:
+        return float(loads[0])
+    last = int(below[-1])
+    if last + 1 == loads.size:
+        return float(loads[-1])
+    return float(np.interp(0.0, off[last : last + 2], loads[last : last + 2]))
 
 
 def mean_error(case: Case, method: str) -> float:
@@ -136,7 +151,7 @@ def mean_error(case: Case, method: str) -> float:
 
 
 def mean_resistance_error(case: Case, method: str) -> float:
-    """Return the mean absolute relative error of the resistance at intermediate compliances."""
+    """Return the mean absolute relative error of the resistance in partial contact."""
     loads, error = resistance_errors(case, method)
     return _mean(loads, np.abs(error))
 
@@ -198,12 +213,12 @@ def growth_of_error(method: str, *cases: Case) -> float:
     return last - first
 
 
-def resistance_errors(case: Case, method: str, lowest: float = INTERMEDIATE[0]) -> tuple[Array, Array]:
-    """Return loads of intermediate compliance, and the relative errors of the resistance by an estimate there."""
+def resistance_errors(case: Case, method: str, lowest: float = PARTIAL[0]) -> tuple[Array, Array]:
+    """Return loads of partial contact, and the relative errors of the resistance by an estimate there."""
     exact = numerical(case, "resistance")
     with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
         error = curve(case, method, "resistance") / exact - 1
-    return _between(case, error, lowest, INTERMEDIATE[1])
+    return _between(case, error, lowest, PARTIAL[1])
 
 
 def resistance_range(case: Case, method: str) -> tuple[float, float]:
@@ -217,10 +232,16 @@ def mean_resistance_error_at_high_loads(case: Case, method: str) -> float:
     return _mean(*resistance_errors(case, method, LOW_COMPLIANCE))
 
 
-def layer_behind_others(case: Case) -> float:
-    """Return the root mean square of these errors of the layer less that of the better of the other estimates."""
-    squares = {method: resistance_errors(case, method) for method in ESTIMATES}
-    size = {method: np.sqrt(_mean(loads, error**2)) for method, (loads, error) in squares.items()}
+def layer_behind_others(case: Case, lightest: bool = False) -> float:
+    """Return the root mean square of these errors of the layer less that of the better of the other estimates.
+
+    With `lightest`, the range begins at the first load, and the mean is over the logarithm of the load.
+    """
+    found = {method: resistance_errors(case, method, 0.0 if lightest else PARTIAL[0]) for method in ESTIMATES}
+    size = {
+        method: np.sqrt(_mean(np.log(loads) if lightest else loads, error**2))
+        for method, (loads, error) in found.items()
+    }
     return float(size["layer"] - min(size["archard"], size["demelio"]))
 
 
@@ -266,12 +287,46 @@ def _area_ratio(shorter: Case, longer: Case) -> Array:
     return ratio
 
 
-def last_change_of_resistance(*lengths: Case) -> float:
-    """Return the mean relative change of the resistance with the last term, at intermediate compliances."""
-    change = numerical(lengths[-1], "resistance") - numerical(lengths[-2], "resistance")
-    loads, values = _between(lengths[-1], change, *INTERMEDIATE)
-    _, resistance = _between(lengths[-1], numerical(lengths[-1], "resistance"), *INTERMEDIATE)
-    return abs(_mean(loads, values)) / _mean(loads, resistance)
+def _changes_of_resistance(lengths: Cases) -> tuple[Array, Array]:
+    """Return loads of intermediate compliance, and the absolute relative change of R with the last term there."""
+    shorter, longer = (numerical(case, "resistance") for case in lengths[-2:])
+    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
+        change = np.abs(longer / shorter - 1)
+    return _between(lengths[-1], change, *INTERMEDIATE)
+
+
+def mean_change_of_resistance(*lengths: Case) -> float:
+    """Return the mean over the load of the absolute relative change of the resistance with the last term."""
+    return _mean(*_changes_of_resistance(lengths))
+
+
+def largest_change_of_resistance(*lengths: Case) -> float:
+    """Return the largest absolute relative change of the resistance with the last term."""
+    return _largest(_changes_of_resistance(lengths)[1])
+
+
+def growth_of_count(*lengths: Case) -> float:
+    """Return the factor of the number of contacts with the last term, mean over the load."""
+    shorter, longer = (numerical(case, "patch_count") for case in lengths[-2:])
+    return _mean(*_between(lengths[-1], longer / np.maximum(shorter, 1), *INTERMEDIATE))
+
+
+def factor_of_independent_contacts(*lengths: Case) -> float:
+    """Return the factor of the resistance of independent contacts with the last term, geometric mean."""
+    shorter, longer = map(resistance_of_independent_contacts, lengths[-2:])
+    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
+        factor = np.log(longer / shorter)
+    return float(np.exp(_mean(*_between(lengths[-1], factor, *INTERMEDIATE))))
+
+
+def resistance_of_independent_contacts(case: Case) -> Array:
+    """Return the resistance of as many equal contacts of the same area, evenly spaced; NaN in full contact.
+
+    Each of them is the contact of one wave of wavelength 1/N: R = -(1/N) ln sin^2(pi A/2) by (8) and (13).
+    """
+    count, fraction = numerical(case, "patch_count"), numerical(case, "contact_fraction")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(-2 * np.log(np.sin(np.pi * fraction / 2)) / np.where(count > 0, count, np.nan))
 
 
 def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:
@@ -281,20 +336,18 @@ def _wave_and_tail(case: Case, wave: Case) -> tuple[Array, float]:
     return numerical(wave) if exact is None else exact, tail
 
 
-def distance_from_one_wave(case: Case, wave: Case) -> float:
-    """Return the largest distance of an estimate of the compliance from the one-wave solution, of G_1.
+def spread_over_bounds(case: Case, wave: Case) -> float:
+    """Return the largest difference between estimates of the compliance, over the width of its bounds.
 
-    Counted from the mean plane, the infinite series lies within G_1 of that solution, and a series of m terms, such
-    as the estimates are of, within g_1 + ... + g_(m-1) < G_1.
+    Each estimate lies within these bounds by construction: it has the compliance of the first wave, and adds between
+    0 and g_n for each finer one, while the bounds are 2 G_1 apart.
     """
-    h, tail = _wave_and_tail(case, wave)
-    lower, upper = compliance_bounds(h - 1, tail)
-    estimates = (curve(case, method) - _total(case) for method in ESTIMATES)
-    return max(_largest(2 * estimate - lower - upper) for estimate in estimates) / (2 * tail)
+    _, tail = _wave_and_tail(case, wave)
+    return _largest(np.ptp([curve(case, method) for method in ESTIMATES], axis=0)) / (2 * tail)
 
 
-def resistance_beyond_bounds(case: Case, wave: Case) -> float:
-    """Return the largest distance of an estimate of the resistance beyond its bounds from the one-wave solution."""
+def resistance_over_bounds(case: Case, wave: Case) -> float:
+    """Return the largest ratio of an estimate of R to its upper bound, or of its lower bound to the estimate."""
     low, high = resistance_bounds(case["mean_pressure"], *_wave_and_tail(case, wave), 0.0)
     estimates = np.array([curve(case, method, "resistance") for method in ESTIMATES])
-    return float(np.maximum(low - estimates, estimates - high).max())
+    return float(np.maximum(low / np.maximum(estimates, ROUNDING), estimates / high).max())

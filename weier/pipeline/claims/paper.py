@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from weier.api.rows import BOUNDS
 from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
@@ -23,7 +24,15 @@ from weier.pipeline.claims.claim import (
     negative,
     positive,
 )
-from weier.pipeline.claims.measures import ESTIMATES, INTERMEDIATE, LOW_COMPLIANCE, ROUNDING, describe, need
+from weier.pipeline.claims.measures import (
+    ESTIMATES,
+    INTERMEDIATE,
+    LOW_COMPLIANCE,
+    PARTIAL,
+    ROUNDING,
+    describe,
+    need,
+)
 from weier.surface.profile import PARAMETERS
 
 # Limits that stand for words of the paper.
@@ -35,6 +44,7 @@ LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives:
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
 QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
 PHASE_DIGITS = 11  # Phases that agree in these digits are equal.
+LIGHT_LOAD = 0.01  # p_0*: as p -> 0, every estimate tends to 0 and the exact compliance to that at first contact
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
 
 RULE = (
@@ -49,12 +59,15 @@ RULE = (
 )
 MEANINGS = (
     "Excess and error are of an estimate over the numerical curve, and averages are over the load. "
-    f"Loads are low up to {LOW_COMPLIANCE:.0%} of the compliance at full contact, and high above. "
+    f"Loads are low up to {LOW_COMPLIANCE:.0%} of the compliance at full contact, and high above, resistances up to "
+    f"{PARTIAL[1]:.0%} of it. "
     f"Close means within {CLOSE:.0%} of the compliance at full contact, quite good {QUITE_GOOD:.0%} of it and "
     f"{DEMELIO_ERROR:.0%} of the resistance, and extremely small within "
     f"{EXTREMELY_SMALL:.0%}; the few elements agree closely within {CLOSE_AGREEMENT:.0%} of the compliance itself. "
-    f"Resistances are compared between {INTERMEDIATE[0]:.0%} and {INTERMEDIATE[1]:.0%} of the compliance at full "
-    "contact: below, one contact carries the load, and above, the resistance vanishes, so that ratios mean nothing."
+    f"Resistances by the estimates are compared between {PARTIAL[0]:.0%} and {PARTIAL[1]:.0%} of the compliance at "
+    "full contact: below, one contact carries the load, and above, the resistance vanishes, so that ratios mean "
+    f"nothing. Bounds and the effect of further terms are compared up to {INTERMEDIATE[1]:.0%}, above which the "
+    "coarse waves are flat."
 )
 
 
@@ -195,21 +208,21 @@ CLAIMS = {
         ),
     ),
     "archard_above": Claim(
-        "The Archard approximation overestimates the compliance at all values of load (5.3).",
+        "The Archard approximation overestimates the compliance at all values of load (5.3): at all but the "
+        "lightest, where Archard's compliance tends to 0 and that of the surface to its value at first contact.",
         by_phases,
         Condition(
-            "Archard's compliance is too high at all loads",
-            "least excess of Archard's compliance in partial contact",
-            "g_0",
-            lambda case: measures.least_excess(case, "archard"),
-            at_least(0, factor=1),
-            error="compliance",
+            f"Archard's compliance is too high from {LIGHT_LOAD:g} p_0* on",
+            "load above which Archard's compliance is too high",
+            "p_0*",
+            lambda case: measures.load_of_crossing(case, "archard"),
+            at_most(LIGHT_LOAD),
         ),
         Condition(
             "counted from first contact, Archard's compliance is too high at all loads",
             "least excess of Archard's compliance over that from first contact",
             "g_0",
-            lambda case: measures.least_excess(case, "archard", from_first_contact=True),
+            lambda case: measures.least_excess_from_first_contact(case, "archard"),
             at_least(0, factor=1),
             error="compliance",
             decides=False,
@@ -276,13 +289,23 @@ CLAIMS = {
             most=True,
         ),
         Condition(
-            "the layer is the best estimate of the resistance",
+            f"the layer is best from {PARTIAL[0]:.0%} to {PARTIAL[1]:.0%} of the compliance at full contact",
             "root mean square error of the layer's resistance less that of the better of the others",
             "%",
             measures.layer_behind_others,
             negative(0.0),
             error="resistance",
             most=True,
+        ),
+        Condition(
+            "the layer is best from the lightest load on",
+            "the same over the logarithm of the load, from the first load on",
+            "%",
+            partial(measures.layer_behind_others, lightest=True),
+            negative(0.0),
+            error="resistance",
+            most=True,
+            decides=False,
         ),
         Condition(
             "Archard underestimates the resistance at high loads",
@@ -330,7 +353,7 @@ CLAIMS = {
             measures.width_of_bounds,
             at_least(1),
         ),
-        bounds=True,
+        uses=BOUNDS,
     ),
     "rises_further": Claim(
         "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",
@@ -417,29 +440,58 @@ CLAIMS = {
         ),
         Condition(
             "the last term hardly changes the resistance",
-            "mean relative change of the resistance with the last term",
+            "mean absolute relative change of the resistance with the last term",
             "%",
-            measures.last_change_of_resistance,
+            measures.mean_change_of_resistance,
             at_most(CLOSE),
+            most=True,
         ),
+        Condition(
+            "nowhere does the last term change the resistance by much",
+            "largest relative change of the resistance with the last term",
+            "%",
+            measures.largest_change_of_resistance,
+            at_most(CLOSE),
+            decides=False,
+        ),
+    ),
+    "independent_contacts": Claim(
+        "Classical asperity models predict continued change in contact resistance as more fine scale features are "
+        "added (6), since the number of independent contacts times their size grows without limit (2).",
+        partial(series, varied="m"),
+        Condition(
+            "the last term adds contacts",
+            "factor of the number of contacts with the last term, mean over the load",
+            "",
+            measures.growth_of_count,
+            at_least(1),
+        ),
+        Condition(
+            "as many equal contacts of the same area, evenly spaced and hence independent, still lose resistance",
+            "factor of the resistance of independent contacts with the last term",
+            "",
+            measures.factor_of_independent_contacts,
+            at_most(1 - DEMELIO_ERROR, factor=1),
+        ),
+        uses=("patch_count",),
     ),
     "one_wave_bounds": Claim(
         "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
         "three methods (5).",
         _beside_one_wave,
         Condition(
-            "all compliances lie within the bounds",
-            "largest distance of an estimate from the one-wave solution, of G_1",
+            "the bounds on the compliance are wider than the estimates differ",
+            "largest difference between estimates of the compliance over the width 2 G_1 of the bounds",
             "%",
-            measures.distance_from_one_wave,
+            measures.spread_over_bounds,
             at_most(1 + ROUNDING, factor=1),
         ),
         Condition(
             "all resistances lie within the bounds",
-            "largest distance of a resistance beyond its bounds",
-            "g_0/p_0*",
-            measures.resistance_beyond_bounds,
-            at_most(ROUNDING, factor=1),
+            "largest ratio of a resistance to its upper bound, or of its lower bound to it",
+            "%",
+            measures.resistance_over_bounds,
+            at_most(1 + ROUNDING, factor=1),
         ),
     ),
 }
