@@ -77,10 +77,12 @@ rule compile:
     priority: 3  # first, since it takes longest: what needs no kernels is solved beside it
     conda:
         "rules/environment.yaml"
+    params:
+        run=command,
     message:
         "compile {wildcards.method}"
     shell:
-        "{RUN} compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
+        "{params.run} compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
 
 
 # A job solves its share of what the store lacks, and appends it to the store every few seconds. The name of its marker
@@ -113,11 +115,12 @@ rule solve:
         mem_mb=plan.job_memory,
         runtime=plan.job_minutes,
     params:
+        run=command,
         scenes=scenes_of,
     message:
         "solve {wildcards.what} by {wildcards.group}, {wildcards.number} of {wildcards.jobs}"
     shell:
-        "{RUN} curves {wildcards.what:q} {wildcards.group} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
+        "{params.run} curves {wildcards.what:q} {wildcards.group} {wildcards.number} {wildcards.jobs} {wildcards.numerics}"
         " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
@@ -156,11 +159,12 @@ rule data:
         mem_mb=plan.memory,
         runtime=plan.minutes,
     params:
-        scene=lambda wildcards: scene_file(wildcards.scene),
+        run=command,
+        scene=lambda wildcards, output: scene_file(wildcards.scene),
     message:
         "{wildcards.scene}: write the data and judge the claims"
     shell:
-        "{RUN} product {params.scene:q} {input.made_of:q} results/curves 2>&1 | tee -i {log:q}"
+        "{params.run} product {params.scene:q} {input.made_of:q} results/curves 2>&1 | tee -i {log:q}"
 
 
 use rule data as figure with:

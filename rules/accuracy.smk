@@ -44,11 +44,12 @@ rule measure:
         "environment.yaml"
     threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
     params:
+        run=command,
         code=digest_of_modules("accuracy"),
         numerics=plan.numerics,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
-        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {RUN}.accuracy {wildcards.study} {params.scene} "
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
         "--output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
@@ -74,9 +75,10 @@ rule draw:
     conda:
         "environment.yaml"
     params:
+        run=command,
         code=digest_of_modules("figures"),
     shell:
-        "{RUN} draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
+        "{params.run} draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

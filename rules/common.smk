@@ -25,6 +25,11 @@ in_conda = DeploymentMethod.CONDA in workflow.deployment_settings.deployment_met
 RUN = f"{'python' if in_conda else shlex.quote(sys.executable)} -P -m weier"
 
 
+def command(wildcards, output):
+    """The command of jobs: Snakemake makes nothing again where a parameter that is a function of the output differs."""
+    return RUN
+
+
 def slots():
     """The number of jobs that run at once; 1 for commands of Snakemake that run nothing."""
     try:
@@ -41,7 +46,7 @@ def scene_file(name):
     return str(CONFIG / "scenes" / f"{name}.yaml")
 
 
-def scenes_of(wildcards):
+def scenes_of(wildcards, output):
     """The files of the scenes that a job solves curves of."""
     names = SCENES if wildcards.what == ALL else wildcards.what.split(BETWEEN)[:1]
     return [scene_file(name) for name in names]

@@ -368,16 +368,6 @@ def commit(folder):
         subprocess.run(["git", *command], cwd=folder, check=True)
 
 
-def test_an_archive_has_all_that_another_machine_needs(checkout, tmp_path):
-    """Without conda, which would pack the packages."""
-    repository, copy = tmp_path / "repository", tmp_path / "copy"
-    shutil.copytree(checkout, repository, ignore=shutil.ignore_patterns("results", ".snakemake", "__pycache__"))
-    commit(repository)
-    run(repository, "--archive", "all.tar.gz")
-    shutil.unpack_archive(repository / "all.tar.gz", copy, filter="data")
-    assert made(run(copy, "results/test/figures/one.png")) == (["one"], 3)
-
-
 def test_with_conda_the_jobs_run_in_the_environment_of_the_rules(checkout, tmp_path, monkeypatch):
     """A program that answers as conda does is enough for a plan."""
     conda = tmp_path / "conda"

@@ -85,11 +85,18 @@ def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
     suffixes : tuple of str
         Suffixes of the files of folders; those other than ".py" count as texts.
 
+    Raises
+    ------
+    OSError
+        If there are no such files.
+
     Notes
     -----
     Syntax trees take 0.7 s, texts some milliseconds: the digest is remembered by that of the texts, in the cache.
     """
     texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts, suffixes)}
+    if not texts:  # in a zip, or compiled files alone: two versions would have one digest
+        raise OSError(f"there are no sources of weier in {PACKAGE}, which name what depends on them")
     known = digest([[path, hashlib.sha256(text).hexdigest()] for path, text in texts.items()])
     path: Path | None = None
     with ignoring_errors_of_disks():
