@@ -136,9 +136,10 @@ RUN = {"api/progress.py", "data/files.py"}
 SOLVED = """
 import sys
 from pathlib import Path
-from tests.scenes import curves_in
-from weier.digests import PACKAGE
+from weier.digests import PACKAGE, numerics
+from weier.pipeline.curves import Curves
 from weier.pipeline.jobs import solve
+from weier.pipeline.store import Store
 from weier.scene import load
 
 run = set()
@@ -149,7 +150,7 @@ def of_weier(files):
     return sorted({path.relative_to(PACKAGE).as_posix() for path in map(Path, files) if PACKAGE in path.parents})
 
 folder = Path(sys.argv[1])
-curves = curves_in(load(folder / "scene.yaml"), folder / "curves")
+curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics().name))
 lacking = curves.store.lacking(curves.of_studies(None))
 sys.setprofile(noted)
 solve(lacking, curves.store, "test", lambda line: None)

@@ -57,7 +57,7 @@ def solved(tmp_path_factory):
         (product(D=[1.25, 1.4, 1.5]), {"surface": 6, "archard": 2, "bem": 6}),
         (product(gamma=[2, 3, "7/2"]), {"surface": 6, "archard": 2, "bem": 6}),
         (product(seed={"from": 0, "to": 3, "count": 4}), {"surface": 4, "bem": 4}),
-        (product(seed=2**53 + 1), {"surface": 4, "bem": 4}),
+        (product(seed=2**53 - 1), {"surface": 4, "bem": 4}),
         ({"methods": ["archard", "layer", "bem"]}, {"layer": 4}),
         ({"methods": ["bem", "persson"]}, {"persson": 4}),
         # A solution goes from load to load, and the bounds of a resistance are chords between them.

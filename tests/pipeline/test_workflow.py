@@ -164,7 +164,7 @@ def test_scenes_are_named_by_what_snakemake_makes_of_words(tmp_path, given, expe
 
 
 def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypatch):
-    monkeypatch.setattr(workflow, "DISABLED", False)
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
     monkeypatch.setattr(workflow, "cache_folder", lambda: tmp_path / "cache")
     kernels = plan().kernels
     assert kernels(of(group="bem")) == [kernels_file("bem")] == [str(tmp_path / "cache/compiled/bem")]
@@ -178,7 +178,7 @@ def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypat
     monkeypatch.setattr(workflow, "cache_folder", homeless)
     assert kernels(of(group="bem")) == []
     assert kernels_file("{method}") == "results/compiled/{method}"  # the name of an output all the same
-    monkeypatch.setattr(workflow, "DISABLED", True)
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert kernels(of(group="bem")) == []
 
 

@@ -22,6 +22,7 @@ from weier.data import netcdf, provenance, variables
 from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
+from weier.data.si import marked
 from weier.data.variables import CASE, CURVE, LABEL, NOTHING, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
@@ -198,8 +199,8 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     scene, solved = curves.scene, Solved(curves)
     in_memory = solved.dataset(without=solved.over_loads)
     scales = scales_of(scene.interface, in_memory) if scene.in_si and scene.interface else {}
-    like = in_memory.isel(case=slice(1)).assign(solved.blank_curves())  # for attributes in the units of the scene
-    described = in_units_of(scene, like).variables
+    like = marked(in_memory.isel(case=slice(1)).assign(solved.blank_curves()))
+    described = in_units_of(scene, like).variables  # for attributes in the units of the scene
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
     data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
