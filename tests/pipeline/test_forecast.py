@@ -42,8 +42,8 @@ def test_long_ones_are_with_seconds_and_what_is_cheaper(seconds):
     seconds(2 * LONG)
     (line,) = forecast(case("patches", 3), LOADS)
     assert line == (
-        "patches takes about 20 s: choose archard, demelio, persson, cascade, layer, bem, auto, fewer loads, or fewer "
-        "terms or waves (within 0.001 g_0)"
+        "patches takes about 20 s: choose archard, demelio, persson, cascade, layer, bem, auto, fewer loads, or "
+        "fewer terms or waves (within 0.001 g_0)"
     )
 
 
