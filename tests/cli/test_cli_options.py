@@ -15,6 +15,8 @@ WRONG_USAGE = [
     ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
     ([*SOLVE, "--loads", "1:2"], 'loads must read "1,10 p_0*" or "first:last:count p_0*", got \'1:2\''),
     ([*SOLVE, "--loads", ""], "loads must read"),
+    ([*SOLVE, "-D", "1.5"], "-D must be given once, got 2 of it"),
+    (["solve", "--trace", "a.csv", "--trace", "b.csv"], "--trace must be given once, got 2 of it"),
     ([*SOLVE, "--loads", "1:2:99999999999"], "loads must be 2 to 10000 positive numbers"),
     ([*SOLVE, "--phases", "0,one"], 'phases must read "1" or "0,1,2", got \'0,one\''),
     ([*SOLVE, "--phases", "1", "--seed", "1"], "--phases or --seed, got both"),
@@ -59,7 +61,7 @@ BAD_INPUT = [
     ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),
     ([*SOLVE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
     (
-        [*SOLVE, "-m", "inf", "--phases", "0"],
+        ["solve", "-D", "1.25", "--gamma", "5", "-m", "inf"],
         "a tolerance or a method must be given where m = inf: tolerance=1e-3, or one of",
     ),
     (["solve", *PROFILE, "--tolerance", "0"], "tolerance of auto must lie in [1e-13, 1), got 0.0"),

@@ -68,3 +68,4 @@ def test_labels_of_matplotlib_become_plain_text():
         values._plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0^*/g_0"
     )
     assert values._plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"
+    assert values._plain(r"a_{1} \$ b\infty.csv, $\gamma=5$") == r"a_{1} $ b\infty.csv, gamma=5"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -168,6 +169,17 @@ OF_SOLUTION = (
 
 class SolvingCommand(click.Command):
     """A command with settings of methods, which its help lists below the options."""
+
+    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
+        """Refuse an option that is given twice, of which click would take the last one without a word."""
+        _, _, given = self.make_parser(context).parse_args(list(args))
+        for option, count in Counter(given).items():
+            if count > 1 and isinstance(option, click.Option) and not (option.multiple or option.is_flag):
+                raise click.UsageError(
+                    f"{option.opts[0]} must be given once, got {count} of it: a list of weier.solve, or a scene, "
+                    "takes several surfaces"
+                )
+        return super().parse_args(context, args)
 
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Write each setting with its default and meaning."""

@@ -34,7 +34,8 @@ def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
     for trace in known:
         alike = [other for other in known if other["trace"] == trace["trace"]]
         names[trace["trace_digest"]] = ", ".join([short[trace["trace"]] or "trace", *_differences(trace, alike)])
-    return [names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces]
+    shown = (names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces)
+    return [f" {name}" if name.startswith("_") else name for name in shown]  # else matplotlib hides it
 
 
 def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:

@@ -27,7 +27,8 @@ HEADINGS |= {
     label: f"{name} ({IN_SI.get(VARIABLES[name].unit, VARIABLES[name].unit)})" for name, label in SI_LABELS.items()
 }
 TITLES: tuple[Literal["center", "left", "right"], ...] = ("center", "left", "right")  # Where a panel has its title.
-# Formulas of matplotlib in plain text.
+# Formulas of matplotlib in plain text, between signs of dollars that stand for themselves behind a backslash.
+DOLLAR = re.compile(r"(?<!\\)\$")
 BRACED, SPACE, WORD = re.compile(r"\\(?:bar|mathrm)\{([^}]*)\}"), re.compile(r"\\[,;!]"), re.compile(r"\\([A-Za-z]+)")
 
 
@@ -104,6 +105,13 @@ def _labelled(axes: Axes, name: str) -> Any:
 
 
 def _plain(text: str) -> str:
-    """Return a text of matplotlib without its signs of formulas."""
+    """Return a text of matplotlib without its signs of formulas; what is between formulas, as names, stays."""
+    parts = DOLLAR.split(text)
+    parts[1::2] = [_plain_formula(part) for part in parts[1::2]]
+    parts[::2] = [part.replace(r"\$", "$") for part in parts[::2]]
+    return " ".join("".join(parts).split())
+
+
+def _plain_formula(text: str) -> str:
     plain = WORD.sub(r"\1", SPACE.sub(" ", BRACED.sub(r"\1", text)))
-    return " ".join(re.sub(r"[${}]", "", plain).replace("infty", "inf").split())
+    return re.sub(r"[{}]", "", plain).replace("infty", "inf")
