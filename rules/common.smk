@@ -38,7 +38,12 @@ def slots():
         return 1
 
 
-plan = Plan(SCENES, partial(load_by_name, folder=CONFIG / "scenes"), slots())
+def runs():
+    """Whether this process is going to run jobs; a dry run, a summary or a report writes nothing."""
+    return workflow.executor_plugin is not None and not workflow.dryrun
+
+
+plan = Plan(SCENES, partial(load_by_name, folder=CONFIG / "scenes"), slots(), runs)
 
 
 def scene_file(name):

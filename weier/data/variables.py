@@ -23,7 +23,7 @@ CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
-NOTHING = {"f": np.nan, "i": -1}  # Values where there is none, by the kind of a type; "" of texts.
+NOTHING = {"f": np.nan, "i": 0}  # Values where there is none, by the kind of a type; "" of texts.
 ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as negative as this.
 # Texts that several comments have in common.
 DATUM = "It counts from the undeformed profile whose waves all peak together"

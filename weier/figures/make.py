@@ -25,9 +25,9 @@ def make_product(curves: Curves, stamp: Path) -> None:
         if not stamp.name.startswith(made_of(curves, name)):
             raise ValueError(f"{curves.scene.name} or weier has changed since the plan: run snakemake again")
         _make(curves, folder, name)
-    except ValueError:
+    except ValueError as error:
         stamp.unlink(missing_ok=True)
-        raise
+        raise ValueError(f"{name} cannot be made: {error}") from error
     fill_stamp(stamp)
     remove_leftovers(folder)
 

@@ -108,7 +108,7 @@ class Kernel:
     def _compile(self, arguments: tuple[Any, ...]) -> None:
         """Load what is kept for arguments of these types, or compile it, which takes many seconds, and say so."""
         source = Path(self.function.__code__.co_filename).parent.name  # by which numba names a folder of its own
-        if not (_numba()[1] and any(cache_folder().glob(f"{source}_*"))):
+        if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
             _announce(source)
         self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))
         self.types = 1

@@ -23,7 +23,7 @@ from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
 from weier.data.si import marked
-from weier.data.variables import CASE, CURVE, LABEL, NOTHING, VARIABLES, Status
+from weier.data.variables import CASE, CURVE, LABEL, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
@@ -131,8 +131,8 @@ class Solved:
         sizes = {"mean_pressure": self.loads.size, "term": 1}
         own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
         shape = np.max([own, *(values.shape[1:] for _, values in found)], axis=0).astype(int)
-        text = dtype[0] in "UO"
-        joined = np.full((len(self.cases), *shape), "" if text else NOTHING[dtype[0]], object if text else dtype)
+        text, nothing = dtype[0] in "UO", np.nan if dtype[0] == "f" else -1
+        joined = np.full((len(self.cases), *shape), "" if text else nothing, object if text else dtype)
         for rows, values in found:
             within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
             joined[within] = values

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from weier.checks import shown, suggestion
-from weier.data.files import check_target
+from weier.data.files import check_target, check_writable
 from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
@@ -51,15 +51,22 @@ class Plan:
         From the name of a scene to the scene; a SceneError if there is none, or it has mistakes.
     slots : int
         The number of jobs that can run at once.
+    runs : callable, optional
+        Whether jobs are going to run, so that folders must be open to writing.
     results : path, optional
         The folder for the results.
     """
 
     def __init__(
-        self, names: Sequence[str], load: Callable[[str], Scene], slots: int, results: str = "results"
+        self,
+        names: Sequence[str],
+        load: Callable[[str], Scene],
+        slots: int,
+        runs: Callable[[], bool] = lambda: True,
+        results: str = "results",
     ) -> None:
         self.names, self.slots, self.results = names, slots, Path(results)
-        self._load, self._wants_all = cache(load), False
+        self._load, self._runs, self._wants_all = cache(load), runs, False
         # Snakemake calls these several times.
         self.curves, self.lacking, self.stamp = cache(self._curves), cache(self._lacking), cache(self._stamp)
 
@@ -89,7 +96,9 @@ class Plan:
         files = []
         with ending_in_one_sentence():
             for name in self.names:
-                check_target(self.results / name / "any")
+                if self._runs():
+                    check_writable(self.results)
+                    check_target(self.results / name / "any")
                 for product in products.names_of(self.scene(name)):
                     files += [str(self.results / name / file) for file in products.files_of(product)]
                     files.append(str(self.stamp(name, product)[0]))
