@@ -95,6 +95,13 @@ def test_a_step_shorter_than_the_unit_must_have_few_digits():
         on_grid(rounded(1 / 7, 0), HEIGHTS, None, place)
 
 
+def test_a_step_that_few_digits_leave_open_is_refused():
+    x = np.array([float(f"{0.29 * n:.1f}") for n in range(200)])
+    assert on_grid(x, np.ones(200), None, place)[1] == pytest.approx(58, rel=1e-9)
+    with pytest.raises(ValueError, match="positions must rise in equal steps"):
+        on_grid(x[:6], np.ones(6), None, place)
+
+
 def test_a_row_left_out_of_whole_numbers_is_missing():
     full, length = on_grid(np.delete(N, 1000).astype(float), np.ones(1999), None, place)
     assert (full.size, length, np.flatnonzero(np.isnan(full)).tolist()) == (2000, 2000.0, [1000])

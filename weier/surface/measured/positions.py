@@ -13,14 +13,10 @@ from weier.surface.measured.artefacts import MAX_HEIGHTS
 
 UNEVEN = 0.01  # tolerance of equal steps in files, in steps
 MOST_DIGITS = 9  # decimals or significant digits of rounded positions
-MAX_ERROR = (
-    0.0075  # largest half-width of the range of steps that rounded positions allow, in steps: the error of the length
-)
+MAX_ERROR = 0.0075  # largest error of the length, which is half the range of steps that rounded positions allow
 BY_CHANCE = 10  # A range of steps this many times narrower than a digit has a decimal number of it once in ten times.
 ROUNDING = 1 + 1e-6  # tolerance for rounded decimals as floats
-MIN_UNITS = (
-    4  # units of the last digit in a step, above which the number of rows left out follows from each increment
-)
+MIN_UNITS = 4  # units of the last digit in a step above which each increment tells the rows left out in it
 # One or two gaps of a row also look like rounding of a slightly larger step. More of them rarely do by chance.
 FEW_GAPS = 2
 
