@@ -10,6 +10,10 @@ min_version("9.0")
 
 VERSION = "0.1.0"  # of this workflow, and of the package that its jobs run
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
+if {*"{}"} & {*f"{CHECKOUT.resolve()}{Path().resolve()}"}:
+    raise SystemExit(
+        f"weier: folders must have no braces in their names, which Snakemake takes for wildcards: rename {Path().resolve()}"
+    )
 # The package beside this file goes first, here and in the jobs, from whatever folder they run. A workflow without one,
 # as one that snakedeploy has fetched, runs the package that is installed.
 if (CHECKOUT / "weier").is_dir():

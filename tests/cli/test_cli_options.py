@@ -59,6 +59,7 @@ BAD_INPUT = [
         "of bem must lie in [1e-13, 1), got the text 'nan'",
     ),
     ([*SOLVE, "--set", "layer.points=3"], "'layer', which is not run"),
+    ([*SOLVE, "--method", "layer", "--set", "layer.points=2.5"], "points of layer must be a whole number, got 2.5"),
     ([*SOLVE, "--method", "westergaard"], 'westergaard: method "westergaard" is for one wave'),
     (
         ["solve", "-D", "1.25", "--gamma", "5", "-m", "inf"],

@@ -20,6 +20,8 @@ Check = Callable[[str, Any], Any]
 
 
 def _count(name: str, value: Any) -> int:
+    # the range of a method is narrower, and its own check names it
+    checked_number(name, value, "be a whole number", lambda number: number == number // 1)  # which inf is not
     return checked_count(name, value, 1, MAX_POINTS)
 
 
