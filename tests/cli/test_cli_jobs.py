@@ -86,8 +86,8 @@ def test_a_product_fills_its_stamp(run, scene_file):
 
 def test_a_product_without_curves_or_of_another_scene_leaves_no_stamp(run, scene_file):
     for edit, message in (
-        ("m: 2", r"weier: \d curves by .* are not solved: run snakemake again"),
-        ("m: 3", "weier: test or weier has changed since the plan: run snakemake again"),
+        ("m: 2", r"weier: contact.nc cannot be made: \d curves by .* are not solved: run snakemake again"),
+        ("m: 3", "weier: contact.nc cannot be made: test or weier has changed since the plan: run snakemake again"),
     ):
         stamp = stamp_of(scene_file, "contact.nc")
         scene_file.write_text(SCENE.replace("m: 2", edit))
