@@ -85,6 +85,7 @@ rule draw:
 rule docs:
     input:
         figures=figures_of_documentation,
+        index=str(CHECKOUT / "docs/index.rst"),
         pages=[str(path) for path in sorted(CHECKOUT.glob("docs/**/*.*"))],
     output:
         "results/docs/index.html",
@@ -94,7 +95,6 @@ rule docs:
         "environment.yaml"
     params:
         code=digest_of_modules("cli", "api", "surface"),
-        folder=str(CHECKOUT / "docs"),
     shell:
         "sphinx-build --fail-on-warning --keep-going --quiet --fresh-env"
-        ' -D scene_figures="$PWD/results/paper/figures" {params.folder:q} results/docs 2>&1 | tee -i {log:q}'
+        ' -D scene_figures="$PWD/results/paper/figures" "$(dirname {input.index:q})" results/docs 2>&1 | tee -i {log:q}'
