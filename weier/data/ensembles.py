@@ -71,7 +71,7 @@ def means(data: xr.Dataset) -> pd.DataFrame:
     values |= {"ensemble": _ensembles(labels)[case], "method": method, "load": load, "case": case}
     values["settings"] = data["settings"].values[case, method] if "settings" in data.data_vars else ""
     by = ["ensemble", "method", "load", "settings"]
-    rows = pd.DataFrame(values | {"surface": _surfaces(data)[case]}).dropna(subset="compliance")
+    rows = pd.DataFrame(values | {"surface": _surfaces(data)[case]}).dropna(subset=averaged, how="all")
     rows = rows.drop_duplicates([*by, "surface"])
     grouped = rows.groupby(by)
     _check_pressures(data, rows, grouped["case"].transform("first").to_numpy())
