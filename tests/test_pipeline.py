@@ -213,6 +213,7 @@ def test_a_copy_of_the_results_alone_makes_nothing_again(finished, tmp_path):
         ("figures/two.csv", "two"),
         ("claims.md", "contact.nc"),
         ("contact.nc", "contact.nc"),
+        ("page.html", "page.html"),
     ],
 )
 @pytest.mark.parametrize("damage", ["edited", "lost", "edited again"])

@@ -39,8 +39,7 @@ CURVES = (
 # Readers of files are not in it: a trace is identified by its final heights.
 READERS = "surface/measured"
 KEPT = ("__init__.py", "trace.py")
-# What makes products of curves, besides texts such as styles.
-PRODUCTS = ("data", "scene", "api", "pipeline", "figures", *CURVES)
+# Modules of products may read these, too.
 TEXTS = (".css", ".html", ".js", ".mplstyle")
 
 

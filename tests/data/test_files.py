@@ -3,11 +3,10 @@
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
-from weier.data.files import bring_to_present, check_writable, remove_leftovers, replacing, write_text
+from weier.data.files import check_writable, remove_leftovers, replacing, write_text
 
 
 def test_a_file_appears_when_all_went_well(tmp_path):
@@ -64,16 +63,6 @@ def test_leftovers_go_when_their_process_is_gone(tmp_path):
         assert len(list(tmp_path.iterdir())) == 4
         remove_leftovers(tmp_path)
         assert {path.name for path in tmp_path.iterdir()} == {mine.name, ".kernels", ".else.nc.anotherhost.1"}
-
-
-def test_no_file_stays_in_the_future(tmp_path):
-    for name, seconds in (("past", -1e6), ("future", 1e6)):
-        (tmp_path / name).touch()
-        os.utime(tmp_path / name, (time.time() + seconds,) * 2)
-    before = (tmp_path / "past").stat().st_mtime
-    bring_to_present(tmp_path)
-    assert (tmp_path / "past").stat().st_mtime == before
-    assert before < (tmp_path / "future").stat().st_mtime <= time.time()
 
 
 def test_a_folder_to_write_to_is_not_refused(tmp_path):

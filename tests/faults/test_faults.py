@@ -259,8 +259,11 @@ def test_results_closed_to_writing_are_named_and_made_once_they_are_open(checkou
     with mounted(results, "--bind", results):
         subprocess.run(["mount", "-o", "remount,ro,bind", results], check=True)
         code, said = run(checkout)
+        planned = run(checkout, "-n")
     assert code != 0
     assert "results cannot be written to: open it for writing, or work in a copy of the checkout" in said
+    assert planned[0] == 0, planned[1]
+    assert "test: write the data and judge the claims" in planned[1]
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.scenes import blank
+from tests.pipeline.conftest import SCENE
+from tests.scenes import blank, scene_in, solve_scene
 from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
@@ -402,6 +403,22 @@ def test_a_new_claim_is_one_row(solved_with, tmp_path, monkeypatch):
     text = (tmp_path / "claims.md").read_text()
     assert "| [demelio\\_exact](#demelio_exact) | Demelio is exact. | no |" in text
     assert "\n## demelio_exact\n" in text
+
+
+def test_a_claim_is_judged_at_the_loads_of_its_study(tmp_path, monkeypatch):
+    """By the data of a scene, whose other studies have other loads."""
+    seen = []
+
+    def number(case):
+        seen.append(case["mean_pressure"].tolist())
+        return 0.0
+
+    listed = claim.Condition("loads", "loads", "", number, claim.at_most(1))
+    monkeypatch.setitem(CLAIMS, "loads", claim.Claim("Of its loads.", by_phases, listed))
+    text = SCENE.replace("m: 2}}", "m: 2}, loads: [0.02, 0.5]}") + "claims: {loads: [two]}"
+    claims.write(solve_scene(scene_in(tmp_path, text), tmp_path / "curves"), tmp_path / "a.nc", tmp_path / "a.md")
+    assert [0.02, 0.5] in seen
+    assert all(set(loads) <= {0.02, 0.5} for loads in seen)
 
 
 def test_written_dataset_is_whole_and_plain(solved_with, tmp_path):

@@ -28,7 +28,10 @@ def log_likelihood(band, S):
 
 def greatest(band, q):
     """The greatest likelihood of exp(a - beta q), by a general method."""
-    negative = lambda p: -log_likelihood(band, np.exp(p[0] - p[1] * q))  # noqa: E731
+
+    def negative(p):
+        return -log_likelihood(band, np.exp(p[0] - p[1] * q))
+
     start = [float(np.log(band.variance.mean())) + 2 * q.mean(), 2.0]
     found = scipy.optimize.minimize(
         negative, start, method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-6, "maxiter": 4000}

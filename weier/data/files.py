@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import re
 import socket
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from weier.checks import readable
@@ -83,16 +82,6 @@ def remove_leftovers(folder: str | Path) -> None:
         leftover = LEFTOVER.fullmatch(path.name)
         if leftover and leftover["host"] == _host() and not _runs(int(leftover["process"])):
             path.unlink(missing_ok=True)
-
-
-def bring_to_present(*folders: str | Path) -> None:
-    """Set file times in the future to now: files dated before a clock reset would seem up to date for ever."""
-    now = time.time()
-    for folder in folders:
-        for path in Path(folder).rglob("*"):
-            with suppress(FileNotFoundError):
-                if path.lstat().st_mtime > now:
-                    os.utime(path, follow_symlinks=False)
 
 
 def _runs(process: int) -> bool:

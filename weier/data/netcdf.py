@@ -84,16 +84,6 @@ def fill_method(variable: netCDF4.Variable[Any], column: int, values: Array) -> 
         variable[:, column] = values
 
 
-def check_whole(path: str | Path) -> None:
-    """Refuse a file that is missing, truncated or not of weier; its values are not read."""
-    try:
-        with netCDF4.Dataset(path) as file:
-            names, program = list(file.variables), getattr(file, "program", "")
-    except (OSError, RuntimeError) as error:
-        raise damaged_error(path, error) from None
-    check_origin(path, names, program)
-
-
 def check_origin(path: str | Path, names: Container[object], program: str) -> None:
     """Refuse a file of these variables and this program that is not of weier."""
     if "key" not in names and program != FIXED["program"]:

@@ -20,8 +20,8 @@ from weier.scene.case import Case
 from weier.surface.spectrum import columns_of_fits
 from weier.surface.waves import Waves
 
-# Seconds of work that are lost with a job, and most of its time that may go into writing; rows that fit into memory.
-APPEND_SECONDS, APPEND_FRACTION, MAX_ROWS = 5.0, 0.02, 50_000
+# Seconds of work that are lost with a job that is killed (an append takes 0.02); rows that fit into memory.
+APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
 CHANGED = "the code of weier has changed since {}: run snakemake again, which plans with the new code"
 
 
@@ -61,15 +61,13 @@ class Segment:
     def __init__(self, kind: Kind, store: Store, origin: str) -> None:
         self._kind, self._store, self._origin = kind, store, origin
         self._keys, self._rows = list[np.uint64](), list[Mapping[str, Any]]()
-        self._begun = self._saved = monotonic()
+        self._saved = monotonic()
 
     def add(self, key: np.uint64, row: Mapping[str, Any]) -> None:
         """Add a curve, and append all to the store after some seconds."""
         self._keys.append(key)
         self._rows.append(row)
-        now = monotonic()
-        pause = max(APPEND_SECONDS, APPEND_FRACTION * (now - self._begun))
-        if now - self._saved > pause or len(self._rows) == MAX_ROWS:
+        if monotonic() - self._saved > APPEND_SECONDS or len(self._rows) == MAX_ROWS:
             self.close()
 
     def close(self) -> None:

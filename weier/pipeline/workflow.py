@@ -24,7 +24,7 @@ from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.curves import CLOSED, Curves, Lacking, by_group, number_of_jobs
+from weier.pipeline.curves import CLOSED, SURFACE, Curves, Lacking, by_group, number_of_jobs
 from weier.pipeline.forecast import forecast_scene
 from weier.pipeline.store import Store
 from weier.scene import Scene
@@ -189,7 +189,7 @@ class Plan:
         for name in self.names:
             own = self.store.lacking(self.curves(name).of_studies(None))
             seconds = sum(each.seconds for each in own)
-            count = sum(len(each.numbers) for each in own if each.part in self.curves(name).parts)
+            count = sum(len(each.numbers) for each in own if each.part.kind.method != SURFACE)
             for line in forecast_scene(self.scene(name), seconds / self.slots, count, self.slots):
                 print(line, file=sys.stderr, flush=True)
 

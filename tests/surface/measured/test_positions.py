@@ -51,14 +51,15 @@ def test_rounded_positions_give_their_step_and_no_gap_closes_up(step, decimals):
     full, length = on_grid(x, HEIGHTS, None, place)
     np.testing.assert_array_equal(full, HEIGHTS)
     assert length == pytest.approx(2000 * step, rel=5e-5)
+    # The last digit is a quarter of a step or more.
+    hides_gaps = step < 4 * 10.0**-decimals and step != round(step, decimals)
     for name in GAPS:
         within = kept(name)
-        try:
-            full, length = on_grid(x[within], HEIGHTS[within], None, place)
-        except ValueError as refused:
-            assert "positions must rise in equal steps" in str(refused)  # noqa: PT017
-            assert step < 4 * 10.0**-decimals
+        if hides_gaps:
+            with pytest.raises(ValueError, match="positions must rise in equal steps"):
+                on_grid(x[within], HEIGHTS[within], None, place)
         else:
+            full, length = on_grid(x[within], HEIGHTS[within], None, place)
             np.testing.assert_array_equal(full, np.where(within, HEIGHTS, np.nan))
             assert length == pytest.approx(2000 * step, rel=5e-5)
 
