@@ -159,7 +159,7 @@ def test_sums_keep_their_order_unless_told_otherwise():
     """In its order, 1e16 + 1 + ... + 1 - 1e16 loses each 1; sums in several lanes keep those of the other lanes."""
     values = np.array([1e16, *np.ones(998), -1e16])
     assert sum_in_order(values) == 0
-    assert sum_in_any_order(values) > 500
+    assert sum_in_any_order(values) > 100
 
 
 def test_kernels_are_made_of_the_folders_that_name_the_cache():
