@@ -1,4 +1,15 @@
-"""Comparisons with other programs, one command each; `python -m benchmarks` sets weier beside them.
+"""Comparisons with other programs, and measurements behind constants and claims of the documentation.
 
-to_error : processor time to a given error
+`python -m benchmarks NAME` writes results/NAME/NAME.md; the comparisons write to results/benchmark.
+
+| name | what it measures |
+|---|---|
+| `artefacts` | lines that the checks of heights judge wrongly |
+| `direct_solution` | direct solutions against conjugate gradients |
+| `estimates` | errors of the estimates on ensembles, and the exponent of the stiffness |
+| `expected_seconds` | measured over expected seconds of each method, and their constants |
+| `node_counts` | Chebyshev coefficients that contacts and gaps need, and the factors of their number |
+| `same_grid` | speed of weier and other programs on the same grids |
+| `to_error` | processor time of weier and other programs to a given error |
+| `tuning` | cost with each tuned number halved and doubled |
 """

@@ -1,14 +1,20 @@
-"""One thread for all programs, then the command line."""
+"""Set one thread for all programs, and run the command line."""
 
 from benchmarks.threads import use_one_thread
 
+NAMES = (
+    *("artefacts", "direct_solution", "estimates", "expected_seconds"),
+    *("node_counts", "same_grid", "to_error", "tuning"),
+)
+
 
 def run() -> None:
-    """The command line, which imports NumPy, and that reads the number of threads."""
+    """Run a measurement, whose module imports NumPy, which reads the number of threads."""
     use_one_thread()
-    from benchmarks.command import main
+    from weier.accuracy.report import Measurements
 
-    main()
+    Measurements("benchmarks", NAMES, "Compare weier with other programs, and measure its constants.").main()
 
 
-run()
+if __name__ == "__main__":
+    run()

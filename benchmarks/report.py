@@ -84,9 +84,10 @@ def _preface(data: xr.Dataset) -> list[str]:
         "",
         "## On the same grid",
         "",
-        f"`python -m benchmarks` solves one profile under the same loads with several programs: {loads.size} loads "
-        f"in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, D = {attributes['D']:g}, gamma = {attributes['gamma']}, "
-        f"m = {attributes['m']}. {attributes['machine']}; one thread; {attributes['packages']}.",
+        f"`python -m benchmarks same_grid` solves one profile under the same loads with several programs: "
+        f"{loads.size} loads in [{loads[0]:.3g}, {loads[-1]:.3g}] p_0*, D = {attributes['D']:g}, "
+        f"gamma = {attributes['gamma']}, m = {attributes['m']}. "
+        f"{attributes['machine']}; one thread; {attributes['packages']}.",
         "",
         f"Seconds are processor time for the whole curve, the least of {data.sizes['repeat']} runs taken in turn. "
         "The other programs and the dense inversion start each load from the next heavier one; weier solves each "

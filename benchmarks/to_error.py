@@ -1,6 +1,6 @@
 """Processor time to a given error of the compliance, and how errors fall with the nodes.
 
-`python -m benchmarks.to_error` writes a table and a figure. A program on a grid takes the smallest one with which its
+`python -m benchmarks to_error` writes a table and a figure. A program on a grid takes the smallest one with which its
 largest error over the loads is within the target. Contact patches have no grid, and the target is their tolerance.
 """
 
@@ -17,22 +17,21 @@ import click
 import matplotlib.style
 import numpy as np
 
-from benchmarks.command import PHASES, installed, parse_names
 from benchmarks.problem import REFERENCE_TOLERANCE, Problem, examine
 from benchmarks.programs import PROGRAMS, calibrate, seconds, solve_loads
 from benchmarks.report import HEIGHT, LOOKS, WORDS
-from benchmarks.threads import use_one_thread
+from benchmarks.same_grid import PHASES, installed, parse_names
 from weier import Profile
+from weier.accuracy.report import CONTEXT
 from weier.data import markdown
 from weier.data.files import write_text
 from weier.data.markdown import significant
 from weier.figures import save, style
 from weier.kernels.arrays import Array
-from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.bem import curve as solve_curve
 
-# The problem, which is that of `python -m benchmarks`, and the programs.
+# The problem, which is that of `python -m benchmarks same_grid`, and the programs.
 PROFILE = Profile(D=1.25, gamma=5, m=3, phases=PHASES)
 LOADS = np.geomspace(1e-3, 2, 40)
 ELEMENTS, PATCHES, KEPT = "weier_default", "patches", "weier"
@@ -205,7 +204,7 @@ def describe(reached: Mapping[str, Sequence[Reached | None]]) -> str:
         [
             "## To a given error",
             "",
-            f"`python -m benchmarks.to_error` gives each program the smallest grid with which its largest error of h "
+            f"`python -m benchmarks to_error` gives each program the smallest grid with which its largest error of h "
             f"over the same {LOADS.size} loads is within a target. A residual of a tenth of the target is allowed. "
             "Seconds are processor time for the whole curve, the least of several runs. Factors "
             "compare with whichever of weier's two methods is faster. Contact patches have no grid; the target is "
@@ -250,7 +249,7 @@ def _errors(name: str, points: int, reference: Reference) -> tuple[float, float]
     return _largest(h - reference.h), _largest((R - reference.R) / np.maximum(reference.R, 1))
 
 
-@click.command(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
+@click.command(context_settings=CONTEXT)
 @click.option("--programs", callback=parse_names, default=",".join(OTHERS), help="Programs to compare with weier.")
 @click.option("--output", type=click.Path(path_type=Path), default="results/benchmark", help="Folder to write to.")
 def main(programs: list[str], output: Path) -> None:
@@ -258,16 +257,10 @@ def main(programs: list[str], output: Path) -> None:
 
     Writes to_error.md and to_error.{png,svg,pdf}.
     """
-    use_one_thread()
-    with one_thread:  # for the BLAS that NumPy has loaded already
-        reference = find_reference()
-        attempt(ELEMENTS, SIZES[0], 1e-6, reference)  # compiles
-        names = [ELEMENTS, PATCHES, *installed([name for name in programs if name in OTHERS])]
-        reached = {name: measure(name, reference) for name in names}
-        write_text(output / "to_error.md", describe(reached))
-        draw([KEPT, *names], reference, output / "to_error.pdf")
+    reference = find_reference()
+    attempt(ELEMENTS, SIZES[0], 1e-6, reference)  # compiles
+    names = [ELEMENTS, PATCHES, *installed([name for name in programs if name in OTHERS])]
+    reached = {name: measure(name, reference) for name in names}
+    write_text(output / "to_error.md", describe(reached))
+    draw([KEPT, *names], reference, output / "to_error.pdf")
     click.echo(table(reached))
-
-
-if __name__ == "__main__":
-    main()

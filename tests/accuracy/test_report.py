@@ -1,7 +1,9 @@
-"""Every measurement is a command that writes and prints a page of one form."""
+"""Every measurement is a command, most of which write and print a page of one form."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import numpy as np
@@ -9,9 +11,11 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+import benchmarks
+from benchmarks.__main__ import NAMES as BENCHMARKS
 from weier import accuracy
 from weier.accuracy.__main__ import NAMES, main
-from weier.accuracy.report import Page, measurement, number
+from weier.accuracy.report import Measurements, Page, measurement, number
 from weier.data import dataset, provenance
 
 
@@ -40,7 +44,7 @@ def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(tmp_path, mo
     assert found.output == page
     start, made = page.rsplit("\n\n", 1)
     assert start == "# A title\n\nCount lines.\n\nIn a second paragraph.\n\n4 of 7\n\n| a table |"
-    assert made.startswith("Made by `python -m weier.accuracy test_report --count 4 --seed 7` on 1970-01-01T00:00:00")
+    assert made.startswith("Made by `accuracy --count 4 --seed 7` on 1970-01-01T00:00:00")
     assert f"weier {provenance.VERSION}, python 3." in made
     assert f"numpy {np.__version__}" in made
     data = dataset.read(tmp_path / "new" / "page.nc")
@@ -51,7 +55,7 @@ def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(tmp_path, mo
 
 def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    found = CliRunner().invoke(main, ["node_counts", "--output", str(tmp_path)])
+    found = CliRunner().invoke(main, ["coverage", "--output", str(tmp_path)])
     assert found.exit_code == 1
     assert "cannot be written (it is a folder): name another file" in found.output
     found = CliRunner().invoke(main, ["tradeoff", "--scene", "none.yaml"])
@@ -62,16 +66,28 @@ def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(tm
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_measurement_says_what_it_measures(name):
-    assert f"| `{name}` |" in accuracy.__doc__
     found = CliRunner().invoke(main, [name, "--help"])
     assert found.exit_code == 0, found.output
     assert f"[default: results/{name}/{name}.md]" in " ".join(found.output.split())
 
 
-def test_the_list_of_measurements_is_complete():
-    done = subprocess.run(
-        [sys.executable, "-m", "weier.accuracy", "--help"], capture_output=True, text=True, check=True
-    )
+@pytest.mark.parametrize(("package", "names"), [(accuracy, NAMES), (benchmarks, BENCHMARKS)])
+def test_the_list_of_measurements_is_complete(package, names):
+    command = [sys.executable, "-m", package.__name__, "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     listed = [line.split()[0] for line in done.stdout.partition("Commands:")[2].splitlines() if line.strip()]
-    assert listed == list(NAMES)
-    assert accuracy.__doc__.count("\n| `") == len(NAMES)
+    assert listed == list(names)
+    assert re.findall(r"^\| `(\w+)` \|", package.__doc__, re.MULTILINE) == listed
+
+
+def test_every_command_of_a_page_exists():
+    """In each page and module, with its options."""
+    pages = [*Path("docs").rglob("*.[mr]*"), *Path("weier").rglob("*.py"), Path("README.md")]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    commands = set(re.findall(r"python -m (weier\.accuracy|benchmarks) (\w+)((?: --\w+)?)", text))
+    assert len(commands) > 10
+    groups = {"weier.accuracy": main, "benchmarks": Measurements("benchmarks", BENCHMARKS, "")}
+    for package, name, option in commands - {("weier.accuracy", "NAME", "")}:
+        found = groups[package].get_command(click.Context(main), name)
+        assert found is not None, f"python -m {package} {name}"
+        assert {option.strip()} <= {"", *(each for parameter in found.params for each in parameter.opts)}

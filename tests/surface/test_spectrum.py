@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from weier.accuracy.artefacts import within_errors, without_power
+from benchmarks.artefacts import within_errors, without_power
 from weier.surface import spectrum
 from weier.surface.bends import BENT, LONG, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Sequence
 from functools import wraps
+from importlib import import_module
 from inspect import cleandoc
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +17,37 @@ import xarray as xr
 from weier.data import dataset, provenance
 from weier.data.files import check_target, write_text
 from weier.kernels.blas import one_thread
+from weier.methods.errors import ConvergenceError
 
 CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+class Measurements(click.Group):
+    """The commands of the modules of a package, each imported for its command; bad input ends in one sentence."""
+
+    def __init__(self, package: str, names: Sequence[str], summary: str) -> None:
+        """Take the package, the names of its measurements and what they are for."""
+        explanation = (
+            f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it. "
+            "Data of which a figure is drawn are written beside it as netCDF."
+        )
+        super().__init__(f"python -m {package}", help=explanation, context_settings=CONTEXT)
+        self.package, self.names = package, names
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Return the names of all measurements."""
+        return list(self.names)
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        """Return the command of a measurement."""
+        return import_module(f"{self.package}.{name}").main if name in self.names else None
+
+    def invoke(self, context: click.Context) -> None:
+        """Run the command, and report an error that is no fault of the program."""
+        try:
+            super().invoke(context)
+        except (ValueError, ConvergenceError, OSError) as error:
+            raise click.ClickException(str(error)) from None
 
 
 class Page(NamedTuple):
@@ -40,7 +70,7 @@ def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
     """
 
     def command_of(measure: Callable[..., Page]) -> click.Command:
-        name, explanation = measure.__module__.split(".")[2], cleandoc(measure.__doc__ or "")
+        name, explanation = measure.__module__.removeprefix("weier.").split(".")[1], cleandoc(measure.__doc__ or "")
 
         @click.command(name, help=explanation, context_settings=CONTEXT)
         @click.option(
@@ -74,7 +104,7 @@ def _checked(context: click.Context, option: click.Parameter, path: Path) -> Pat
 
 def _made_by(context: click.Context) -> str:
     """Return the command line, with the options that differ from their defaults, and versions and date."""
-    words = ["python -m weier.accuracy", str(context.command.name)]
+    words = [context.command_path]
     for option in context.command.params:
         value = context.params[str(option.name)]
         if option.name != "output" and value != option.default:

@@ -16,7 +16,7 @@ import scipy  # Its submodules are loaded on first use.
 from weier.kernels.arrays import Array, Indices
 
 # Twice the gain in log likelihood from which a roll-off counts: the 0.95 quantile of chi^2 with one degree of
-# freedom. Other bends need more, since they are rarer. `python -m weier.accuracy artefacts` counts wrong verdicts.
+# freedom. Other bends need more, since they are rarer. `python -m benchmarks artefacts` counts wrong verdicts.
 BENT, MORE_FOR_OTHERS = 3.84, 3.0
 CERTAINLY_BENT = 10.8  # the same of the 0.999 quantile, from which a given band is refused
 LEAST_STEEP, KINKED = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4

@@ -29,7 +29,7 @@ from weier.surface.series import amplitude
 
 PARTS = 20  # parts of a line, each omitted from the spectrum in turn
 # standard errors of D or ln g_0 without a part from the median over the parts, from which that part dominates the
-# fit: 5 of 1928 random lines of 200 to 4000 heights had one (`python -m weier.accuracy artefacts --rounds 150`)
+# fit: 5 of 1928 random lines of 200 to 4000 heights had one (`python -m benchmarks artefacts --rounds 150`)
 DOMINANT = 2.0
 # The next three were measured by the same command.
 # default length of the trace over the longest wavelength: within one and two errors are 0.68 and 0.96 of the lines of

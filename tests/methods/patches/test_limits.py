@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import weier
-from weier.accuracy import tuning
-from weier.accuracy.tuning import scale
+from benchmarks import tuning
+from benchmarks.tuning import scale
 
 PACKAGE = Path(weier.__file__).parent
 PAGE = PACKAGE.parent / "docs" / "numerics.md"

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from weier.accuracy.artefacts import roughness, self_affine
+from benchmarks.artefacts import roughness, self_affine
 from weier.surface.measured.trace import Trace
 
 N = np.arange(200)

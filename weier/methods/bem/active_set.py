@@ -27,7 +27,7 @@ TANGENT_TOLERANCE = 1e-4  # variation of A q in contact over R; the relative err
 MIN_RESISTANCE = 1e-6  # g_0/p_0*: lower limit of R in that ratio; below, near full contact, rounding dominates
 MAX_STEPS = 1000  # per load and grid, a safeguard
 # ratio of violations to the gap in contact at which the active set is first corrected; it grows by 1 with each
-# correction. Its cost is in `python -m weier.accuracy tuning`.
+# correction. Its cost is in `python -m benchmarks tuning`.
 FIRST_PATIENCE = 3
 PART = 2**22  # nodes in pairs of FFTs after which a call returns to Python, so that Ctrl-C works
 # The vector of a load, which is multiplied next: a pressure or a search direction by A, a residual by A^-1.

@@ -10,7 +10,7 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 
 # contact widths over which the residual falls linearly to 0 in a gap. A jump at the edge, as with 1, would give a
-# logarithmically large force. Its cost is in `python -m weier.accuracy tuning`.
+# logarithmically large force. Its cost is in `python -m benchmarks tuning`.
 REACH = 2
 
 

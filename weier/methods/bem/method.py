@@ -19,7 +19,7 @@ RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the g
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
 # of a curve, of each load on few nodes, nodes that double it, and the power of more:
-# `python -m weier.accuracy expected_seconds`
+# `python -m benchmarks expected_seconds`
 SECONDS = 1e-3, 6e-5, 300.0, 1.4
 
 

@@ -11,7 +11,7 @@ from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 # of a table of a finite series and of the infinite one, nodes that double them, and seconds of a load:
-# `python -m weier.accuracy expected_seconds`
+# `python -m benchmarks expected_seconds`
 SECONDS = 0.008, 0.1, 42.0, 1e-4
 
 

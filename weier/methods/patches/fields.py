@@ -20,7 +20,7 @@ from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
 from weier.theory.halfplane import replace_by_influence, take_logarithms
 
-# least number of points and of segments for fast sums; its cost is in `python -m weier.accuracy tuning`
+# least number of points and of segments for fast sums; its cost is in `python -m benchmarks tuning`
 MIN_SUM = 64
 LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
 BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache

@@ -33,7 +33,7 @@ from weier.methods.punches import OFFSET, Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
-# conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m weier.accuracy direct_solution`)
+# conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m benchmarks direct_solution`)
 MAX_DIRECT = 400
 MAX_STEPS = 300  # of conjugate gradients; 10 to 30 are usual
 

@@ -24,7 +24,7 @@ from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
-# of a curve, of each load, and of each of its finest waves: `python -m weier.accuracy expected_seconds`
+# of a curve, of each load, and of each of its finest waves: `python -m benchmarks expected_seconds`
 SECONDS = 3e-3, 7e-4, 1.1e-4
 
 

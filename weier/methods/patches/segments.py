@@ -22,7 +22,7 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# K_0, K_1 and K_2 of the number of nodes, each with its slope with the digits: `python -m weier.accuracy node_counts`
+# K_0, K_1 and K_2 of the number of nodes, each with its slope with the digits: `python -m benchmarks node_counts`
 NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
 
 

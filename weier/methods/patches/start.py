@@ -49,7 +49,7 @@ RESOLVED = 3.0  # largest half-width in radians of the finest wave on `NODES` no
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
 # points per finest wave of the grids that are tried in turn. The first one is for `MANY_WAVES` only: it misses
-# contacts, which costs a step or two (`python -m weier.accuracy tuning`).
+# contacts, which costs a step or two (`python -m benchmarks tuning`).
 POINTS_PER_WAVE, MANY_WAVES = (8, 16, 32), 10_000
 GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were

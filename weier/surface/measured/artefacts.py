@@ -2,7 +2,7 @@
 
 docs/measured.rst, "Artefacts of measurements", lists what is refused and what is filled. Each height is compared with
 the rest of the line, by standard deviations estimated from medians and quartiles, which a few outliers do not change.
-`python -m weier.accuracy artefacts` counts what each limit refuses wrongly or misses if it is halved or doubled.
+`python -m benchmarks artefacts` counts what each limit refuses wrongly or misses if it is halved or doubled.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The command that compares programs on the same grids: `python -m benchmarks`."""
+"""Compare programs on the same grids: `python -m benchmarks same_grid`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from benchmarks.measure import compare
 from benchmarks.problem import Problem, find_reference
 from benchmarks.programs import PROGRAMS, seconds
 from weier import Profile
+from weier.accuracy.report import CONTEXT
 from weier.data import dataset
 
 PHASES = (0.0, 1.0, 2.0)  # radians: an unsymmetric profile, as in the README.
@@ -50,7 +51,7 @@ def installed(programs: Sequence[str]) -> list[str]:
     return present
 
 
-@click.command(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
+@click.command(context_settings=CONTEXT)
 @click.option(
     "--points", callback=parse_numbers, default="512,2048,8192,32768", help="Numbers of nodes, for all programs."
 )

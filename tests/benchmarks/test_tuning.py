@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from weier.accuracy import tuning
+from benchmarks import tuning
 
 PAGE = Path(__file__).parents[2] / "docs" / "numerics.md"
 NUMBERS = tuning.OF_BEM + tuning.OF_PATCHES

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import command, measure, programs, report, to_error
+from benchmarks import measure, programs, report, same_grid, to_error
 from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
 from benchmarks.programs import PROGRAMS
 from benchmarks.solvers import slippy
@@ -204,7 +204,7 @@ def test_a_missing_program_is_named_with_how_to_install_it(monkeypatch, capsys):
     monkeypatch.setattr(programs, "installed_version", missing)
     monkeypatch.delenv("SLIPPY_PYTHON", raising=False)
     slippy.worker.cache_clear()
-    assert command.installed(["tamaas", "slippy"]) == []
+    assert same_grid.installed(["tamaas", "slippy"]) == []
     said = capsys.readouterr().err
     assert 'pip install ".[bench]"' in said
     assert "SLIPPY_PYTHON" in said

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from weier.accuracy import direct_solution
+from benchmarks import direct_solution
 
 
 @pytest.mark.parametrize("dual", [False, True])

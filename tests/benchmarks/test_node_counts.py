@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks import node_counts
 from weier import Profile
-from weier.accuracy import node_counts
 from weier.methods.patches.solver import solve_state
 from weier.methods.patches.start import Starts
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from weier.accuracy import expected_seconds
-from weier.accuracy.expected_seconds import CONSTANTS, FRACTIONS, MANY
+from benchmarks import expected_seconds
+from benchmarks.expected_seconds import CONSTANTS, FRACTIONS, MANY
 from weier.accuracy.variants import Variant, by_default, variants_of
 from weier.methods.registry import find_method
 

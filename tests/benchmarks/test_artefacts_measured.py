@@ -2,7 +2,7 @@
 
 import pytest
 
-from weier.accuracy import artefacts
+from benchmarks import artefacts
 from weier.surface import bends, spectrum
 from weier.surface.measured import artefacts as checks
 

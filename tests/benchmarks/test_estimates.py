@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks import estimates
 from weier import Profile
-from weier.accuracy import estimates
 from weier.methods import archard, patches
 from weier.surface.series import leading_amplitude
 
