@@ -69,24 +69,15 @@ def test_a_table_in_si_units_names_them(run):
 
 
 def test_a_trace_in_si_units_has_its_own_scale(run, folder):
-    """Beside a series, which has that of the file of bodies."""
-    z = np.cos(2 * np.pi * np.arange(100) / 100)
-    traces = [weier.Trace(height * z, 3e-3, ends="periodic", source="t", unit="m") for height in (1e-6, 2e-6)]
-    for name, surfaces in {"alone": traces, "all": [PROFILE, *traces]}.items():
-        weier.solve(surfaces, [0.1, 1.0], "bem").to_netcdf(folder / f"{name}.nc")
-    bare = {name: value for name, value in BODIES.items() if name not in ("lambda_0", "g_0")}
-    (folder / "bare.yaml").write_text("".join(f"{name}: {value:g}\n" for name, value in bare.items()))
-    expected = []
-    for surface in (PROFILE, *traces):
-        scale = {} if surface is PROFILE else {"lambda_0": surface.lambda_0, "g_0": surface.g_0}
-        curve = weier.solve(surface, [0.1, 1.0], "bem")
-        expected += weier.Interface(**BODIES | scale).in_si(curve).resistance.values.tolist()
-    for name, bodies, resistances in (("all", "bodies", expected), ("alone", "bare", expected[2:])):
-        code, out, _ = run("table", f"{name}.nc", "--si", f"{bodies}.yaml")
-        assert code == 0
-        # A load starts from another one in a list.
-        assert [float(row["resistance (ohm m^2)"]) for row in rows(out)] == pytest.approx(resistances, rel=1e-4)
-    assert run("table", "all.nc", "--si", "bare.yaml")[0] == 1
+    z = 1e-6 * np.cos(2 * np.pi * np.arange(100) / 100)
+    trace, longer = (weier.Trace(z, length, ends="periodic", source="t", unit="m") for length in (3e-3, 4e-3))
+    weier.solve(trace, [0.1, 1.0], "bem").to_netcdf(folder / "one.nc")
+    weier.solve([trace, longer, PROFILE], [0.1, 1.0], "bem").to_netcdf(folder / "all.nc")
+    own = weier.Interface(**BODIES | {"lambda_0": trace.lambda_0, "g_0": trace.g_0})
+    expected = own.in_si(weier.solve(trace, [0.1, 1.0], "bem")).resistance.values.tolist()
+    code, out, _ = run("table", "one.nc", "--si", "bodies.yaml")
+    assert [code, *(float(row["resistance (ohm m^2)"]) for row in rows(out))] == [0, *expected]
+    assert "data must have common pressures in Pa" in run("table", "all.nc", "--si", "bodies.yaml")[2]
 
 
 def bodies(**changes):
@@ -116,10 +107,9 @@ def test_bodies_may_stand_in_the_data_file_in_a_scene_and_with_units(run, folder
 
 
 def test_curves_in_si_units_become_a_file_that_knows_its_bodies(run, folder):
-    z = 1e-6 * np.cos(2 * np.pi * np.arange(100) / 100)
-    traces = [weier.Trace(z, length, ends="periodic", source="t", unit="m") for length in (1e-3, 2e-3)]
-    weier.solve(traces, [0.1, 1.0], "bem").to_netcdf(folder / "traces.nc")
-    for name in ("curve.nc", "traces.nc"):
+    trace = weier.Trace(1e-6 * np.cos(2 * np.pi * np.arange(100) / 100), 1e-3, ends="periodic", source="t", unit="m")
+    weier.solve([trace], [0.1, 1.0], "bem").to_netcdf(folder / "trace.nc")
+    for name in ("curve.nc", "trace.nc"):
         assert run("table", name, "ohms.nc", "--si", "bodies.yaml")[0] == 0
         with weier.open_dataset(name) as normalised, weier.open_dataset("ohms.nc") as found:
             expected = weier.Interface(**BODIES).in_si(normalised)

@@ -31,8 +31,8 @@ from weier.surface.profile import Profile
 SCENE = Path("config/accuracy/tradeoff.yaml")
 OWN = {
     **{name: VARIABLES[name] for name in ("seconds", "compliance_deviation", "resistance_deviation")},
-    "reference_compliance": Variable(LOAD_DIMS, "compliance of the exact contact", "g_0", least=0),
-    "reference_resistance": Variable(LOAD_DIMS, "resistance of the exact contact", "g_0/p_0*", least=0),
+    "reference_compliance": Variable(LOAD_DIMS, "compliance of the exact contact", "g_0"),
+    "reference_resistance": Variable(LOAD_DIMS, "resistance of the exact contact", "g_0/p_0*"),
 }
 
 

@@ -45,7 +45,7 @@ def _given(path: Path) -> dict[str, Any]:
     if path.suffix == ".nc":
         from weier.data import dataset
 
-        with dataset.reading(path) as data:
+        with dataset.open_lazily(path) as data:
             if "mu_1" in data.attrs:
                 return {name: data.attrs[name] for name in (*BODIES, "lambda_0", "g_0") if name in data.attrs}
             given = parse_yaml(str(data.attrs.get("scene", "")))

@@ -33,15 +33,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # ranges outside which a warning names the likely mistake
-USUAL = {
-    "modulus": (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa"),
-    "resistivity": (
-        1e-8,
-        1e-3,
-        "ohm m",
-        "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
-    ),
-}
+MODULUS = (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa")
+RESISTIVITY = (
+    1e-8,
+    1e-3,
+    "ohm m",
+    "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
+)
+USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY}
 # The coordinates of curves that hold the scale of a trace, in m.
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
@@ -49,11 +48,8 @@ OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
     """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
     for name, value in bodies.items():
-        what = {"mu": "modulus", "E": "modulus", "rho": "resistivity"}.get(name[:-2])
-        if what is None or value in (0, math.inf):
-            continue
-        least, most, unit, slip = USUAL[what]
-        if not least <= value <= most:
+        least, most, unit, slip = USUAL.get(name[:-2], (-math.inf, math.inf, "", ""))
+        if value not in (0, math.inf) and not least <= value <= most:
             limit = f"below {least:g}" if value < least else f"above {most:g}"
             yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
 
@@ -145,14 +141,9 @@ class Bodies:
         ValueError
             If the surface is a series, and this interface has no lambda_0 and g_0.
         """
-        if hasattr(surface, "data_vars"):
-            lambda_0, g_0 = self._scale_of(surface)
-            if _varies((lambda_0, g_0)):
-                raise ValueError("surface must be one, got curves of traces of several lengths or heights")
-        elif hasattr(checked_surface(surface, "surface"), "g_0"):
-            lambda_0, g_0 = np.asarray(surface.lambda_0), np.asarray(surface.g_0)
-        else:
-            lambda_0, g_0 = map(np.asarray, self._scale())
+        lambda_0, g_0 = self._scale_of(surface)
+        if _varies((lambda_0, g_0)):
+            raise ValueError("surface must be one, got curves of traces of several lengths or heights")
         with warnings.catch_warnings():  # which were given when this interface was made
             warnings.simplefilter("ignore")
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
@@ -187,15 +178,14 @@ class Bodies:
         -------
         Dataset
             The same with `units` such as "Pa", and with this interface among its attributes. What has another unit
-            stays as it is, and so does NaN, where a value is missing. Where traces of several lengths or heights have
-            common normalised loads, the loads in Pa depend on the case, and the dimension mean_pressure becomes
-            `load`.
+            stays as it is, and so does NaN, where a value is missing.
 
         Raises
         ------
         ValueError
             If this is no data of weier, is in SI units already, has lost a unit or its coordinates, or comes from
             arithmetic, which keeps attributes: xarray's selections and joins are accepted, and anything from a file.
+            If traces of several lengths or heights have common loads in p_0*, which are different ones in Pa.
 
         Examples
         --------
@@ -213,32 +203,36 @@ class Bodies:
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
         return converted(data, self._scales(*scale)).assign_attrs(own)
 
-    def _scale_of(self, data: xr.Dataset) -> tuple[Array, Array]:
-        """Return lambda_0 and g_0 of the curves, one or one per case: of their traces, else of this interface."""
-        names = ("D", *OF_TRACE.values())
-        D, *own = (np.asarray(data.variables.get(name, math.nan), float) for name in names)
-        of_trace = np.isfinite(own[0]) & np.isfinite(own[1])
+    def _scale_of(self, surface: Any) -> tuple[Array, Array]:
+        """Return lambda_0 and g_0 of a surface, or of curves one per case: of traces, else of this interface."""
+        if not hasattr(surface, "data_vars"):
+            own = hasattr(checked_surface(surface, "surface"), "g_0")
+            return (np.asarray(surface.lambda_0), np.asarray(surface.g_0)) if own else self._scale()
+        D, length, height = (
+            np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *OF_TRACE.values())
+        )
+        of_trace = np.isfinite(length) & np.isfinite(height)
         if (np.isnan(D) & ~of_trace).any():
             raise ValueError(
                 "data must have the coordinate D of a series, or trace_length and trace_height of a trace, which "
                 "give its units: convert the whole curve before coordinates are dropped"
             )
         if not of_trace.all():
-            own = [np.where(of_trace, *both) for both in zip(own, self._scale(), strict=True)]
-        lambda_0, g_0 = own if _varies(own) else [values.flat[0] for values in own]
-        return lambda_0, g_0
+            lambda_0, g_0 = self._scale()
+            length, height = np.where(of_trace, length, lambda_0), np.where(of_trace, height, g_0)
+        return (length, height) if _varies((length, height)) else (length.flat[0], height.flat[0])
 
-    def _scale(self) -> tuple[float, float]:
+    def _scale(self) -> tuple[Array, Array]:
         if self.lambda_0 is None or self.g_0 is None:
             raise ValueError(
                 "lambda_0 and g_0 must be given for a series, in m: weier.Interface(..., lambda_0=1e-3, g_0=1e-6)"
             )
-        return self.lambda_0, self.g_0
+        return np.asarray(self.lambda_0), np.asarray(self.g_0)
 
     @property
     def scales(self) -> dict[str, tuple[Array, str]]:
         """The value of each normalised unit in SI units, and their names."""
-        return self._scales(*map(np.asarray, self._scale()))
+        return self._scales(*self._scale())
 
     def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
         """Return the value of each normalised unit in SI units at these lengths and heights."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.registry import numerical_names
-from weier.surface.profile import PARAMETERS, Profile
+from weier.surface.profile import PARAMETERS, Profile, random_phases
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,11 +99,13 @@ def full_contact_loads(study: xr.Dataset) -> Array:
 
 
 def profile(case: Labelled) -> Profile:
-    """Return the profile of a case, from its coordinates alone."""
-    m = float(case["m"])
-    phases = np.asarray(case["phases"])[: int(m)] if np.isfinite(m) else 0.0
+    """Return the profile of a case, from its coordinates alone: those of m = inf are in its seed or one phase."""
+    listed = np.asarray(case["phases"])
     series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
-    return Profile(**series, phases=phases)
+    phase = float(listed[:2][-1])
+    if np.isfinite(series["m"]):
+        return Profile(**series, phases=tuple(listed[: int(series["m"])].tolist()))
+    return Profile(**series, phases=phase if np.isfinite(phase) else random_phases(int(case["seed"])))
 
 
 def phase_angle(case: Labelled) -> float:

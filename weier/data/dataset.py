@@ -7,8 +7,7 @@ coordinates. `status` gives the reason where numbers are missing.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -111,20 +110,11 @@ def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written",
 
 def read(path: str | Path) -> xr.Dataset:
     """Read a netCDF file of weier into memory; ValueError if it is truncated or was not written by weier."""
-    with reading(path) as data:
-        return data.load()
-
-
-@contextmanager
-def reading(path: str | Path) -> Iterator[xr.Dataset]:
-    """Open a netCDF file of weier lazily and close it at the end; corrupted values raise an error."""
     with open_lazily(path) as data:
         try:
-            yield data
-        except RuntimeError as error:
-            if str(error).startswith("NetCDF: "):
-                raise netcdf.damaged_error(path, error) from None
-            raise
+            return data.load()
+        except RuntimeError as error:  # NetCDF: HDF error, of a checksum
+            raise netcdf.unreadable_error(path, error) from None
 
 
 def open_lazily(path: str | Path) -> xr.Dataset:
@@ -132,30 +122,20 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     try:
         parts = xr.open_groups(path, engine="netcdf4", cache=False)
     except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too
-        raise netcdf.damaged_error(path, error) from None
-    data = _joined(parts)
-    try:
-        netcdf.check_origin(path, data.variables, data.attrs.get("program", ""))
-    except ValueError:
-        data.close()
-        raise
-    for variable in data.variables.values():  # so that shorter texts than a file has room for are written again
-        for width in ("char_dim_name", "original_shape"):
-            variable.encoding.pop(width, None)
-    return data
-
-
-def _joined(parts: Mapping[str, xr.Dataset]) -> xr.Dataset:
-    """Return the root of a file with the variables of its groups."""
-    root, *groups = parts.values()
-    data = root.assign_coords({name: values for group in groups for name, values in group.coords.items()})
-    data = data.assign({name: values for group in groups for name, values in group.data_vars.items()})
+        raise netcdf.unreadable_error(path, error) from None
 
     def close() -> None:
         for part in parts.values():
             part.close()
 
+    data = xr.merge([*parts.values()], join="exact", compat="override", combine_attrs="override")
     data.set_close(close)
+    if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
+        data.close()
+        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
+    for variable in data.variables.values():  # so that shorter texts than a file has room for are written again
+        for width in ("char_dim_name", "original_shape"):
+            variable.encoding.pop(width, None)
     return data
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import units
-from weier.data.variables import CASE, CURVE, LOAD
+from weier.data.variables import CASE, CURVE
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.surface.profile import PARAMETERS
 
@@ -57,13 +57,12 @@ def means(data: xr.Dataset) -> pd.DataFrame:
     import pandas as pd
 
     data = _by_study(data)
-    curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
-    averaged = [name for name in AVERAGED if name in data and data[name].dims == curve]
+    averaged = [name for name in AVERAGED if name in data and data[name].dims == CURVE]
     with_error = [name for name in averaged if f"{name}_error" in data]
     fitted = [name for name in FITTED if name in data.coords]
     labels = _labels(data)
 
-    case, method, load = (axis.ravel() for axis in np.indices([data.sizes[dim] for dim in curve]))
+    case, method, load = (axis.ravel() for axis in np.indices([data.sizes[dim] for dim in CURVE]))
     values: dict[str, Any] = {
         name: data[name].values.ravel() for name in (*averaged, *(f"{name}_error" for name in with_error))
     }
@@ -77,10 +76,9 @@ def means(data: xr.Dataset) -> pd.DataFrame:
     _check_pressures(data, rows, grouped["case"].transform("first").to_numpy())
 
     table = grouped["case"].agg(["first", "size"]).reset_index()
-    pressures = np.broadcast_to(data["mean_pressure"].values, (data.sizes[CASE], data.sizes[curve[-1]]))
     columns: dict[str, Any] = {name: own[table["first"]] for name, own in labels.items()}
     columns["solution_method"] = data["solution_method"].values[table["method"]]
-    columns["mean_pressure"] = pressures[table["first"], table["load"]]
+    columns["mean_pressure"] = data["mean_pressure"].values[table["load"]]
     if rows.groupby(["ensemble", "method"])["settings"].nunique().gt(1).any():
         columns["settings"] = table["settings"]
     columns["cases"] = table["size"]
@@ -164,13 +162,9 @@ def _surfaces(data: xr.Dataset) -> Indices:
 
 def _check_pressures(data: xr.Dataset, rows: pd.DataFrame, first: Indices) -> None:
     """Refuse traces of an ensemble with pressures of their own; `first` is the first case of each row's ensemble."""
-    pressure, case = data["mean_pressure"], rows["case"].to_numpy()
-    if LOAD in data.dims:
-        load = rows["load"].to_numpy()
-        differing = ~np.isclose(pressure.values[case, load], pressure.values[first, load], rtol=CLOSE, atol=0)
-    elif pressure.attrs.get("units") == units.PASCAL or "trace_height" not in data.coords:
+    pressure = data["mean_pressure"]
+    if pressure.attrs.get("units") == units.PASCAL or "trace_height" not in data.coords:
         return
-    else:
-        differing = np.isfinite(data["trace_height"].values[case]) & (case != first)
-    if differing.any():
+    case = rows["case"].to_numpy()
+    if (np.isfinite(data["trace_height"].values[case]) & (case != first)).any():
         raise ValueError(COMMON_PRESSURES)

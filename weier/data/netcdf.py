@@ -9,14 +9,15 @@ be measured, and detects corruption on disk.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+import os
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
 import numpy as np
 
-from weier.data.provenance import FIXED
+from weier.checks import readable
 from weier.data.variables import CURVE, ancillary
 from weier.kernels.arrays import Array
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
 PACKED: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-REMAKE = "delete it and make it again"
-HDF5 = b"\x89HDF\r\n\x1a\n"  # the first bytes of a file
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
 GROUP, GROUPED = "details", ("edge", "claim")
@@ -50,8 +49,7 @@ def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
     found: dict[Any, dict[str, Any]] = {}
     for name, values in data.variables.items():
         if values.dtype.kind in "UO":
-            longest = max((len(str(text).encode()) for text in np.unique(values.values.astype(str))), default=1)
-            found[name] = PACKED | {"dtype": "S1", "char_dim_name": f"string{max(1, longest)}"}
+            found[name] = PACKED | {"dtype": "S1"}
         elif values.ndim:
             found[name] = PACKED | {"chunksizes": _chunks(values.dims, values.shape, values.dtype.itemsize)}
         else:
@@ -84,48 +82,16 @@ def fill_method(variable: netCDF4.Variable[Any], column: int, values: Array) -> 
         variable[:, column] = values
 
 
-def check_origin(path: str | Path, names: Container[object], program: str) -> None:
-    """Refuse a file of these variables and this program that is not of weier."""
-    if "key" not in names and program != FIXED["program"]:
-        raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
-
-
-def damaged_error(path: str | Path, error: Exception) -> Exception:
-    """Return the error for a file that cannot be opened; only an incomplete one that was read is damaged."""
+def unreadable_error(path: str | Path, error: Exception) -> Exception:
+    """Return the error for a file that cannot be opened or read, from that of netCDF, which names no reason."""
     if isinstance(error, TimeoutError):  # of a program with a time limit, which says nothing about the file
         return error
-    if not str(path).isprintable() or not Path(path).is_file():
-        return FileNotFoundError(f"there is no file {path if str(path).isprintable() else repr(path)}: make it first")
-    try:
-        with Path(path).open("rb") as file:
-            if _is_locked(file):
-                return OSError(f"{path} is open in another program, which may write it: close it there")
-            head = file.read(len(HDF5))
-    except OSError as why:
-        return _unreadable(path, why)
-    if head.strip(b"\0") and not head.startswith((HDF5, b"CDF")):
-        return ValueError(f"{path} is no netCDF file: name another one, or move it away and make it again")
-    return ValueError(f"{path} is not a whole netCDF file: if weier made it, {REMAKE} ({error})")
-
-
-def _unreadable(path: str | Path, error: OSError) -> OSError:
-    if isinstance(error, FileNotFoundError):
-        return FileNotFoundError(f"there is no file {path}: make it first")
-    if isinstance(error, TimeoutError):
-        return error
-    return OSError(f"{path} cannot be opened ({error.strerror}), and may be whole: open it for reading")
-
-
-def _is_locked(file: BinaryIO) -> bool:
-    """Return whether another process holds the lock that HDF5 takes on files that it writes."""
-    try:
-        import fcntl  # which Windows does not have
-    except ImportError:
-        return False
-    try:
-        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:  # of a disk without locks
-        return False
-    return False
+    name = readable(str(path)) if str(path).isprintable() else repr(path)
+    if not Path(path).is_file():
+        return FileNotFoundError(f"there is no file {name}: make it first")
+    if not os.access(path, os.R_OK):
+        return PermissionError(f"{name} may be whole, but is closed to reading: open it for reading")
+    return ValueError(
+        f"{name} is not a whole netCDF file ({error}): close it in a program that still writes it; if there is none, "
+        "and weier made it, delete it and make it again"
+    )

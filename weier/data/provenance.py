@@ -8,12 +8,8 @@ from __future__ import annotations
 
 import os
 import platform
-import re
-from collections.abc import Iterable
-from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
-from pathlib import Path
 
 from weier.digests import PACKAGE, PACKAGES
 from weier.digests import versions as package_versions
@@ -23,9 +19,8 @@ NORMALISED = (
     "and resistance, dh/dp, in g_0/p_0*."
 )
 IN_SI = "Values are in SI units, for the two bodies whose moduli, Poisson's ratios and resistivities are attributes."
-AUTHORS = ("M. Ciavarella", "G. Murolo", "G. Demelio", "J. R. Barber")
 PAPER = (
-    f"{', '.join(AUTHORS)}, Elastic contact stiffness and contact resistance for the "
+    "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
 DOI = "https://doi.org/10.1016/j.jmps.2003.12.002"
@@ -42,30 +37,19 @@ FIXED = {
     "Conventions": "CF-1.11, ACDD-1.3",
     "summary": SUMMARY,
     "keywords": KEYWORDS,
-    "naming_authority": "weier",
     "project": "weier",
     "references": PAPER,
-    "acknowledgement": f"If you use these data, cite weier and {PAPER}",
     "license": "MIT",
     "institution": DEVELOPERS,
     "creator_name": DEVELOPERS,
     "creator_type": "group",
-    "creator_institution": DEVELOPERS,
-    "publisher_name": DEVELOPERS,
-    "publisher_type": "group",
-    "publisher_institution": DEVELOPERS,
-    "contributor_name": ", ".join(AUTHORS),
-    "contributor_role": ", ".join(["author of the theory"] * len(AUTHORS)),
     "program": "weier",
     "product_version": VERSION,
-    "standard_name_vocabulary": "CF Standard Name Table v93",
     "metadata_link": DOI,
 }
 
 
-def attributes(
-    title: str, step: str, scene: str = "", before: Iterable[str] = (), in_si: bool = False
-) -> dict[str, str]:
+def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> dict[str, str]:
     """Return global attributes of a file.
 
     Parameters
@@ -76,24 +60,20 @@ def attributes(
         The step that made the file, for its history.
     scene : str
         The scene file as text.
-    before : iterable of str
-        Histories of the input files; lines in common appear once.
     in_si : bool
         Whether the values are in SI units, not normalised.
     """
     made, (date, dating) = commit(), run_date()
     software = f"weier {VERSION}" + (f", commit {made}" if made else "")
-    lines = dict.fromkeys(line for history in before for line in history.splitlines())
     changing = {
         "title": title,
-        "id": re.sub(r"\W+", "-", title).strip("-").lower(),
         "source": f"numerical model: {software}",
-        "history": "\n".join(dict.fromkeys([*lines, f"{step} by {software}"])),
+        "history": f"{step} by {software}",
         "processing_level": step,
         "comment": f"{IN_SI if in_si else NORMALISED} {dating}",
         "git_commit": made or "unknown: not run from a checkout",
     }
-    dates = dict.fromkeys(("date_created", "date_issued", "date_modified", "date_metadata_modified"), date)
+    dates = {"date_created": date, "date_modified": date}
     units = {} if in_si else {"normalisation": NORMALISED}
     return FIXED | units | versions() | changing | dates | ({"scene": scene} if scene else {})
 
@@ -136,19 +116,10 @@ def versions() -> dict[str, str]:
 
 @cache
 def origin() -> str:
-    """Return the program, the packages and the processor of this process in one line."""
+    """Return the program, the packages and the kind of processor of this process in one line."""
     made = commit()
     program = f"weier {VERSION}" + (f" at {made}" if made else "")
-    return f"{program}, {package_versions()}, Python {platform.python_version()}, {_processor()}"
-
-
-def _processor() -> str:
-    """Return the name of the processor; of the architecture alone where the system does not say."""
-    with suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+    return f"{program}, {package_versions()}, Python {platform.python_version()}, {platform.machine()}"
 
 
 @cache

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from weier import units
 from weier.checks import checked_number, checked_numbers, shown
-from weier.data import ensembles
+from weier.data import curves, ensembles
 from weier.data.ensembles import CLOSE
-from weier.data.variables import CURVE, LOAD, LOADS, VARIABLES
-from weier.kernels.arrays import Array, Flags
-from weier.surface.profile import MAX_SEED, PARAMETERS, Profile, checked_ratio, random_phases
+from weier.data.variables import CURVE, VARIABLES
+from weier.kernels.arrays import Flags
+from weier.surface.profile import MAX_SEED, PARAMETERS, Profile, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,10 +85,8 @@ class CurvesAccessor:
         data = as_cases(self._data)
         for name, wanted in {"D": D, "gamma": gamma, "m": m, "seed": seed, "study": study, **settings}.items():
             if wanted is not None:
-                data = data.isel(case=np.flatnonzero(_having(data, name, _list(name, wanted))))
-        if phases is None:
-            return data
-        return data.isel(case=np.flatnonzero(_having_phases(data, phases)))
+                data = data.isel(case=_having(data, name, list(wanted) if np.ndim(wanted) else [wanted]))
+        return data if phases is None else data.isel(case=_having_phases(data, phases))
 
     def table(self) -> pd.DataFrame:
         """Return the curves as a pandas.DataFrame, one row for each case, method and load that was solved.
@@ -108,14 +106,13 @@ class CurvesAccessor:
         1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
         """
         data = as_cases(self._data)
-        curve = CURVE if LOAD not in data.dims else (*CURVE[:-1], LOAD)
         labels = [name for name in _labels(data) if name != "case"]
-        quantities = [name for name, values in data.data_vars.items() if values.dims == curve]
+        quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
         rows = data[quantities].drop_vars("phases", errors="ignore")
         if "phases" in data.coords:
             phases = [json.dumps(row[np.isfinite(row)].tolist()) for row in data["phases"].values]
             rows, labels = rows.assign_coords(phases=("case", phases)), [*labels, "phases"]
-        frame = rows.to_dataframe(dim_order=curve).reset_index()
+        frame = rows.to_dataframe(dim_order=CURVE).reset_index()
         frame = frame.dropna(how="all", subset=quantities)[[*labels, *CURVE[1:], *quantities]]
         return frame.dropna(axis="columns", how="all").reset_index(drop=True)
 
@@ -157,47 +154,32 @@ class CurvesAccessor:
 def as_cases(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the dimensions of the table of variables, in its order, whatever was selected from them.
 
-    A dimension that was selected away is added with size 1. Curves in SI units may be over LOAD in place of
-    mean_pressure.
+    A dimension that was selected away is added with size 1.
 
     Raises
     ------
     ValueError
-        If a variable that describes a curve is missing or has the wrong type, or if dimensions were stacked.
+        If a variable that describes a curve is missing, or if dimensions were stacked.
     """
-    for name in NEEDED:
-        kind = data.variables[name].dtype.kind if name in data.variables else "nothing"
-        if kind not in ("UOT" if VARIABLES[name].dtype.startswith("U") else "fiu"):
-            raise ValueError(
-                f"the dataset holds no curves, since there is {'no' if kind == 'nothing' else 'a damaged'} {name}: "
-                "take a result of weier.solve, or a file of curves"
-            )
-    swapped = data.variables["case"].dims if "case" in data.variables else ("case",)
-    if len(swapped) == 1 and swapped != ("case",):
-        data = data.swap_dims({swapped[0]: "case"})
-    # Every name in the table has its dimensions, in its order, and a label outside of it has a value for each case.
+    if lacking := [name for name in NEEDED if name not in data.variables]:
+        raise ValueError(
+            f"the dataset holds no curves, since there is no {lacking[0]}: take a result of weier.solve, or a file "
+            "of curves"
+        )
+    own = data.variables["case"].dims if "case" in data.variables else ()
+    data = data.swap_dims({own[0]: "case"}) if len(own) == 1 and own != ("case",) else data
     changed = dict[Hashable, xr.Variable]()
     for label, variable in data.variables.items():
-        dims: tuple[Hashable, ...] = _dims(str(label), data) or (("case",) if variable.ndim == 0 else variable.dims)
+        known = VARIABLES.get(str(label))
+        dims: tuple[Hashable, ...] = known.dims if known else variable.dims or ("case",)
         if strange := [str(dim) for dim in variable.dims if dim not in dims]:
             raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
             sizes = {dim: data.sizes.get(dim, 1) for dim in dims}
             changed[label] = variable.set_dims(sizes).transpose(*dims)  # type: ignore[no-untyped-call]  # of xarray
-    if not changed:
-        return data
     # A coordinate that becomes a dimension needs a new index.
     kept = {label: variable for label, variable in data.variables.items() if label not in changed}
-    return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords))
-
-
-def _dims(name: str, data: xr.Dataset) -> tuple[str, ...]:
-    """Return the dimensions of a variable of the table in this dataset; empty if it is not in the table."""
-    if LOAD not in data.dims:
-        return VARIABLES[name].dims if name in VARIABLES else ()
-    if name == LOADS:
-        return ("case", LOAD)
-    return tuple(LOAD if dim == LOADS else dim for dim in VARIABLES[name].dims) if name in VARIABLES else ()
+    return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords)) if changed else data
 
 
 def profile_of(data: xr.Dataset) -> Profile:
@@ -207,11 +189,6 @@ def profile_of(data: xr.Dataset) -> Profile:
     ----------
     data : Dataset
         A result of `weier.solve`, or one case of `weier.open_dataset`, with coordinates D, gamma, m, seed and phases.
-
-    Returns
-    -------
-    Profile
-        With phases in radians.
 
     Raises
     ------
@@ -230,24 +207,11 @@ def profile_of(data: xr.Dataset) -> Profile:
     cases = as_cases(data)
     if cases.sizes["case"] != 1:
         raise ValueError(f"data must have one case, got {cases.sizes['case']}: select it by data.isel(case=[0])")
-    case = cases.isel(case=0)
-    if "phases" not in case.coords:
+    if "phases" not in cases.coords:
         raise ValueError("data must have the coordinate phases: take the whole curve, not some of its variables")
-    if np.isnan(case["D"]):
+    if np.isnan(cases["D"]).all():
         raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
-    m, seed = float(case["m"]), float(case.coords.get("seed", np.nan))
-    listed = case["phases"].values[: int(m) if np.isfinite(m) else 2]
-    phases: Any = tuple(listed.tolist()) if np.isfinite(m) else float(listed[-1])
-    if np.isfinite(seed) and _has_phases(int(seed), listed):
-        phases = random_phases(int(seed))
-    return Profile(float(case["D"]), float(case["gamma"]), m, phases)
-
-
-def _has_phases(seed: int, listed: Array) -> bool:
-    """Return whether a seed has these phases, as another generator of random numbers has not; m = inf lists none."""
-    if np.isnan(listed).all():
-        return True
-    return seed <= MAX_SEED and np.array_equal(random_phases(seed).first(listed.size), listed)
+    return curves.profile(cases.isel(case=0))
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
@@ -298,14 +262,6 @@ def label_text(value: Any) -> str:
     return str(value)
 
 
-def _list(name: str, wanted: Any) -> list[Any]:
-    """Return the wanted values as a list; ValueError if it is empty, since it would select nothing."""
-    listed = isinstance(wanted, list | tuple) or bool(getattr(wanted, "shape", ()))  # an array of any library
-    if listed and len(wanted) == 0:
-        raise ValueError(f"{name} must have a value to select by, got an empty list")
-    return list(wanted) if listed else [wanted]
-
-
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     """Return whether each case has one of the values; a case may belong to several comma-separated studies."""
     known = [label for label in _labels(data) if label != "case"]
@@ -313,17 +269,22 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
     labels = data[name].values
     if labels.dtype.kind in "UOT":
-        texts = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
-        fits = np.array([[text in _texts(name, label) for text in texts] for label in labels])
+        # Names of files may contain a comma, names of studies do not.
+        own = [str(label).split(", ") if name == "study" else [str(label)] for label in labels]
+        words = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
+        fits = np.array([[word in names for word in words] for names in own])
+        labels = np.array([text for names in own for text in names])
     else:
-        numbers = np.array([_number(name, value, units.unit_of(data[name]) or units.NONE) for value in wanted])
+        unit = units.unit_of(data[name]) or units.NONE
+        numbers = np.array([_number(name, value, unit) for value in wanted])
         # Whole numbers, such as seeds, and inf are equal or not.
         whole = (np.floor(labels) == labels)[:, None] & (np.floor(numbers) == numbers)
-        near = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole
-        fits = (labels[:, None] == numbers) | near
-    if not fits.any(axis=0).all():
-        absent = wanted[int(np.argmin(fits.any(axis=0)))]
-        raise ValueError(f"no case has {name} = {shown(absent)}: choose from {_some(name, labels)}")
+        fits = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole | (labels[:, None] == numbers)
+    absent = [shown(wanted[row]) for row in np.flatnonzero(~np.any(fits, axis=0))]
+    if absent or not wanted:
+        texts = [text for value in np.unique(labels) if (text := label_text(value))] or ["none"]
+        known = [*texts[:MAX_VALUES_IN_MESSAGE], *["..."] * (len(texts) > MAX_VALUES_IN_MESSAGE)]
+        raise ValueError(f"no case has {name} = {(absent or ['[]'])[0]}: choose from {', '.join(known)}")
     return np.asarray(fits.any(axis=1))
 
 
@@ -338,32 +299,16 @@ def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
     given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
     if "phases" not in data.coords:
         raise ValueError("phases are not among the coordinates: select by them before single variables are taken")
-    if given.ndim > 1 or given.size == 0:
-        raise ValueError(f"phases must be a number or a list of numbers, got {shown(wanted)}")
     phases = data["phases"].values
     terms = phases.shape[1]
-    if given.ndim == 0:
-        expected = np.where(np.arange(terms) == 0, 0, given)
-    elif given.size > terms:
-        raise ValueError(f"phases must be a number or at most {terms} numbers, got {given.size}")
-    else:
-        expected = np.pad(given, (0, terms - given.size), constant_values=np.nan)
-    near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True)
+    if given.ndim > 1 or not 0 < given.size <= terms:
+        raise ValueError(f"phases must be a number or at most {terms} numbers, got {shown(wanted)}")
     # A single number is the phase of all terms that a case has.
-    fits: Flags = (near | (np.isnan(phases) & (given.ndim == 0))).all(axis=1) | np.isinf(data["m"].values)
+    expected = np.full(terms, np.nan if given.ndim else given)
+    expected[: given.size] = given if given.ndim else 0.0
+    beyond = np.isnan(phases) & (given.ndim == 0)
+    near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True) | beyond
+    fits: Flags = near.all(axis=1) | np.isinf(data["m"].values)
     if not fits.any():
         raise ValueError(f"no case has phases = {given.tolist()}: they are in the coordinate phases(case, term)")
     return fits
-
-
-def _texts(name: str, label: Any) -> list[str]:
-    """Return the values of a text label: file names may contain a comma, names of studies do not."""
-    return str(label).split(", ") if name == "study" else [str(label)]
-
-
-def _some(name: str, values: NDArray[Any]) -> str:
-    """Return the distinct values of a label."""
-    if values.dtype.kind in "UOT":
-        values = np.array([part for text in values for part in _texts(name, text)])
-    texts = [text for value in np.unique(values) if (text := label_text(value))] or ["none"]
-    return ", ".join(texts[:MAX_VALUES_IN_MESSAGE]) + (", ..." if len(texts) > MAX_VALUES_IN_MESSAGE else "")

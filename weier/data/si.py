@@ -9,7 +9,7 @@ import numpy as np
 
 from weier import units
 from weier.checks import shown
-from weier.data.variables import CASE, LOAD, LOADS
+from weier.data.variables import CASE, LOADS
 from weier.kernels.arrays import Array
 
 if TYPE_CHECKING:
@@ -27,21 +27,19 @@ OF_DATASETS = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.Dataset:
     """Return a Dataset in SI units, by the value and the name of each normalised unit, one value or one per case."""
-    own_loads = LOADS in data.dims and units.unit_of(data[LOADS]) in units.NORMALISED
+    own_loads = LOADS in data.variables and units.unit_of(data[LOADS]) in units.NORMALISED
     if own_loads and any(value.ndim for value, _ in scales.values()):
-        data = data.reset_index(LOADS).rename_dims({LOADS: LOAD})  # mean_pressure becomes a coordinate without index
-    values = {name: _converted(variable, scales) for name, variable in data.variables.items()}
-    found = data.assign(values).set_coords(list(data.coords))
+        raise ValueError(
+            "data must have common pressures in Pa, got traces of several lengths or heights under common loads in "
+            "p_0*: solve them by weier.Interface(...).solve([trace, ...], pressures), or convert each case alone, as "
+            "in in_si(data.isel(case=[0]))"
+        )
+    found = data.assign({name: _converted(variable, scales) for name, variable in data.variables.items()})
     if "normalisation" in data.attrs:
         scalars = {name: SCALARS[name] for name in SCALARS.keys() & data.attrs.keys()}
         found.attrs |= {name: data.attrs[name] * float(scales[unit][0]) for name, unit in scalars.items()}
         del found.attrs["normalisation"]
-    return found
-
-
-def _is_computed(variable: Any) -> bool:
-    """Return whether arithmetic dropped attributes of a variable of weier, whose operands differ in `long_name`."""
-    return variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
+    return found.set_coords(list(data.coords))
 
 
 def marked(data: xr.Dataset) -> xr.Dataset:
@@ -57,47 +55,35 @@ def marked(data: xr.Dataset) -> xr.Dataset:
 
 
 def check_normalised(data: Any) -> None:
-    """Refuse what is no Dataset, or has a variable whose unit is unknown, or is in SI units already."""
+    """Refuse what is no Dataset, is in SI units already, or has a variable whose unit arithmetic may have changed."""
     if not hasattr(data, "data_vars"):
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {OF_DATASETS}")
-    described = dict[str, str]()
-    for name, variable in data.variables.items():
-        if name not in data.data_vars and name not in LOCATED:
-            continue
-        if variable.dtype.kind == "f" and (not units.unit_of(variable) or _is_computed(variable)):
-            raise ValueError(
-                f"{name} has lost its unit, as by a mean or a ratio: give it again by "
-                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
-            )
-        if units.unit_of(variable) in units.NORMALISED and "long_name" in variable.attrs:
-            other = described.setdefault(str(variable.attrs["long_name"]), str(name))
-            if other == name:
-                _check_unchanged(str(name), variable)
-            elif not variable.equals(data.variables[other]):  # A copy has the same unit.
-                raise ValueError(
-                    f"{name} must have attributes of its own, got those of {other}, which arithmetic may have kept: "
-                    f'set data["{name}"].attrs = {{"normalised_by": "1"}} for a ratio, or its unit instead of "1"'
-                )
-    if not any(units.unit_of(variable) in units.NORMALISED for variable in data.variables.values()):
-        raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
     if known := {*BODIES} & data.attrs.keys():
         raise ValueError(
             f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
         )
+    normalised = {name: variable for name, variable in data.variables.items() if _normalised(variable)}
+    for name, variable in data.variables.items():
+        quantity = name in data.data_vars or name in LOCATED
+        # Arithmetic drops attributes in which its operands differ, such as `long_name`.
+        computed = variable.attrs.get("units") == units.NONE and "long_name" not in variable.attrs
+        if quantity and variable.dtype.kind == "f" and (computed or not units.unit_of(variable)):
+            raise ValueError(
+                f"{name} has lost its unit, as by a mean or a ratio: give it again by "
+                f'data["{name}"].attrs = {{"normalised_by": "g_0"}}, or "1" for a plain number'
+            )
+        if name in normalised and "long_name" in variable.attrs and not variable.encoding:
+            raise ValueError(
+                f"{name} must be as weier returned it, got values that arithmetic may have changed, since it keeps "
+                f"attributes: convert the whole Dataset first and compute with its SI units, or state the unit by "
+                f'data["{name}"].attrs = {{"normalised_by": "{units.unit_of(variable)}"}}, or "1" for a plain number'
+            )
+    if not normalised:
+        raise ValueError("data must be normalised, got no quantity in units such as p_0*: is it in SI units already?")
 
 
-def _check_unchanged(name: str, variable: Any) -> None:
-    """Refuse a variable with attributes of weier whose values are not those of weier."""
-    values, attributes = variable.values, variable.attrs
-    within = values.dtype.kind == "f"
-    within = within and not (values < attributes.get("valid_min", -np.inf)).any()
-    within = within and not (values > attributes.get("valid_max", np.inf)).any()
-    if not (within and variable.encoding):
-        raise ValueError(
-            f"{name} must be as weier returned it, got values that arithmetic may have changed, since it keeps "
-            f"attributes: convert the whole Dataset first and compute with its SI units, or state the unit by "
-            f'data["{name}"].attrs = {{"normalised_by": "{units.unit_of(variable)}"}}, or "1" for a plain number'
-        )
+def _normalised(variable: Any) -> bool:
+    return units.unit_of(variable) in units.NORMALISED
 
 
 def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
@@ -116,9 +102,6 @@ def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[A
         dims = (CASE, *(dim for dim in dims if dim != CASE))
         values = np.moveaxis(values, variable.dims.index(CASE), 0) if CASE in variable.dims else values[None]
         factor = factor.reshape(-1, *(1 for _ in dims[1:]))
-    for name in ("valid_min", "valid_max"):
-        if name in attributes:
-            attributes[name] = float(attributes[name] * factor.max())
     return dims, scaled(values, factor), attributes
 
 

@@ -18,13 +18,10 @@ from weier.methods.method import QUANTITIES
 
 # Dimensions of variables.
 CASE, LOADS = "case", "mean_pressure"
-LOAD = "load"  # in place of mean_pressure, where cases have different loads in Pa
 CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
-NOTHING = {"f": np.nan, "i": 0}  # Values where there is none, by the kind of a type; "" of texts.
-ROUNDING = 1e-9  # g_0: rounding may make a difference of heights that is 0 as negative as this.
 # Texts that several comments have in common.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
@@ -79,7 +76,7 @@ class Variable(NamedTuple):
 
     dims, long_name : its dimensions and meaning
     unit, symbol : the unit of its normalisation, and the symbol of the paper
-    dtype, least, most, flags : its type ("O" for texts of any length) and range, or the meaning of its numbers
+    dtype, flags : its type, "O" for texts, and the meaning of its numbers
     comment : details beyond the long name, which labels axes
     content : the kind of its content, in the terms of ISO 19115
     optional : whether only files of methods that return it have it
@@ -93,8 +90,6 @@ class Variable(NamedTuple):
     unit: str = "1"
     symbol: str = ""
     dtype: str = "f8"
-    least: float | None = None
-    most: float | None = None
     flags: type[IntEnum] | None = None
     comment: str = ""
     content: str = "modelResult"
@@ -112,7 +107,7 @@ OF_SERIES = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
 _of_trace = partial(_label, optional=True)
 _chosen = partial(Variable, ("case",), content=AUXILIARY, optional=True)
-_measured = partial(Variable, least=0, content=QUALITY, optional=True)
+_measured = partial(Variable, content=QUALITY, optional=True)
 
 
 def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: Any) -> Variable:
@@ -120,45 +115,39 @@ def _bound(side: str, quantity: str, unit: str, comment: str = BOUND, **others: 
     return Variable(CURVE, meaning, unit, comment=comment, optional=True, **others)
 
 
-# text of fixed width, so that files can be joined, compressed and read by any netCDF library
 VARIABLES = {
-    "solution_method": Variable(("solution_method",), "method of solution", dtype="U16", content=LABEL),
+    "solution_method": Variable(("solution_method",), "method of solution", dtype="O", content=LABEL),
     "mean_pressure": Variable(
         ("mean_pressure",),
         "mean contact pressure",
         "p_0*",
         "p",
-        least=0,
         content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$",
         plot="mean pressure p/p_0*",
     ),
     "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
-    "key": _label("digest of the surface, the methods with their settings, and the loads of the case", dtype="U12"),
-    "surface_key": _label("digest of the surface of the case, without methods and loads", dtype="U12", optional=True),
-    "D": _label("fractal dimension", symbol="D", least=1, most=2),
-    "gamma": _label("ratio of successive wavelengths", symbol="gamma", least=1),
-    "m": _label("number of terms of the series", symbol="m", least=1),
+    "key": _label("digest of the surface, the methods with their settings, and the loads of the case", dtype="O"),
+    "surface_key": _label("digest of the surface of the case, without methods and loads", dtype="O", optional=True),
+    "D": _label("fractal dimension", symbol="D"),
+    "gamma": _label("ratio of successive wavelengths", symbol="gamma"),
+    "m": _label("number of terms of the series", symbol="m"),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
     "seed": _label("seed of the phases, where they are random"),
-    "trace": _of_trace("name of the file of measured heights, with the line of a map", dtype="U255"),
-    "trace_digest": _of_trace("digest of the measured heights and of their extension", dtype="U12"),
-    "trace_ends": _of_trace("extension of the trace beyond its ends", dtype="U8"),
-    "trace_length": _of_trace("length of the trace of heights, lambda_0", "m", least=0),
-    "trace_height": _of_trace("root mean square height of the trace, g_0", "m", least=0),
-    "trace_shortest": _of_trace("shortest wavelength of the trace", "m", least=0),
-    "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="U4"),
-    "trace_filled": _of_trace("number of missing heights that were interpolated", least=0),
-    "trace_fit_D": _of_trace("fractal dimension of the series with the spectrum of the trace", least=1, most=2),
-    "trace_fit_D_error": _of_trace("standard error of this fractal dimension", least=0),
-    "trace_fit_g_0": _of_trace(
-        "amplitude of the coarsest wave of the series with the spectrum of the trace", "m", least=0
-    ),
-    "trace_fit_g_0_error": _of_trace("standard error of this amplitude", "m", least=0),
-    "trace_fit_lambda_0": _of_trace("wavelength of this wave", "m", least=0),
-    "trace_fit_rolloff": _of_trace(
-        "wavelength above which the spectrum is flatter than that of the series", "m", least=0
-    ),
+    "trace": _of_trace("name of the file of measured heights, with the line of a map", dtype="O"),
+    "trace_digest": _of_trace("digest of the measured heights and of their extension", dtype="O"),
+    "trace_ends": _of_trace("extension of the trace beyond its ends", dtype="O"),
+    "trace_length": _of_trace("length of the trace of heights, lambda_0", "m"),
+    "trace_height": _of_trace("root mean square height of the trace, g_0", "m"),
+    "trace_shortest": _of_trace("shortest wavelength of the trace", "m"),
+    "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="O"),
+    "trace_filled": _of_trace("number of missing heights that were interpolated"),
+    "trace_fit_D": _of_trace("fractal dimension of the series with the spectrum of the trace"),
+    "trace_fit_D_error": _of_trace("standard error of this fractal dimension"),
+    "trace_fit_g_0": _of_trace("amplitude of the coarsest wave of the series with the spectrum of the trace", "m"),
+    "trace_fit_g_0_error": _of_trace("standard error of this amplitude", "m"),
+    "trace_fit_lambda_0": _of_trace("wavelength of this wave", "m"),
+    "trace_fit_rolloff": _of_trace("wavelength above which the spectrum is flatter than that of the series", "m"),
     "trace_fit_remark": _of_trace(
         "why no series has the spectrum of the trace, or what dominates the fit", dtype="O"
     ),
@@ -167,14 +156,13 @@ VARIABLES = {
         "sum of the amplitudes of the terms",
         "g_0",
         "G - G_m",
-        least=0,
         files=ALL_MEASURED,
         comment="For a trace: height of the highest point above the mean, its compliance in full contact.",
     ),
     "tail_amplitude": Variable(
-        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", least=0, files=ALL_MEASURED
+        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", files=ALL_MEASURED
     ),
-    "first_contact": Variable(("case",), "compliance at first contact", "g_0", least=-ROUNDING, files=MEASURED),
+    "first_contact": Variable(("case",), "compliance at first contact", "g_0", files=MEASURED),
     "compliance": Variable(
         CURVE,
         "compliance",
@@ -191,20 +179,18 @@ VARIABLES = {
         "specific contact resistance dh/dp",
         "g_0/p_0*",
         "dh/dp",
-        least=0,
         files=ALL_MEASURED,
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
         plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
     "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
-    "resistance_lower": _bound("lower", "resistance", "g_0/p_0*", least=0),
-    "resistance_upper": _bound("upper", "resistance", "g_0/p_0*", least=0),
+    "resistance_lower": _bound("lower", "resistance", "g_0/p_0*"),
+    "resistance_upper": _bound("upper", "resistance", "g_0/p_0*"),
     "compliance_error": Variable(
         CURVE,
         "stated numerical error of the compliance",
         "g_0",
-        least=0,
         files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
         optional=True,
@@ -213,7 +199,6 @@ VARIABLES = {
         CURVE,
         "stated numerical error of the resistance",
         "g_0/p_0*",
-        least=0,
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
         optional=True,
@@ -233,32 +218,25 @@ VARIABLES = {
         CURVE,
         "fraction of the surface in contact",
         symbol="A",
-        least=0,
-        most=1,
         files=(TRADEOFF,),
         axis="contact fraction $A$",
         optional=True,
     ),
-    "patch_count": Variable(
-        CURVE, "contacts in one period, 0 in full contact", least=0, files=(TRADEOFF,), optional=True
-    ),
+    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", files=(TRADEOFF,), optional=True),
     "residual": Variable(
         CURVE,
         "largest violation of a contact condition",
         "g_0",
-        least=0,
         content=QUALITY,
         files=(TRADEOFF, CONVERGENCE),
         optional=True,
     ),
-    "work": Variable(
-        CURVE, "pairs of FFTs or Newton steps", least=0, content=AUXILIARY, files=(TRADEOFF,), optional=True
-    ),
-    "points": Variable(RUN, "nodes in one period", least=1, content=AUXILIARY, files=ALL_MEASURED, optional=True),
+    "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, files=(TRADEOFF,), optional=True),
+    "points": Variable(RUN, "nodes in one period", content=AUXILIARY, files=ALL_MEASURED, optional=True),
     "settings": Variable(
         RUN,
         "settings of the method with defaults, as JSON",
-        dtype="U240",
+        dtype="O",
         content=AUXILIARY,
         files=MEASURED,
     ),
@@ -271,8 +249,8 @@ VARIABLES = {
         files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
-    "chosen_method": _chosen('method that "auto" chose', dtype="U16"),
-    "chosen_terms": _chosen('terms that the method chosen by "auto" solves', least=1),
+    "chosen_method": _chosen('method that "auto" chose', dtype="O"),
+    "chosen_terms": _chosen('terms that the method chosen by "auto" solves'),
     "mean_pressure_error": _measured(
         ("case", "mean_pressure"),
         "largest distance to the load of the requested value",
@@ -291,7 +269,6 @@ VARIABLES = {
         RUN,
         "time to solve all loads",
         "s",
-        least=0,
         content=AUXILIARY,
         comment="It differs from run to run, and is omitted if SOURCE_DATE_EPOCH asks for reproducible bytes.",
         files=(TRADEOFF,),
@@ -322,10 +299,8 @@ def blank(
     """Return dimensions, empty values and attributes of a variable."""
     entry = table[name]
     shape = [sizes[dim] for dim in entry.dims]
-    nothing = NOTHING.get(entry.dtype[0], "")
-    # Texts have any length in memory, since an array of fixed width would truncate texts that a file refuses.
-    values = np.full(shape, nothing, object if nothing == "" else entry.dtype)
-    return entry.dims, values, attributes(name, table)
+    nothing: Any = {"f": np.nan, "i": 0}.get(entry.dtype[0], "")
+    return entry.dims, np.full(shape, nothing, entry.dtype), attributes(name, table)
 
 
 def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str = "") -> dict[str, Any]:
@@ -335,9 +310,6 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str =
     if entry.dtype != "f8":  # texts and numbers of things have no units
         del known["units"]
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
-    for attribute, limit in (("valid_min", entry.least), ("valid_max", entry.most)):
-        if limit is not None:
-            known[attribute] = float(limit)
     return known | (flags(entry.flags) if entry.flags else {})
 
 

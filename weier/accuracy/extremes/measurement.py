@@ -30,7 +30,7 @@ CHECKS = {
     "one_curve": "whether all loads were solved as one curve",
     "without_warning": "whether no warning was issued",
 }
-DIGITS = Variable(CURVE, "", least=0.0, most=metrics.MAX_DIGITS, content=QUALITY)
+DIGITS = Variable(CURVE, "", content=QUALITY)
 OWN = {
     "extreme": Variable(("case",), "name of the extreme case", dtype="O", content=QUALITY),
     "outcome": Variable(CURVE, "outcome at this load", dtype="i1", flags=Outcome, content=QUALITY),
