@@ -71,6 +71,12 @@ def unit_of(values: Any) -> str:
     return "" if named is None else str(named)
 
 
+def common_unit(values: Any) -> str:
+    """Return the unit that values carry, or that all elements of a list carry; empty if there is none, or several."""
+    found = {unit_of(value) for value in values} if isinstance(values, list | tuple) else {unit_of(values)}
+    return found.pop() if len(found) == 1 else ""
+
+
 def in_unit(name: str, values: Any, unit: str) -> Any:
     """Return values that carry no unit as they are, others as plain numbers in `unit`.
 
@@ -152,6 +158,11 @@ def listed(name: str, text: str, unit: str) -> list[float]:
     if not (within and min(first, last) > 0 and max(first, last) < math.inf):
         raise ValueError(f"{name} must be 2 to {MAX_LISTED} positive numbers, got {text!r:.80}")
     return [float(value) for value in np.geomspace(first, last, int(count))]
+
+
+def units_in(text: str) -> set[str]:
+    """Return the units in the text of a list, which `listed` parses."""
+    return {found[2] for part in re.split("[,:]", text) if (found := NUMBER.fullmatch(part))} - {""}
 
 
 def mixed(name: str, unit: str) -> str:

@@ -93,7 +93,11 @@ def test_processes_side_by_side_give_the_same_bits():
 
 def test_pressures_may_have_a_unit():
     found = BODIES.solve(LINE, xr.DataArray([10.0], attrs={"units": "MPa"}))
-    assert found.mean_pressure.values.tolist() == [1e7]
+    assert (found.mean_pressure.values.tolist(), found.mean_pressure.units) == ([10.0], "MPa")
+    expected = BODIES.solve(LINE, [1e7])
+    assert found.resistance.values == expected.resistance.values
+    again = BODIES.solve([LINE, LINE], found.mean_pressure)
+    assert (again.mean_pressure.values.tolist(), again.weier.ensemble()["mean_pressure"].tolist()) == ([10.0], [10.0])
 
 
 @pytest.mark.parametrize("surface", [LINE, SERIES], ids=["trace", "series"])

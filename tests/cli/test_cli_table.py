@@ -196,5 +196,7 @@ def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):
     assert float(first["resistance_mean (ohm m^2)"]) == pytest.approx(in_si[:, 0].mean())
     assert float(second["resistance_deviation (ohm m^2)"]) == pytest.approx(in_si[:, 1].std(ddof=1))
     assert float(second["resistance_numerical_error (ohm m^2)"]) > 0
+    assert float(second["resistance_percentile_90 (ohm m^2)"]) == pytest.approx(np.percentile(in_si[:, 1], 90))
+    assert "resistance_numerical_error (g_0/p_0*)" in rows(run("table", "many.nc")[1])[0]
     assert float(second["mean_pressure (Pa)"]) > 1e6
     assert run("table", "many.nc", "--study", "none")[0] == 1

@@ -349,6 +349,9 @@ def test_an_ensemble_has_means_with_their_scatter_and_the_numerical_error():
     for name in ("compliance", "resistance"):
         np.testing.assert_allclose(table[f"{name}_mean"][:2], by_bem[name].values.mean(axis=0), rtol=1e-12)
         np.testing.assert_allclose(table[f"{name}_deviation"][:2], np.std(by_bem[name].values, axis=0, ddof=1))
+        for share, column in ((10, "percentile_10"), (50, "median"), (90, "percentile_90")):
+            expected = np.percentile(by_bem[name].values, share, axis=0)
+            np.testing.assert_allclose(table[f"{name}_{column}"][:2], expected, rtol=1e-14)
         largest = by_bem[f"{name}_error"].values.max(axis=0)
         np.testing.assert_array_equal(table[f"{name}_numerical_error"][:2], largest)
     assert table["compliance_numerical_error"][2:].isna().all()

@@ -10,7 +10,7 @@ import pytest
 import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
 from tests.scenes import curves_in, scene_in, solve_scene, write_data
-from weier.figures import checks, comparison, lines, page, tables
+from weier.figures import checks, comparison, lines, page, tables, values
 from weier.figures.page import explorer
 from weier.pipeline.gather import read_study
 from weier.scene import SceneError
@@ -49,11 +49,11 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     surfaces = [case.profile for name in loaded.studies for case in loaded.study(name)]
     expected = weier.Interface(**SCENE["interface"]).solve(surfaces, 1e6 * MPA, contact_edges=False)
     with weier.open_dataset(folder / "contact.nc") as data:
-        assert data.mean_pressure.values == pytest.approx(1e6 * MPA, rel=1e-15)
+        assert data.mean_pressure.values == pytest.approx(MPA, rel=1e-15)
         for name, unit in (("compliance", "m"), ("resistance", "ohm m^2"), ("resistance_error", "ohm m^2")):
             assert data[name].units == unit
             assert data[name].values == pytest.approx(expected[name].values, rel=1e-12), name
-        assert data.mean_pressure.units == "Pa"
+        assert data.mean_pressure.units == "MPa"
         assert "normalisation" not in data.attrs
         assert {name: data.attrs[name] for name in ("lambda_0", "g_0", "rho_1")} == {
             "lambda_0": 1e-3,
@@ -65,7 +65,9 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
         with pytest.raises(ValueError, match="data must be normalised"):
             weier.Interface(**SCENE["interface"]).in_si(data)
     page.write(solutions, folder / "page.html")
-    assert "Pressures are in Pa" in (folder / "page.html").read_text()
+    text = (folder / "page.html").read_text()
+    assert "Pressures are in MPa" in text
+    assert '"axis_label":"mean pressure, MPa"' in text.replace(": ", ":")
 
 
 def test_figures_are_in_si_units(solved):
@@ -84,12 +86,13 @@ def test_figures_are_in_si_units(solved):
         surfaces = [case.profile for case in loaded.study(study)]
         own = expected.solve(surfaces, 1e6 * MPA)[quantity].values[:, 0]
         drawn = axes.get_lines()
-        at = [np.interp(1e6 * MPA, line.get_xdata(), line.get_ydata()) for line in drawn]
+        at = [np.interp(MPA, line.get_xdata(), line.get_ydata()) for line in drawn]
         wanted = own if name == "lines" else [np.median(own, axis=0)]
         # A compliance between two loads is drawn within these, and the last resistance may be 0.
         assert np.array(at) == pytest.approx(np.array(wanted), rel=1e-9), name
-        assert "Pa" in axes.get_xlabel()
-        assert extent.first_load == pytest.approx(5e6)
+        assert axes.get_xlabel().endswith("(MPa)")
+        assert values.as_csv(axes.figure).splitlines()[0].split(",")[2] == "mean_pressure (MPa)"
+        assert extent.first_load == pytest.approx(5)
 
 
 def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
@@ -121,8 +124,11 @@ def test_what_has_no_pressure_is_refused(solved, changes, message):
 
 
 def test_single_loads_have_units_too(solved):
-    loads = scene_in(solved[0], SCENE | {"loads": ["0.1 GPa", "5 MPa", "1 N/mm^2"]}).loads
-    assert loads == pytest.approx([1e6, 5e6, 1e8], rel=1e-14)
+    """Results are in the unit of all loads, or in Pa."""
+    for given, unit in ((["0.1 GPa", "5 MPa", "1 N/mm^2"], "Pa"), (["1 bar", "5 bar"], "bar")):
+        loaded = scene_in(solved[0], SCENE | {"loads": given})
+        assert loaded.load_unit == unit
+        assert loaded.loads == pytest.approx([1e6, 5e6, 1e8] if unit == "Pa" else [1e5, 5e5], rel=1e-14)
 
 
 def test_a_compliance_has_its_slope_between_the_loads(solved):
@@ -134,7 +140,7 @@ def test_a_compliance_has_its_slope_between_the_loads(solved):
     loads, values = lines.line(alone.isel(case=0), "compliance", "patches")
     (table,) = tables.tables_of([read_study(solutions, "lines")], "compliance", loaded.interface)
     found_loads, found = table.line(1, "patches")
-    assert found_loads == pytest.approx(own.pressure(loads), rel=1e-12)
+    assert found_loads == pytest.approx(own.pressure(loads) / 1e6, rel=1e-12)
     assert found == pytest.approx(own.compliance(values), rel=1e-12)
 
 

@@ -14,6 +14,7 @@ from weier.api.inverse import Wanted, checked_wanted, loads_for
 from weier.api.solve import in_order, solve_under
 from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
+from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.progress import converting
@@ -75,15 +76,15 @@ class Interface(Bodies):
         surface : Profile, Trace or sequence of these
             A series needs lambda_0 and g_0 of this interface; a trace has its own.
         pressure : array_like, shape (loads,)
-            Positive, in Pa, or with a unit.
+            Positive, in Pa, or in another unit that they carry, in which the result has them, too.
         method, **options
             As of `weier.solve`; a `tolerance` is in g_0.
 
         Returns
         -------
         Dataset
-            As of `weier.solve`, in SI units, with the values of this interface as attributes. Several surfaces are
-            cases with common pressures.
+            As of `weier.solve`, in SI units except for the unit of the pressures, with the values of this interface
+            as attributes. Several surfaces are cases with common pressures.
 
         Raises
         ------
@@ -113,9 +114,14 @@ class Interface(Bodies):
         for one in surface if isinstance(surface, list | tuple) else ():
             checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
-        with converting(self.in_si):
+        unit = units.common_unit(pressure)
+
+        def in_si(solved: xr.Dataset) -> xr.Dataset:
+            return with_pressures_in(self.in_si(solved), unit)
+
+        with converting(in_si):
             solved = solve_under(surface, loads, self._loads(loads), method, **options)
-        return self.in_si(in_order(solved, position))
+        return in_si(in_order(solved, position))
 
     def _loads(self, pressures: Array) -> LoadsOf:
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""

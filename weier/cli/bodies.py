@@ -6,7 +6,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from weier.data.ensembles import PERCENTILES
 from weier.data.si import BODIES
+from weier.methods.method import QUANTITIES
 from weier.scene.yaml import parse_yaml
 from weier.units import NONE, WITHOUT, unit_of
 
@@ -16,7 +18,8 @@ if TYPE_CHECKING:
 
     from weier.api.interface import Interface
 
-OF_AN_ENSEMBLE = re.compile("_(mean|deviation|numerical_error|standard_error)$")  # the ends of columns for a quantity
+# the ends of columns for a quantity
+OF_AN_ENSEMBLE = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
 INTERFACE = "interface"  # The key of a scene with its bodies.
 
 
@@ -60,8 +63,9 @@ def _given(path: Path) -> dict[str, Any]:
 
 
 def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
-    """Return the table of curves, or of their mean, with units in its headings."""
+    """Return the table of curves, or of their ensembles, with units in headings, and errors called numerical."""
     table = data.weier.ensemble() if ensemble else data.weier.table()
+    table = table.rename(columns={f"{name}_error": f"{name}_numerical_error" for name in QUANTITIES})
     known = {str(name): unit_of(values) for name, values in data.variables.items()}
     named = {name: known.get(name) or known.get(OF_AN_ENSEMBLE.sub("", name)) or NONE for name in table}
     return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit not in WITHOUT})

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
 from weier import units
 from weier.checks import checked_numbers, checked_workers
 from weier.data.files import check_target
+from weier.kernels.arrays import Array
 from weier.methods.patches import TOLERANCE_RANGE
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import defaults, described
@@ -41,10 +41,26 @@ def parse_phases(text: str) -> float | list[float]:
     return phases if len(phases) > 1 else phases[0]
 
 
+class Pressures(NamedTuple):
+    """Mean pressures in Pa, and the unit in which they were given; empty if they were in several."""
+
+    values: Array
+    unit: str
+
+
+def parse_pressures(text: str) -> Pressures:
+    """Return positive pressures from a text such as "1,10MPa"."""
+    given = listed_in_si("pressures", text, units.PASCAL)
+    named = units.units_in(text)
+    return Pressures(
+        checked_numbers("pressures", given, "be positive", lambda p: p > 0), named.pop() if len(named) == 1 else ""
+    )
+
+
 def listed_in_si(name: str, text: str, unit: str) -> list[float]:
     """Return numbers in an SI unit from the text of an option; a text without a unit is echoed with the one taken."""
     values = units.listed(name, text, unit)
-    if not any(found[2] for part in re.split("[,:]", text) if (found := units.NUMBER.fullmatch(part))):
+    if not units.units_in(text):
         click.echo(f"--{name} {text}: taken in {unit}, since no unit is given", err=True)
     return values
 
@@ -253,13 +269,9 @@ OF_BODIES = (
     click.Option(["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2 for two bodies. {SI}"),
     click.Option(
         ["--pressures"],
-        callback=_read(
-            lambda text: checked_numbers(
-                "pressures", listed_in_si("pressures", text, units.PASCAL), "be positive", lambda p: p > 0
-            )
-        ),
+        callback=_read(parse_pressures),
         help='With --si, instead of --loads: mean pressures in a unit, as in "1,10MPa", "900kPa,2MPa" or '
-        '"1:100:20MPa"; without a unit in Pa.',
+        '"1:100:20MPa"; without a unit in Pa. Results have the unit that is given.',
     ),
 )
 

@@ -17,6 +17,7 @@ from weier.cli.options import (
     INTO,
     LOADS,
     PLOTTED_LOADS,
+    Pressures,
     SolvingCommand,
     listed_in_si,
     of_one_profile,
@@ -24,7 +25,7 @@ from weier.cli.options import (
     profile_or_trace,
 )
 from weier.data.bodies import to_normalised
-from weier.data.si import marked
+from weier.data.si import marked, with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.method import QUANTITIES
@@ -45,14 +46,14 @@ MIN_LOADS = 2  # A line needs two points.
 class Request(NamedTuple):
     """One profile and its loads in p_0*, in the order given, with the bodies for SI units.
 
-    pressures : the loads in Pa, as they were given; None if they were in p_0*
+    pressures : the loads in Pa, and the unit in which they were given; None if they were in p_0*
     found : the loads for values of a quantity, by `weier.find_load`; None if loads were given
     """
 
     profile: Mapping[str, Any]
     loads: Array
     bodies: Interface | None
-    pressures: Array | None
+    pressures: Pressures | None
     found: xr.Dataset | None
 
     def with_units(self, data: xr.Dataset) -> xr.Dataset:
@@ -66,13 +67,14 @@ class Request(NamedTuple):
         curves = self.bodies.in_si(data)
         if self.pressures is None:
             return curves
-        exact = dict(zip(self.loads.tolist(), self.pressures.tolist(), strict=True))
+        exact = dict(zip(self.loads.tolist(), self.pressures.values.tolist(), strict=True))
         given = [exact[load] for load in data["mean_pressure"].values.tolist()]
-        return curves.assign_coords(mean_pressure=("mean_pressure", given, curves["mean_pressure"].attrs))
+        curves = curves.assign_coords(mean_pressure=("mean_pressure", given, curves["mean_pressure"].attrs))
+        return with_pressures_in(curves, self.pressures.unit)
 
 
 def _request(
-    loads: Array, bodies: Path | None, pressures: Array | None, wanted: Mapping[str, Any], **series: Any
+    loads: Array, bodies: Path | None, pressures: Pressures | None, wanted: Mapping[str, Any], **series: Any
 ) -> Request:
     """Return the profile and its loads, by the options of a command."""
     from weier.api import inverse  # xarray, as in `solve`
@@ -92,7 +94,7 @@ def _request(
     surface = single.surface_of(profile)
     own = both and both.at(surface)
     if pressures is not None and own:
-        loads = own.normalised_pressure(pressures)
+        loads = own.normalised_pressure(pressures.values)
     if not wanted:
         return Request(profile, loads, both, pressures, None)
     ((name, text),) = wanted.items()

@@ -1,4 +1,4 @@
-"""Means over ensembles of curves: cases that differ in their phases, seed or file of heights alone."""
+"""Means and percentiles over ensembles of curves: cases that differ in their phases, seed or file alone."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 AVERAGED = ("compliance", "resistance", "contact_fraction")
+PERCENTILES = {"percentile_10": 0.1, "median": 0.5, "percentile_90": 0.9}  # suffixes of columns
 FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
 CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
 # By default a trace is cut off at two of its steps, whose last digits differ between files of one instrument.
@@ -42,7 +43,7 @@ COMMON_PRESSURES = (
 
 
 def means(data: xr.Dataset) -> pd.DataFrame:
-    """Return the mean curves of each ensemble, one row for each ensemble, method and load.
+    """Return the mean and median curves of each ensemble, one row for each ensemble, method and load.
 
     Parameters
     ----------
@@ -84,6 +85,8 @@ def means(data: xr.Dataset) -> pd.DataFrame:
     columns["cases"] = table["size"]
     for name in (*averaged, *fitted):
         columns[f"{name}_mean"], columns[f"{name}_deviation"] = grouped[name].mean(), grouped[name].std()
+        if name in averaged:
+            columns |= {f"{name}_{suffix}": grouped[name].quantile(share) for suffix, share in PERCENTILES.items()}
         if name in with_error:
             columns[f"{name}_numerical_error"] = grouped[f"{name}_error"].max()
         if name in fitted:
@@ -163,7 +166,7 @@ def _surfaces(data: xr.Dataset) -> Indices:
 def _check_pressures(data: xr.Dataset, rows: pd.DataFrame, first: Indices) -> None:
     """Refuse traces of an ensemble with pressures of their own; `first` is the first case of each row's ensemble."""
     pressure = data["mean_pressure"]
-    if pressure.attrs.get("units") == units.PASCAL or "trace_height" not in data.coords:
+    if units.unit_of(pressure) not in (*units.WITHOUT, *units.NORMALISED) or "trace_height" not in data.coords:
         return
     case = rows["case"].to_numpy()
     if (np.isfinite(data["trace_height"].values[case]) & (case != first)).any():

@@ -18,7 +18,10 @@ NORMALISED = (
     "Lengths along x are in lambda_0, heights, gaps and compliance in g_0, pressures in p_0* = 2 pi M g_0/lambda_0, "
     "and resistance, dh/dp, in g_0/p_0*."
 )
-IN_SI = "Values are in SI units, for the two bodies whose moduli, Poisson's ratios and resistivities are attributes."
+IN_SI = (
+    "Values are in the units of their attributes, for the two bodies whose moduli, Poisson's ratios and "
+    "resistivities are attributes."
+)
 PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"

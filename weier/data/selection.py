@@ -128,9 +128,11 @@ class CurvesAccessor:
         DataFrame
             One row for each ensemble, method and load: the labels of the ensemble; the number of `cases`, surfaces
             that were solved there; and for the compliance, the resistance and the contact fraction, where there is
-            one, the mean over these cases, `..._mean`; the standard deviation between them, `..._deviation`; and the
-            largest error that a method states, `..._numerical_error`. For traces of a scene also the mean of D and
-            g_0 of their fits, the standard deviation between them, and the mean of their standard errors.
+            one, the mean over these cases, `..._mean`; the standard deviation between them, `..._deviation`; the
+            median and the percentiles, `..._median`, `..._percentile_10` and `..._percentile_90`, interpolated
+            linearly between cases; and the largest error that a method states, `..._numerical_error`. For traces of
+            a scene also the mean of D and g_0 of their fits, the standard deviation between them, and the mean of
+            their standard errors.
 
         Raises
         ------

@@ -42,6 +42,19 @@ def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.D
     return found.set_coords(list(data.coords))
 
 
+def with_pressures_in(data: xr.Dataset, unit: str) -> xr.Dataset:
+    """Return a Dataset with its pressures in this unit instead of Pa; as it is without one, or with that of p_0*."""
+    if unit in ("", units.PASCAL, units.NORMALISED_PRESSURE):
+        return data
+    pascals = units.factor("pressure", unit, units.PASCAL)
+    pressures = {
+        name: (variable.dims, variable.values / pascals, variable.attrs | {"units": unit})
+        for name, variable in data.variables.items()
+        if variable.attrs.get("units") == units.PASCAL
+    }
+    return data.assign(pressures).set_coords(list(data.coords))
+
+
 def marked(data: xr.Dataset) -> xr.Dataset:
     """Mark each variable in a normalised unit as one that weier made.
 

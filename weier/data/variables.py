@@ -189,7 +189,7 @@ VARIABLES = {
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*"),
     "compliance_error": Variable(
         CURVE,
-        "stated numerical error of the compliance",
+        "numerical error of the compliance",
         "g_0",
         files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
@@ -197,7 +197,7 @@ VARIABLES = {
     ),
     "resistance_error": Variable(
         CURVE,
-        "stated numerical error of the resistance",
+        "numerical error of the resistance",
         "g_0/p_0*",
         files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),

@@ -29,6 +29,7 @@ from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
+from weier.units import unit_of
 
 # styles of bands around medians, of a solid line under dashed ones of its colour, and of bands of stated errors
 BAND: dict[str, Any] = {"alpha": 0.16, "linewidth": 0}
@@ -130,7 +131,7 @@ def compare(
     facet_values = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
     title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
-    labels = style.SI_LABELS if interface else style.LABELS
+    labels = style.labels_of(unit_of(studies[0]["mean_pressure"]))
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, facet_values[1:]))
     differing = {{"phases": "seed"}.get(name, name) for curve in drawn for name in curve.differing}
     names = [name for name in ("method", *SURFACES, "seed") if name not in (*grouping.facet, *differing)]

@@ -20,6 +20,7 @@ from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
+from weier.units import NORMALISED, PASCAL
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -73,6 +74,13 @@ POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "mark
 SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}
 # The look of a band between bounds.
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
+
+
+def labels_of(unit: str) -> dict[str, str]:
+    """Return the labels of axes for loads in this unit."""
+    if unit in NORMALISED:
+        return LABELS
+    return SI_LABELS | {"mean_pressure": SI_LABELS["mean_pressure"].replace(PASCAL, unit)}
 
 
 def line(method: str) -> dict[str, Any]:

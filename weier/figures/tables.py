@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from weier import units
 from weier.data import curves
 from weier.data.bodies import Bodies, scales_of
 from weier.figures import lines, style
@@ -43,7 +44,7 @@ class Table:
     best : the column of the most accurate numerical method of each case, or -1
     beside : whether a curve is by another numerical method than that, shape (cases, methods)
     columns : arrays over the cases: codes of parameters, equal for equal values
-    loads, h, slope : in p_0*, g_0 and g_0/p_0*; with an interface in Pa, m and m/Pa
+    loads, h, slope : in p_0*, g_0 and g_0/p_0*; with an interface in the unit of the loads, m, and m over this unit
     factor : resistance over slope; M (rho_1 + rho_2) with an interface
     values : compliances or resistances, shape (cases, methods, loads)
     """
@@ -57,6 +58,7 @@ class Table:
         if interface:
             scales = [np.broadcast_to(scales_of(interface, study)[unit][0], self.size) for unit in UNITS]
             pressure, height, resistance = (scale[:, None, None] for scale in scales)
+            pressure = pressure / units.factor("loads", units.unit_of(study["mean_pressure"]), units.PASCAL)
             self.h, self.slope = self.h * height, self.slope * (height / pressure)
             self.factor = float((resistance * pressure / height).flat[0])
         resistance = self.slope * self.factor if interface else self.slope

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
 from weier.figures.style import LABELS, SI_LABELS
-from weier.units import IN_SI
+from weier.units import IN_SI, PASCAL
 
 # Headings of the axes that show variables.
 OF_VARIABLES = {"x": "x (lambda_0)", "height": "height (g_0)"}
@@ -26,6 +26,7 @@ HEADINGS = {label: OF_VARIABLES[name] for name, label in LABELS.items()}
 HEADINGS |= {
     label: f"{name} ({IN_SI.get(VARIABLES[name].unit, VARIABLES[name].unit)})" for name, label in SI_LABELS.items()
 }
+PRESSURE = SI_LABELS["mean_pressure"].removesuffix(f"({PASCAL})")
 TITLES: tuple[Literal["center", "left", "right"], ...] = ("center", "left", "right")  # Where a panel has its title.
 # Formulas of matplotlib in plain text, between signs of dollars that stand for themselves behind a backslash.
 DOLLAR = re.compile(r"(?<!\\)\$")
@@ -53,7 +54,7 @@ def as_csv(figure: Figure) -> str:
 def _curves(axes: Axes) -> Iterator[tuple[str, dict[str, list[float]]]]:
     """Yield the names of the lines and bands of a panel, each with its values by their headings."""
     labels = (_labelled(axes, name).get_label_text() for name in "xy")
-    x, y = (HEADINGS.get(label, _plain(label)) for label in labels)
+    x, y = map(_heading, labels)
     for number, line in enumerate(axes.lines, 1):
         # no grid, no cap of a bar, and no entry of a legend
         if line.get_transform() == axes.transData and line.get_label() != "_nolegend_":
@@ -69,6 +70,13 @@ def _curves(axes: Axes) -> Iterator[tuple[str, dict[str, list[float]]]]:
             for path in band.get_paths():
                 ends = _ends(np.asarray(path.vertices, float))
                 yield name, dict(zip((x, f"{y}, low", f"{y}, high"), ends, strict=True))
+
+
+def _heading(label: str) -> str:
+    """Return the heading of an axis; mean pressures have any unit."""
+    if label.startswith(PRESSURE):
+        return f"mean_pressure {label.removeprefix(PRESSURE)}"
+    return HEADINGS.get(label, _plain(label))
 
 
 def _ends(vertices: Any) -> tuple[list[float], list[float], list[float]]:

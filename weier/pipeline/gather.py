@@ -22,7 +22,7 @@ from weier.data import netcdf, provenance, variables
 from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
-from weier.data.si import marked
+from weier.data.si import marked, with_pressures_in
 from weier.data.variables import CASE, CURVE, LABEL, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
@@ -31,6 +31,7 @@ from weier.pipeline.curves import Curves, Part
 from weier.pipeline.store import ORIGIN
 from weier.scene.case import short_keys
 from weier.scene.cases import Scene
+from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Values = NDArray[Any]
 
@@ -149,14 +150,15 @@ class Solved:
         return {name: variables.blank(name, sizes) for name in self.over_loads}
 
     def dataset(self, without: Collection[str] = ()) -> xr.Dataset:
-        """Return the cases in memory, in normalised units, without some variables."""
+        """Return the cases in memory, in normalised units but for the loads, without some variables."""
         found = {}
         for name in (name for name in self.names if name not in without):
             if "solution_method" in VARIABLES[name].dims:
                 found[name] = np.stack([self.of_method(name, method) for method in self.methods], axis=1)
             else:
                 found[name] = self.of_cases(name)
-        return over_cases(found, self.methods, self.loads, self.scene.load_unit)
+        unit = PASCAL if self.scene.in_si else NORMALISED_PRESSURE
+        return with_pressures_in(over_cases(found, self.methods, self.loads, unit), self.scene.load_unit)
 
     def labels(self) -> xr.Dataset:
         """Return the labels of the cases that follow from the scene."""

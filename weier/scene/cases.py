@@ -18,7 +18,7 @@ from weier.scene.identity import Keys, distinct
 from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.loads import check_range
-from weier.units import NORMALISED_PRESSURE, PASCAL
+from weier.units import NORMALISED_PRESSURE
 
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
@@ -35,7 +35,7 @@ class Scene:
 
     name, title : of the file, and as a heading
     studies : cases of each study, in the order of the file
-    in_si : whether loads are in Pa, and all data in SI units
+    load_unit : unit in which the loads were given; studies have them in Pa unless it is p_0*
     figures, claims : what is made from the studies
     interface : the two bodies, in SI units; None without them
     max_seconds : the longest expected time of its solution; None without a limit
@@ -46,7 +46,7 @@ class Scene:
     name: str
     title: str
     studies: Mapping[str, Study]
-    in_si: bool = False
+    load_unit: str = NORMALISED_PRESSURE
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     interface: Bodies | None = None
@@ -136,9 +136,9 @@ class Scene:
         return self._item("figure", self.figures, name)
 
     @property
-    def load_unit(self) -> str:
-        """The unit of the loads, p_0* or Pa."""
-        return PASCAL if self.in_si else NORMALISED_PRESSURE
+    def in_si(self) -> bool:
+        """Whether loads are in Pa, and all data in SI units."""
+        return self.load_unit != NORMALISED_PRESSURE
 
     def check_loads(self) -> None:
         """Refuse loads in Pa that are beyond the range of normalised ones for one of the surfaces."""

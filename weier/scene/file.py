@@ -20,7 +20,7 @@ from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
 from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import read_yaml
 from weier.surface.profile import PARAMETERS
-from weier.units import PASCAL
+from weier.units import NORMALISED_PRESSURE, PASCAL
 
 if TYPE_CHECKING:
     from weier.scene.models import Loads, SceneKeys, StudyKeys
@@ -125,7 +125,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
     mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
     bodies = keys.interface.bodies() if keys.interface else None
-    in_si = bool(loads) and loads.unit == PASCAL
+    in_si = bool(loads) and loads.in_si
     if in_si and bodies is None and not mistakes.within("interface"):
         mistakes.add(
             [Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")]
@@ -137,7 +137,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     scene = Scene(
         name=path.stem,
         title=keys.title,
-        in_si=in_si,
+        load_unit=loads.unit if loads else NORMALISED_PRESSURE,
         studies={name: study for name, study in read.items() if study is not None},
         figures={name: figure.figure(bodies if in_si else None) for name, figure in keys.figures.items()},
         interface=bodies,
@@ -171,7 +171,7 @@ def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes
     checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
     own = {method: values for method, values in checked.items() if method in settings}
     loads = cast("Loads", study.loads or scene.loads)
-    if scene.loads and loads.unit != cast("Loads", scene.loads).unit:
+    if scene.loads and loads.in_si != cast("Loads", scene.loads).in_si:
         mistakes.add(
             [
                 Mistake(

@@ -182,10 +182,15 @@ def values_of(parts: list[Any]) -> list[Any]:
 
 
 class Loads(NamedTuple):
-    """Mean pressures, increasing, and their unit: p_0* or Pa."""
+    """Mean pressures, increasing, in p_0* or Pa, and the unit in which they were given; Pa if in several."""
 
     values: list[float]
     unit: str = NORMALISED_PRESSURE
+
+    @property
+    def in_si(self) -> bool:
+        """Whether the values are in Pa."""
+        return self.unit != NORMALISED_PRESSURE
 
 
 def _loads(parts: list[Any]) -> Loads:
@@ -199,7 +204,7 @@ def _loads(parts: list[Any]) -> Loads:
         raise ValueError(mixed("loads", named[0]))
     loads, _ = listed_loads([value * factor("loads", unit, PASCAL) for value, unit in given])
     check_pascal(loads)
-    return Loads(loads.tolist(), PASCAL)
+    return Loads(loads.tolist(), named[0] if len({*named}) == 1 else PASCAL)
 
 
 def _with_units(part: Any) -> list[tuple[float, str]]:
@@ -547,7 +552,7 @@ class SceneKeys(Part):
     loads: LoadList = Field(
         description="Positive mean pressures in p_0*, in any order: a number, a range, or a list of these. With the "
         "key interface also in Pa, as {unit: MPa, from: 1, to: 100, count: 20} or [1 MPa, 10 MPa]: all cases then "
-        "have these pressures, and the data are in SI units. Files have each load once, increasing."
+        "have these pressures, and the data are in SI units and this unit. Files have each load once, increasing."
     )
     methods: Methods = Field([], description="Methods for every case; `weier solve --help` lists them.")
     tolerance: Annotated[Number, AfterValidator(_check_tolerance)] = Field(

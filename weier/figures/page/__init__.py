@@ -28,10 +28,11 @@ from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_cases
 from weier.scene import Scene
 from weier.scene.study import SEEDS, CaseProduct
+from weier.units import unit_of
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 EXPLORER_ID = ID("curves-explorer")
-IN_SI = "Pressures are in Pa, compliance in m and resistance in ohm m^2, for the two bodies of the scene."
+IN_SI = "Pressures are in {}, compliance in m and resistance in ohm m^2, for the two bodies of the scene."
 MEDIANS = "The median of phases has the largest stated error of its curves."
 SELECTED = (
     "{} of {} cases: of each series as many phases, evenly spread over the scene. Medians are over the cases of this "
@@ -100,7 +101,7 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases, IN_SI if interface else provenance.NORMALISED, MEDIANS],
+        texts=[cases, IN_SI.format(unit_of(data["mean_pressure"])) if interface else provenance.NORMALISED, MEDIANS],
     )
 
 

@@ -32,6 +32,7 @@ from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
+from weier.units import unit_of
 
 # Labels that select a case. The last one distinguishes cases by studies and settings.
 LABELS = ("trace", *PARAMETERS, "phase", "case")
@@ -46,7 +47,6 @@ TITLES = {
 MIN_WIDTHS = dict.fromkeys(PARAMETERS, 6) | {"trace": 12, "phase": 18, "case": 18}
 NORMALISED_AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items()}
 SI_AXES = {
-    "mean_pressure": "mean pressure, Pa",
     "compliance": "compliance h, m",
     "resistance": "resistance times nominal area, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
 }
@@ -97,7 +97,8 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     solved = np.isfinite(data["compliance"].values).any(axis=(0, 2))
     # All numerical methods but the most accurate one are drawn as points.
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
-    axes = NORMALISED_AXES if interface is None else SI_AXES
+    pressure = {"mean_pressure": f"mean pressure, {unit_of(curves['mean_pressure'])}"}
+    axes = NORMALISED_AXES if interface is None else SI_AXES | pressure
     plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][first]) for name in LABELS]
     boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
@@ -196,7 +197,8 @@ def _plot(
     quantity: str, methods: list[str], sources: list[ColumnDataSource], as_points: list[str], axes: Mapping[str, str]
 ) -> Any:
     read = ("mean_pressure", quantity, f"{quantity}_error")
-    values = [(name.replace("_", " "), f"@{name}{{0.0000e+0}}") for name in read]
+    names = (*(name.replace("_", " ") for name in read[:2]), "numerical error")
+    values = [(name, f"@{own}{{0.0000e+0}}") for name, own in zip(names, read, strict=True)]
     plot = figure(
         height=400,
         x_axis_type="log",
