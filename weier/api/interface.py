@@ -120,10 +120,10 @@ class Interface(Bodies):
             return with_pressures_in(self.in_si(solved), unit)
 
         with converting(in_si):
-            solved = solve_under(surface, loads, self._loads(loads), method, **options)
+            solved = solve_under(surface, loads, self.loads_of(loads), method, **options)
         return in_si(in_order(solved, position))
 
-    def _loads(self, pressures: Array) -> LoadsOf:
+    def loads_of(self, pressures: Array) -> LoadsOf:
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""
         return lambda surface: self.at(surface).normalised_pressure(pressures)
 

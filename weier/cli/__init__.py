@@ -12,13 +12,15 @@ from typing import NoReturn
 
 import click
 
-from weier.cli import jobs, profile, table
+from weier.cli import jobs, profile, report, table
 from weier.data.provenance import VERSION
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
 
-EXTRA = {"bokeh", "jinja2", "snakemake"}  # Only `pip install weier[pipeline]` installs these.
+# What only an extra installs, and how.
+CHECKOUT = "pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
+EXTRA = dict.fromkeys(("bokeh", "jinja2", "snakemake"), CHECKOUT) | {"openpyxl": "pip install 'weier[excel]'"}
 EXIT = (
     "Exit codes: 0 done; 1 bad input or a solver that missed its tolerance, with a message; 2 wrong usage; "
     "130 stopped by Ctrl-C."
@@ -35,6 +37,7 @@ def cli() -> None:
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
     weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3      curves within a tolerance
     weier solve --trace shaft.csv --loads 0.01:1:5             measured heights
+    weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
     weier table results/paper/contact.nc curves.csv            curves for a spreadsheet
     snakemake --cores 2 --config scenes=minimal                a scene, in a checkout
 
@@ -48,6 +51,7 @@ def cli() -> None:
 for _command in (
     profile.solve,
     profile.plot,
+    report.report,
     table.table,
     jobs.compile,
     jobs.adopt,
@@ -69,11 +73,9 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except ModuleNotFoundError as error:
-        if str(error.name).partition(".")[0] not in EXTRA:
+        if (package := str(error.name).partition(".")[0]) not in EXTRA:
             raise
-        _stop(
-            f"this command needs {error.name}: pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
-        )
+        _stop(f"this command needs {error.name}: {EXTRA[package]}")
     except MemoryError:
         _stop("not enough memory: take fewer points, loads or cases")
     except (ValueError, ConvergenceError, OSError) as error:

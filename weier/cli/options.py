@@ -29,6 +29,7 @@ Option = Callable[[Command], Command]
 
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # So many loads resolve the steps of the resistance.
+MIN_LOADS = 2  # A line needs two points.
 STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 
@@ -39,6 +40,12 @@ def parse_phases(text: str) -> float | list[float]:
     except ValueError:
         raise ValueError(f'phases must read "1" or "0,1,2", got {text!r:.80}') from None
     return phases if len(phases) > 1 else phases[0]
+
+
+def check_free(path: Path, force: bool) -> None:
+    """Refuse a file that exists unless it may be overwritten."""
+    if path.exists() and not force:
+        raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
 
 
 class Pressures(NamedTuple):
@@ -92,7 +99,7 @@ def _read(read: Callable[[Any], Any]) -> Callable[[click.Context, click.Paramete
     return callback
 
 
-def _writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
+def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path | None], Path | None]:
     """Return a callback that checks, before anything is computed, that a file can be written."""
 
     def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
@@ -117,11 +124,13 @@ SI = (
     "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
     "with the key interface. Traces have their own lambda_0 and g_0."
 )
+MAX_SECONDS = click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
+FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist.")
 INTO = click.option(
     "-o",
     "--output",
     type=FILE,
-    callback=_writable(".nc", ".json", ".csv"),
+    callback=writable(".nc", ".json", ".csv"),
     help="Write here: netCDF as .nc, or .json or .csv.",
 )
 
@@ -129,7 +138,7 @@ INTO = click.option(
 def output(name: str, *suffixes: str, default: str | None = None, required: bool = True) -> Option:
     """Return an argument for an output file, with one of these suffixes if any are given."""
     return click.argument(
-        name, type=FILE, default=default, required=required and default is None, callback=_writable(*suffixes)
+        name, type=FILE, default=default, required=required and default is None, callback=writable(*suffixes)
     )
 
 

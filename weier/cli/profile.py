@@ -14,11 +14,15 @@ from click.core import ParameterSource
 from weier import units
 from weier.cli.bodies import read_bodies
 from weier.cli.options import (
+    FORCE,
     INTO,
     LOADS,
+    MAX_SECONDS,
+    MIN_LOADS,
     PLOTTED_LOADS,
     Pressures,
     SolvingCommand,
+    check_free,
     listed_in_si,
     of_one_profile,
     output,
@@ -40,7 +44,6 @@ if TYPE_CHECKING:
     from weier.api.interface import Interface
 
 ERROR = "mean_pressure_error"
-MIN_LOADS = 2  # A line needs two points.
 
 
 class Request(NamedTuple):
@@ -130,8 +133,8 @@ def _solve(
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row per load.")
-@click.option("--force", is_flag=True, help="Overwrite --output if it exists.")
-@click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
+@FORCE
+@MAX_SECONDS
 @click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
 @click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
 @click.option("--contact-fraction", help="Find the loads for these contact fractions.")
@@ -173,8 +176,8 @@ def solve(
 
     wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
     request = _request(wanted=wanted, **options)
-    if output is not None and output.exists() and not force:
-        raise ValueError(f"{output} exists: name another file, or overwrite it by --force")
+    if output is not None:
+        check_free(output, force)
     stop = None
     try:
         data = _solve((), request, methods, tolerance, settings, workers, max_seconds)

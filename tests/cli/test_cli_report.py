@@ -1,0 +1,113 @@
+"""Reports of several measured lines, from the files of instruments to tables and figures."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import weier
+from weier.cli.report import rounded
+
+BODIES = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7}
+PRESSURES = ["--si", "bodies.yaml", "--pressures", "1:10:3MPa"]
+FILES = ["a.csv", "b.csv", "c.txt"]
+
+
+@pytest.fixture
+def lines(tmp_path, monkeypatch):
+    """Three files as instruments write them, and their traces."""
+    monkeypatch.chdir(tmp_path)
+    x, random = np.arange(200) * 5.0, np.random.default_rng(3)  # um
+    traces, k = [], np.arange(1, 30)
+    for name in FILES:
+        z = 20 * np.fft.irfft(np.append(0, k**-1.2 * np.exp(2j * np.pi * random.random(k.size))), x.size)
+        rows = [f"{a:.1f},{b:.5f}" for a, b in zip(x, z, strict=True)]
+        if name == "c.txt":  # decimal commas
+            text = "x [µm];z [µm]\n" + "\n".join(row.replace(",", ";").replace(".", ",") for row in rows)
+        else:
+            text = "x (um),z (um)\n" + "\n".join(rows)
+        (tmp_path / name).write_text(text)
+        traces.append(weier.Trace(z.round(5), 1e-3, x_unit="m", height_unit="um"))
+    (tmp_path / "bodies.yaml").write_text("\n".join(f"{name}: {value}" for name, value in BODIES.items()))
+    return traces
+
+
+def test_a_table_has_the_scatter_of_the_lines_in_the_unit_of_the_pressures(run, lines, tmp_path):
+    """In every format. CSV has the digits that the error leaves, and netCDF all digits of each line."""
+    suffixes = ("csv", "tex", "md", "svg", "nc")
+    outputs = [word for suffix in suffixes for word in ("-o", f"report.{suffix}")]
+    assert run("report", *FILES, *PRESSURES, *outputs)[0] == 0
+    resistance = weier.Interface(**BODIES).solve(lines, [1e6, 10**6.5, 1e7]).resistance.values[:, 0]
+    table = pd.read_csv("report.csv")
+    assert len(table.columns) <= 8
+    assert table["mean pressure (MPa)"].tolist() == [1, 3.1623, 10]
+    low, median, high = np.percentile(resistance, [10, 50, 90], axis=0)
+    for name, expected in (("10 %", low), ("median", median), ("90 %", high)):
+        assert table[f"resistance, {name} (ohm m^2)"].to_numpy() == pytest.approx(expected, rel=6e-5), name
+    assert (table["resistance, numerical error (ohm m^2)"] > 0).all()
+    with weier.open_dataset("report.nc") as data:
+        assert (data.mean_pressure.units, data.resistance.units) == ("MPa", "ohm m^2")
+        assert data.mean_pressure.values == pytest.approx([1, 10**0.5, 10], rel=1e-15)
+        assert data.resistance.values[:, 0] == pytest.approx(resistance, rel=1e-9)
+    assert "(MPa)" in (tmp_path / "report.svg").read_text()
+    texts = [(tmp_path / f"report.{suffix}").read_text() for suffix in ("tex", "md")]
+    power = f"{median[0]:#.5g}".partition("e-")
+    for text, number in zip(
+        texts, (rf"{power[0]}\times 10^{{-{int(power[2])}}}", f"{power[0]}e-{power[2]}"), strict=True
+    ):
+        assert number in text
+        assert "3 lines: a.csv, b.csv, c.txt" in text
+
+
+def test_one_line_has_no_scatter_and_all_columns_are_there(run, lines):
+    _, out, _ = run("report", "a.csv", *PRESSURES)
+    head = out.splitlines()[2]
+    assert "| resistance (ohm m^2) | resistance, numerical error (ohm m^2) | compliance (m) |" in head
+    assert "%" not in head
+    assert run("report", *FILES, *PRESSURES, "--all", "-o", "all.csv")[0] == 0
+    table = pd.read_csv("all.csv")
+    assert table["trace"].tolist() == [name for name in FILES for _ in range(3)]
+    assert {"mean_pressure (MPa)", "resistance_numerical_error (ohm m^2)", "patch_count"} <= {*table}
+
+
+def test_a_workbook_has_numbers(run, lines):
+    openpyxl = pytest.importorskip("openpyxl", reason="the extra of workbooks is not installed")
+    assert run("report", *FILES, *PRESSURES, "-o", "report.xlsx", "-o", "report.csv")[0] == 0
+    head, *rows = openpyxl.load_workbook("report.xlsx").active.values
+    table = pd.read_csv("report.csv")
+    assert [*head] == [*table]
+    np.testing.assert_array_equal(np.array(rows, float), table.to_numpy())
+
+
+def test_numbers_have_the_digits_that_their_error_leaves():
+    ensemble = {"mean_pressure (bar)": [1.0, 2.0, 1234567.0, 4.0]}
+    ensemble |= {"resistance_median (ohm m^2)": [1.23456789e-9, 1200.0, 0.0, 2e-3]}
+    ensemble |= {"resistance_numerical_error (ohm m^2)": [3.21e-12, 4.0, 0.0, 1.0]}
+    table = rounded(pd.DataFrame(ensemble), several=True)
+    assert table["resistance, median (ohm m^2)"].tolist() == ["1.235e-09", "1200", "0", "0.002"]
+    assert table["resistance, numerical error (ohm m^2)"].tolist() == ["3.2e-12", "4.0", "0", "1.0"]
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        (["a.csv"], "a report needs the two bodies, by --si, and the mean pressures, by --pressures"),
+        (["a.csv", *PRESSURES, "-o", "a.csv", "--force"], "a.csv is one of FILES: name another output"),
+        (["a.csv", *PRESSURES, "-o", "b.csv"], "b.csv exists: name another file, or overwrite it by --force"),
+        (["a.csv", *PRESSURES, "-o", "b.doc"], "the name must end in one of .csv, .xlsx, .tex, .md, .png"),
+        (["a.csv", *PRESSURES[:3], "1MPa", "-o", "b.png"], "a figure takes at least 2 pressures, got 1"),
+        (["a.csv", *PRESSURES, "-o", "b.xlsx"], "this command needs openpyxl: pip install 'weier[excel]'"),
+        (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
+        (["a.csv", "none.csv", *PRESSURES], "there is no file none.csv"),
+        (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
+    ],
+)
+def test_what_cannot_be_reported_is_refused_before_it_is_solved(run, lines, tmp_path, monkeypatch, options, why):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    (tmp_path / "long.csv").write_text("\n".join(["x (um),z (um)", *(f"{10 * n},{np.cos(n)}" for n in range(100))]))
+    (tmp_path / "bad.csv").write_text("x (um),z (um)\n0,1\n1,a\n")
+    monkeypatch.setattr(weier.api.solve, "solve_under", None)
+    code, _, err = run("report", *options)
+    assert code in (1, 2)
+    assert why in " ".join(err.split())
