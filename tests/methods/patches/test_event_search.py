@@ -169,6 +169,16 @@ def test_events_of_symmetric_profiles_come_in_pairs():
     np.testing.assert_array_equal(merge.birth, [False])
 
 
+def test_events_of_nearly_one_load_are_told_apart():
+    """A phase separates the symmetric births and mergers in proportion to itself."""
+    apart = []
+    for phase in (1e-7, 1e-6):
+        load = patches.events(Profile(1.25, 3, 2, (0.0, phase)), 1e-6, 10.0).mean_pressure
+        apart.append(load[[1, 3]] / load[[0, 2]] - 1)
+    np.testing.assert_allclose(apart[0], (6.5e-8, 5.9e-8), rtol=0.1)
+    np.testing.assert_allclose(apart[1], 10 * apart[0], rtol=0.05)
+
+
 @pytest.mark.parametrize("phase", [0.0, np.pi])
 def test_events_of_one_load_are_found_together(phase):
     """z is even: whatever happens beside the axis happens on both sides at once."""

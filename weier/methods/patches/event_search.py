@@ -44,6 +44,9 @@ MAX_ADVANCE = 0.15
 MIN_SHARE_OF_LOAD = 0.7
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
+# difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
+# farther apart are separated first, which changes no result
+SAME_LOAD = 1e-4
 MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
@@ -51,9 +54,9 @@ MAX_VIOLATION = 1e-7
 # bisections per event of intervals over which no edge advances farther than `MAX_ADVANCE`, three times those from a
 # decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
-# loads solved up to full contact, for each of the finest waves and for each crest of height or tension, in all
-# 0.7 to 1.7 times those of eight surfaces of 25 to 300 waves with 1 to 247 events
-LOADS_PER_WAVE, LOADS_PER_CREST = 5, 8
+# loads solved up to full contact, for each of the finest waves and for each crest of height or tension: 1.0 to 1.1 of
+# those of seven surfaces of 5 to 40 waves, up to 2.4 of those of symmetric ones
+LOADS_PER_WAVE, LOADS_PER_CREST = 5, 5
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
 # minimum is located
 SAMPLES = 12
@@ -175,7 +178,7 @@ def _sort_events(located: list[tuple[float, _Event]], patch_count: int, surface:
 
 
 class _Search(NamedTuple):
-    """Bisection on ln(p) until each interval contains the events of one load, then root-finding.
+    """Division of the interval until each part contains the events of one load, then root-finding.
 
     starts : guesses of the contacts under any load of the surface
     """
@@ -204,7 +207,7 @@ class _Search(NamedTuple):
         while pending:
             low, high = pending.pop()
             changes, is_certain, is_long = self._changes(low, high)
-            found = self._finish(low, high, changes, is_certain)
+            found, split = self._finish(low, high, changes, is_certain)
             if found is not None:
                 located += found
                 length = float(contact_pieces(high, period)[0][2].sum())
@@ -216,30 +219,37 @@ class _Search(NamedTuple):
                     f"the changes of contacts between the mean pressures {low.load:.10g} and {high.load:.10g} p_0* "
                     f"remain uncertain after {splits} bisections; take a smaller interval of loads"
                 )
-            between = self.state(float(np.sqrt(low.load) * np.sqrt(high.load)))
+            between = self.state(split)
             pending += [(between, high), (low, between)]
         return located
 
     def _finish(
         self, low: ContactState, high: ContactState, changes: list[_Event], is_certain: bool
-    ) -> list[tuple[float, _Event]] | None:
-        """Return the events between two states; None if the interval must be bisected.
+    ) -> tuple[list[tuple[float, _Event]] | None, float]:
+        """Return the events between two states, None if the interval must be divided, and the load that divides it.
 
         Events in an interval shorter than `MIN_INTERVAL` are assigned the load of the heavier state. Other intervals
-        are finished when certainly no contact has changed, or when all roots coincide and the contacts there satisfy
-        the inequalities.
+        are finished when certainly no contact has changed, or when all changes have one root and the contacts there
+        satisfy the inequalities.
         """
-        width = float(np.log(high.load / low.load))
+        width, middle = float(np.log(high.load / low.load)), float(np.sqrt(low.load) * np.sqrt(high.load))
         if width < MIN_INTERVAL:
-            return [(high.load, event) for event in changes]
+            return [(high.load, event) for event in changes], middle
         if is_certain and not changes:
-            return []
-        if is_certain and width < MAX_ROOT_INTERVAL:
-            located = self._locate_all(low, high, changes)
-            is_direct = all(_is_direct(low, high, *pair) for pair in zip(changes, located, strict=False))
-            if located and is_direct and self._is_in_contact(located[0][1]):
-                return [(state.load, event) for event, state in located]
-        return None
+            return [], middle
+        if not is_certain or width >= MAX_ROOT_INTERVAL:
+            return None, middle
+        expected = np.sort([_expected_load(low, high, change) for change in changes])
+        apart, margin = np.diff(expected, prepend=expected[0]), 0.1 * (high.load - low.load)
+        widest = int(apart.argmax())
+        if apart[widest] > SAME_LOAD * (high.load - low.load):
+            split = 0.5 * (expected[widest - 1] + expected[widest])
+            return None, float(np.clip(split, low.load + margin, high.load - margin))
+        located = self._locate(low, high, changes)
+        is_direct = all(_is_direct(low, high, *pair) for pair in zip(changes, located, strict=False))
+        if located and is_direct and self._is_in_contact(located[0][1]):
+            return [(state.load, event) for event, state in located], middle
+        return None, middle
 
     def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool, bool]:
         """Return contacts of `high` without one of `low` and gaps of `low` closed by it.
@@ -287,38 +297,41 @@ class _Search(NamedTuple):
         minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
         return bool(np.all(minima <= births))
 
-    def _locate_all(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """Return all changes, each located independently; empty if one cannot be located, or two loads differ."""
-        located: list[_Located] = []
-        for event in changes:
-            try:
-                located.append(self._locate(low, high, event))
-            except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
-                return []
-            if abs(located[-1][1].load / located[0][1].load - 1) > MIN_INTERVAL:  # not one event, nor symmetric ones
-                return []
-        return located
+    def _locate(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
+        """Return position and state at which the minimum of the gap (births) or of the pressure (mergers) vanishes.
 
-    def _locate(self, low: ContactState, high: ContactState, event: _Event) -> _Located:
-        """Return position and state at which the minimum of the gap (birth) or of the pressure (merger) vanishes.
-
-        Contacts are followed from the load where that minimum is positive, the lighter one for a birth and the
-        heavier one for a merger, to the other, where it is negative. Each state starts from the nearest one in load.
+        Contacts are followed from the load where that minimum is positive, the lighter one for births and the
+        heavier one for mergers, to the other, where it is negative. Each state starts from the nearest one in load.
+        Without result if the changes are of both kinds, have no root, or have different ones.
         """
-        followed: list[_Located] = [(event, low if event.birth else high)]
+        first, surface = changes[0], self.starts.surface
+        start = low if first.birth else high
+        followed = [start]
 
-        def nearest(load: float) -> _Located:
-            return min(followed, key=lambda located: abs(located[1].load - load))
+        def nearest(load: float) -> ContactState:
+            return min(followed, key=lambda state: abs(state.load - load))
 
-        def minimum(load: float) -> float:
-            state = self._follow(nearest(load)[1], load)
-            y, value = _minimum(state, self.starts.surface.series(state.dual), event)
-            followed.insert(0, (event._replace(left=y, right=y), state))
-            return value
+        def minimum(state: ContactState, event: _Event) -> tuple[float, float]:
+            return _minimum(state, surface.series(state.dual), event)
+
+        def first_minimum(load: float) -> float:
+            followed.insert(0, self._follow(nearest(load), load))
+            return minimum(followed[0], first)[1]
 
         relative = TARGET * TOLERANCE  # of the residual
         accuracy = {"xtol": relative * low.load, "rtol": relative}
-        return nearest(scipy.optimize.brentq(minimum, low.load, high.load, **accuracy))
+        try:
+            root = nearest(scipy.optimize.brentq(first_minimum, low.load, high.load, **accuracy))
+        except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
+            return []
+        rate = minimum(start, first)[1] / abs(start.load - root.load)
+        located: list[_Located] = []
+        for event in changes:
+            y, value = minimum(root, event)
+            if event.birth != first.birth or not abs(value) <= rate * MIN_INTERVAL * root.load:
+                return []
+            located.append((event._replace(left=y, right=y), root))
+        return located
 
     def _is_in_contact(self, state: ContactState) -> bool:
         """Return whether the contacts followed to an event satisfy the inequalities at its load.
@@ -356,6 +369,12 @@ def _needed_load(length: Array, load_per_advance: Array) -> Array:
     load_per_advance : the sum of its values at both ends, of which one is 0 at a birth or merger
     """
     return MIN_SHARE_OF_LOAD * 0.5 * load_per_advance * length
+
+
+def _expected_load(low: ContactState, high: ContactState, change: _Event) -> float:
+    """Return the load of an event if its edges advance at a rate that is linear in their distance from it."""
+    passed = 0.125 * sum(change.load_per_advance) * (change.right - change.left)
+    return high.load - passed if change.birth else low.load + passed
 
 
 def _is_direct(low: ContactState, high: ContactState, change: _Event, located: _Located) -> bool:
