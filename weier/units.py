@@ -31,6 +31,9 @@ IN_SI = {
     "g_0": METRE,
     NORMALISED_PRESSURE: PASCAL,
     "g_0/p_0*": "ohm m^2",
+    "g_0 p_0*": "J m^-2",
+    "g_0/lambda_0": NONE,
+    "g_0/lambda_0^2": "m^-1",
     "p_0*/lambda_0^(1/2)": "Pa m^-0.5",
 }
 NORMALISED = tuple(IN_SI)

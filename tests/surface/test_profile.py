@@ -71,6 +71,22 @@ def test_sampled_height_against_mpmath(profile, points):
         assert z[j] == pytest.approx(exact, abs=16 * EPS * profile.total_amplitude)
 
 
+@pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 3), (1.5, "5/2", 4), (1.9, 2, 6), (1.5, 3, 1)])
+def test_root_mean_squares_are_those_of_samples(D, gamma, m):
+    """Equidistant samples, more than two of the finest wave, give the mean of a square exactly."""
+    profile = Profile(D, gamma, m, phases=1.0)
+    x = np.linspace(0, profile.period, 5 * profile.waves_per_period[-1], endpoint=False)
+    sampled = [np.sqrt(np.mean(of(x) ** 2)) for of in (profile.height, profile.slope, profile.curvature)]
+    assert profile.rms == pytest.approx(sampled, rel=1e-12)
+    assert super(Profile, profile).rms == pytest.approx(sampled, rel=1e-12)  # by sums over the waves
+
+
+def test_the_infinite_series_has_a_height_and_neither_slope_nor_curvature():
+    """Its squared amplitudes are a geometric series."""
+    assert Profile(1.5, 3, math.inf).rms == (pytest.approx(math.sqrt(0.75), rel=1e-14), math.inf, math.inf)
+    assert Profile(1.5, 3, 10**6).rms[1:] == (math.inf, math.inf)  # beyond floats
+
+
 def test_sampled_height_loses_nothing_to_fine_waves():
     profile = Profile(1.9, 1000, 5, 1.0)  # finest wave: 1e12 to a period
     z = profile.sampled_height(7)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from weier.api.task import CurveTask
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
@@ -17,6 +19,7 @@ from weier.theory.bounds import first_contact, infinite_series_bounds
 
 # The solution of a method and the seconds that it took, or the error.
 Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
+RMS = "rms_height", "rms_slope", "rms_curvature"
 BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
 
 
@@ -27,7 +30,8 @@ def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
     values = {name: value for name, value in solution._asdict().items() if value is not None}
-    return {"status": Status.solved, "seconds": seconds, **values, **_bounds(curve, solution)}
+    more = _derived(curve, solution) | _bounds(curve, solution)
+    return {"status": Status.solved, "seconds": seconds, **values, **more}
 
 
 def _bounds(curve: CurveTask, solution: Any) -> Mapping[str, Array]:
@@ -38,12 +42,23 @@ def _bounds(curve: CurveTask, solution: Any) -> Mapping[str, Array]:
     return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.compliance_error)
 
 
+def _derived(curve: CurveTask, solution: Any) -> dict[str, Array]:
+    """Return the mean gap and, with a contact fraction A, kappa = A E* h'/p, where p_0* = pi E* g_0/lambda_0."""
+    gap = {"mean_gap": curve.profile.total_amplitude - solution.compliance}
+    fraction = getattr(solution, "contact_fraction", None)
+    if fraction is None:
+        return gap
+    with np.errstate(invalid="ignore"):  # 0 inf of an infinite series without contact area
+        return gap | {"area_coefficient": fraction * curve.profile.rms[1] / (np.pi * curve.loads)}
+
+
 def surface_row(surface: Waves) -> dict[str, Any]:
     """Return what describes a surface: its labels, its phases, and its heights that do not depend on a method."""
     row = surface.labels | {
         "phases": surface.listed_phases,
         "total_amplitude": surface.total_amplitude,
         "tail_amplitude": surface.tail_amplitude,
+        **dict(zip(RMS, surface.rms, strict=True)),
     }
     if math.isfinite(surface.m) and resolvable(surface):
         row["first_contact"] = first_contact(surface)

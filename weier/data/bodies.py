@@ -239,6 +239,7 @@ class Bodies:
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
         slope = specific_resistance(g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
+        values |= {"g_0 p_0*": g_0 * p, "g_0/lambda_0": g_0 / lambda_0, "g_0/lambda_0^2": g_0 / lambda_0**2}
         values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(lambda_0)
         return {name: (value, units.IN_SI[name]) for name, value in values.items()}
 

@@ -32,6 +32,8 @@ COMPLIANCE_ERROR = (
 RESISTANCE_ERROR = (
     "By boundary elements it is a bound if that of the compliance is one, from chords of the concave curve."
 )
+MOMENT = "Its square is the spectral moment m_{}, with wavenumbers in radians per length."
+DIVERGES = "Infinite for m = inf."
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 # Files of measurements of the methods, which have some of the variables.
@@ -163,6 +165,13 @@ VARIABLES = {
         ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", files=ALL_MEASURED
     ),
     "first_contact": Variable(("case",), "compliance at first contact", "g_0", files=MEASURED),
+    "rms_height": Variable(("case",), "root mean square height", "g_0", comment=MOMENT.format(0)),
+    "rms_slope": Variable(
+        ("case",), "root mean square slope", "g_0/lambda_0", "h'", comment=f"{MOMENT.format(2)} {DIVERGES}"
+    ),
+    "rms_curvature": Variable(
+        ("case",), "root mean square curvature", "g_0/lambda_0^2", comment=f"{MOMENT.format(4)} {DIVERGES}"
+    ),
     "compliance": Variable(
         CURVE,
         "compliance",
@@ -221,6 +230,13 @@ VARIABLES = {
         files=(TRADEOFF,),
         axis="contact fraction $A$",
         optional=True,
+    ),
+    "mean_gap": Variable(CURVE, "mean gap", "g_0", "d", comment="The sum of the amplitudes minus the compliance."),
+    "area_coefficient": Variable(
+        CURVE,
+        "coefficient of the contact fraction in p/(E* h')",
+        comment="kappa = A E* h'/p with the contact fraction A, the contact modulus E* = 2 M, the root mean square slope h' "
+        "and the mean pressure p. NaN for methods without a contact fraction.",
     ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", files=(TRADEOFF,), optional=True),
     "residual": Variable(

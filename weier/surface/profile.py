@@ -164,6 +164,18 @@ class Profile(Waves):
         return math.fsum(self.amplitude)
 
     @property
+    def rms(self) -> tuple[float, float, float]:
+        """Root mean squares of height, slope and curvature; those of slope and curvature are inf for m = inf.
+
+        As of `Waves`: sums of squared amplitudes times powers of the wavenumber, which are geometric.
+        """
+        gamma = float(self.gamma)
+        with np.errstate(over="ignore"):
+            sums = [float(series.leading_amplitude(self.m, 2 * (self.D + order) - 2, gamma)) for order in range(3)]
+        height, slope, curvature = ((2 * math.pi) ** order * math.sqrt(sums[order] / 2) for order in range(3))
+        return height, slope, curvature
+
+    @property
     def tail_amplitude(self) -> float:
         """Sum G_m of the amplitudes that the truncation leaves out, in g_0 (27)."""
         return float(series.tail_amplitude(self.m, self.D, float(self.gamma)))

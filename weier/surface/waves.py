@@ -108,6 +108,16 @@ class Waves(ABC):
         points = checked_count("points", points, 1, MAX_POINTS)
         return sample(self.amplitude[:terms], self.waves_per_period[:terms], self.phase[:terms], points)
 
+    @property
+    def rms(self) -> tuple[float, float, float]:
+        """Root mean squares of height, slope and curvature: roots of the moments m_0, m_2 and m_4 of the spectrum.
+
+        In g_0, g_0/lambda_0 and g_0/lambda_0^2.
+        """
+        squares = (0.5 * np.sum((self.amplitude * self._wavenumber**order) ** 2) for order in range(3))
+        height, slope, curvature = (math.sqrt(square) for square in squares)
+        return height, slope, curvature
+
     @cached_property
     def crest(self) -> tuple[float, float]:
         """Location x and height z of the highest point, in lambda_0 and g_0: the place of first contact."""
