@@ -61,7 +61,7 @@ def test_what_is_refused_is_not_announced(capsys):
 
 
 def test_series_that_differ_in_phases_alone_are_announced_as_one_if_the_method_uses_none(capsys):
-    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(60)]
+    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(120)]
     settings = {"layer": {"points": 150}}
     assert len(series) * layer.METHOD.seconds(series[0], LOADS, **settings["layer"]) > progress.LONG
     weier.solve(series, LOADS, ["layer"], **settings)

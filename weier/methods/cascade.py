@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import AreaEstimate, Method, Style
+from weier.methods.method import CURVE_SECONDS, AreaEstimate, Method, Style
 from weier.surface.profile import Profile
 
 LIGHTEST, HEAVIEST = -690.0, math.log(1e4)  # ln xi of a table: lighter loads are refused, heavier waves are flat
@@ -223,5 +223,5 @@ METHOD = Method(
     uses_phases=False,
     stiffness=False,
     style=Style("#882255", (2.5, 1), "h"),
-    seconds=lambda profile, loads, **settings: 0.02 * _tables(_step(profile), profile.m),
+    seconds=lambda profile, loads, **settings: CURVE_SECONDS + 0.008 * _tables(_step(profile), profile.m),
 )

@@ -18,6 +18,7 @@ import numpy as np
 
 from weier.digests import DIGITS, digest
 from weier.kernels.arrays import Array, Flags, Indices
+from weier.methods.method import CURVE_SECONDS
 from weier.methods.registry import find_method, methods_run_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 SURFACE = "surface"  # in place of a method: what describes a surface itself
 CLOSED = "closed_form"  # group of the methods that need no compiled kernels of their own
-SURFACE_SECONDS = 4e-4  # measured: phases and the height of first contact of a short series
 
 
 class Kind(NamedTuple):
@@ -122,7 +122,7 @@ class Part:
     def seconds(self) -> Array:
         """Return the expected seconds of each curve, which hardly depend on phases."""
         if self.kind.method == SURFACE:
-            return np.full(len(self.positions), SURFACE_SECONDS)
+            return np.full(len(self.positions), CURVE_SECONDS)
         shape = [len(values) for values in self.product.axes.values()]
         costs = np.zeros([1 if name in SEEDS else len(values) for name, values in self.product.axes.items()])
         for place in np.ndindex(costs.shape):

@@ -9,8 +9,7 @@ import pytest
 
 from weier import Profile
 from weier.methods import archard, layer, westergaard
-from weier.methods.layer.method import METHOD
-from weier.methods.layer.solver import ACCURACY, POINTS
+from weier.methods.layer.solver import ACCURACY
 from weier.surface.series import leading_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]
@@ -140,14 +139,3 @@ def test_settings_at_the_ends_of_their_ranges_hold(m, least, most):
     for points in (4, most):
         other = layer.curve(Profile(1.5, 5, m), loads[1:], points=points).compliance
         np.testing.assert_allclose(other, finest.compliance[1:], rtol=1e-3)
-
-
-@pytest.mark.parametrize("m", [3, np.inf])
-def test_expected_seconds_follow_the_nodes_of_a_half_wave(m):
-    """The equations of n nodes are dense."""
-    profile, loads = Profile(1.5, 2, m), np.array([0.1])
-    doubled = layer.SECONDS[2]
-    few, default, many = (METHOD.seconds(profile, loads, points=n) for n in (16, POINTS, 400))
-    assert METHOD.seconds(profile, loads) == default
-    for seconds, n in ((few, 16), (many, 400)):
-        assert seconds == pytest.approx(default * (doubled**2 + n**2) / (doubled**2 + POINTS**2), rel=0.01)

@@ -5,13 +5,12 @@ docs/bem.md derives the formulas; each module names its sections. `grids` nests 
 bounds.
 """
 
-from weier.methods.bem.method import METHOD, SECONDS, grid, points_of, within_few_points
+from weier.methods.bem.method import METHOD, grid, points_of, within_few_points
 from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, checked_points, curve
 
 __all__ = [
     "METHOD",
     "POINTS_PER_WAVE",
-    "SECONDS",
     "BemCurve",
     "checked_points",
     "curve",

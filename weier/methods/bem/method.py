@@ -11,16 +11,13 @@ from weier.methods.bem import error_model
 from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, BemCurve, curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
-from weier.methods.method import Method, Style, applies_to_resolvable
+from weier.methods.method import CURVE_SECONDS, Method, Style, applies_to_resolvable
 from weier.surface.limits import check_points, check_resolvable
 from weier.surface.waves import Waves
 
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
-# of a curve, of each load on few nodes, nodes that double it, and the power of more:
-# `python -m benchmarks expected_seconds`
-SECONDS = 1e-3, 6e-5, 300.0, 1.4
 
 
 def _solve(
@@ -92,14 +89,6 @@ def points_of(
     return _points(profile, points_per_wave) if tolerance is None else points_within(profile, tolerance)
 
 
-def _seconds(
-    profile: Waves, loads: Array, constants: tuple[float, float, float, float] = SECONDS, **settings: Any
-) -> float:
-    """Return expected seconds of a curve."""
-    start, load, nodes, power = constants
-    return start + load * loads.size * (1 + (points_of(profile, **settings) / nodes) ** power)
-
-
 METHOD = Method(
     name="bem",
     label="boundary elements",
@@ -115,6 +104,8 @@ METHOD = Method(
     numerical=True,
     in_paper=True,
     style=Style("#000000", (), "o"),
-    seconds=_seconds,
+    seconds=lambda profile, loads, **settings: (
+        CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
+    ),
     check=_check,
 )

@@ -3,7 +3,7 @@
 docs/layer.md derives the formulas; each module names its sections.
 """
 
-from weier.methods.layer.method import METHOD, SECONDS
+from weier.methods.layer.method import METHOD
 from weier.methods.layer.solver import POINTS, LayerCurve, curve, tail_closure
 
-__all__ = ["METHOD", "POINTS", "SECONDS", "LayerCurve", "curve", "tail_closure"]
+__all__ = ["METHOD", "POINTS", "LayerCurve", "curve", "tail_closure"]

@@ -7,25 +7,16 @@ from typing import Any
 
 from weier.kernels.arrays import Array
 from weier.methods.layer.solver import MAX_ACCURACY, MAX_POINTS, MIN_ACCURACY, MIN_POINTS, POINTS, check, curve
-from weier.methods.method import Method, Style
+from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
-# of a table of a finite series and of the infinite one, nodes that double them, and seconds of a load:
-# `python -m benchmarks expected_seconds`
-SECONDS = 0.008, 0.1, 42.0, 1e-4
+INFINITE_TERMS = 11  # Tables of an infinite series take as long as those of this number of terms.
 
 
-def _seconds(
-    profile: Profile,
-    loads: Array,
-    points: int = POINTS,
-    constants: tuple[float, float, float, float] = SECONDS,
-    **settings: Any,
-) -> float:
-    """Return the expected seconds: one table per scale of a finite series, a single one if m = inf."""
-    scale, infinite, nodes, load = constants
-    tables = scale * profile.m if math.isfinite(profile.m) else infinite
-    return tables * (1 + (points / nodes) ** 2) + load * loads.size
+def _seconds(profile: Profile, loads: Array, points: int = POINTS, **settings: Any) -> float:
+    """Return the expected seconds of the tables of all terms but the finest."""
+    terms = profile.m if math.isfinite(profile.m) else INFINITE_TERMS
+    return CURVE_SECONDS + 6e-4 * (terms - 1) * points
 
 
 METHOD = Method(

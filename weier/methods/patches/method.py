@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from weier.kernels.arrays import Array
-from weier.methods.method import Method, Style, applies_to_resolvable
+from weier.methods.method import CURVE_SECONDS, Method, Style, applies_to_resolvable
 from weier.methods.patches import stages
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
@@ -22,16 +19,6 @@ from weier.methods.patches.start import TOLERANCE, TOLERANCE_RANGE, isolated_con
 from weier.methods.patches.surface import surface_of
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
-from weier.surface.waves import Waves
-
-# of a curve, of each load, and of each of its finest waves: `python -m benchmarks expected_seconds`
-SECONDS = 3e-3, 7e-4, 1.1e-4
-
-
-def _seconds(profile: Waves, loads: Array, constants: tuple[float, float, float] = SECONDS, **settings: Any) -> float:
-    """Return expected seconds of a curve."""
-    start, load, wave = constants
-    return start + loads.size * (load + wave * profile.waves_per_period[-1])
 
 
 def run_kernels() -> None:
@@ -74,5 +61,7 @@ METHOD = Method(
     applies=applies_to_resolvable,
     numerical=True,
     style=Style("#000000", (), "d"),
-    seconds=_seconds,
+    seconds=lambda profile, loads, **settings: (
+        CURVE_SECONDS + 7e-4 * loads.size * profile.waves_per_period[-1] ** 0.8
+    ),
 )
