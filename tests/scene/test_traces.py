@@ -93,7 +93,7 @@ def test_a_pattern_is_its_files_in_natural_order(folder):
     assert sources(loaded.studies["deep"]) == ["lab/day/line 3.csv", "lab/line 1.csv", "lab/line 2.csv"]
     absolute = {"trace": OPTIONS | {"file": str(folder / "lab" / "*.csv")}, "methods": ["bem"]}
     assert len(load(folder, studies={"all": absolute}, figures={}).studies["all"]) == 3
-    (folder / "lab" / "line 11.csv").write_text("x,z\n0,1\n1,rough\n")
+    (folder / "lab" / "line 11.csv").write_text("x,z\n0,1.5\n1,rough\n")
     with pytest.raises(scene.SceneError, match=r"trace\.file: lab/line 11\.csv: .*line 3, "):
         load(folder, studies={"batch": batch}, figures={})
     with pytest.raises(scene.SceneError, match=r"trace\.file: there is no file .*lab/\*\.dat"):

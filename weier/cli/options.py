@@ -20,7 +20,7 @@ from weier.scene.yaml import parse_yaml
 from weier.surface.loads import positive_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
 from weier.surface.measured.instruments import AXES
-from weier.surface.measured.layout import SEPARATORS
+from weier.surface.measured.text import SEPARATORS
 from weier.surface.measured.trace import ENDS
 from weier.surface.measured.units import UNITS
 
@@ -262,7 +262,6 @@ OF_TRACE = (
     click.Option(
         ["--columns"], callback=_read(_columns), help='Column of heights, from 0, or "0,2" for positions and heights.'
     ),
-    click.Option(["--valid"], type=int, help="Column with 1 or true for valid heights."),
     click.Option(["--delimiter"], help='Column separator; " " stands for blanks.'),
     click.Option(["--decimal"], type=click.Choice([".", ","]), help="Decimal mark."),
     click.Option(["--thousands"], type=click.Choice(list(SEPARATORS)), help="Thousands separator."),

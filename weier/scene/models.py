@@ -39,7 +39,7 @@ from weier.scene.yaml import number
 from weier.surface.loads import check_pascal, check_range, listed_loads
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
 from weier.surface.measured.instruments import AXES
-from weier.surface.measured.layout import SEPARATORS
+from weier.surface.measured.text import SEPARATORS
 from weier.surface.measured.trace import ENDS, MIRRORED
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile
@@ -277,7 +277,6 @@ class TraceKeys(Part):
     skip: Position = Field(ABSENT, description="Number of lines above the table of a text file.")
     rows: Count = Field(ABSENT, description="Number of rows of the table.")
     columns: Columns = Field(ABSENT, description="Column of heights, from 0, or columns of positions and heights.")
-    valid: Position = Field(ABSENT, description="Column with 1 or true for valid heights.")
     delimiter: Sign = Field(ABSENT, description='Column separator; " " stands for blanks.')
     decimal: Annotated[str, OneOf(".", ",")] = Field(ABSENT, description="Decimal mark.")
     thousands: Annotated[str, OneOf(*SEPARATORS)] = Field(ABSENT, description="Thousands separator.")

@@ -18,10 +18,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from weier.checks import checked_count, checked_word, shown
-from weier.surface.measured.content import NoTextError
-from weier.surface.measured.layout import Layout
 from weier.surface.measured.line import Line
-from weier.surface.measured.text import read_columns
+from weier.surface.measured.text import Layout, NoTextError, read_columns
 from weier.surface.measured.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"

@@ -1,54 +1,106 @@
 """Text files with heights, or positions and heights, in the columns of one table.
 
-The table is one block of lines of numbers or words for missing heights; anything else in it is refused with its line
-and the arguments that resolve the ambiguity. Lines above and below are kept as `Line.left_out`; those next to the
-table are refused if they may belong to it. pandas converts the numbers, whose signs are known by then.
+The table is one block of lines. A sample of the lines tells the signs between columns and before decimals; pandas
+reads the numbers, and whatever it does not read is refused with its line and the arguments that settle it. Lines
+above and below are kept as `Line.left_out`; those next to the table are refused if they may belong to it.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from io import StringIO
-from itertools import zip_longest
 from pathlib import Path
 from statistics import mode
-from typing import NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from weier.checks import shown
+from weier.checks import checked_count, checked_word, shown
 from weier.kernels.arrays import Array
 from weier.surface.measured import units
-from weier.surface.measured.artefacts import MAX_HEIGHTS, MIN_HEIGHTS
-from weier.surface.measured.content import read_text
-from weier.surface.measured.layout import (
-    BLANK,
-    DIGITS,
-    SEPARATORS,
-    Layout,
-    UnclearError,
-    find_decimal,
-    find_delimiter,
-    number_pattern,
-)
+from weier.surface.measured.artefacts import MIN_HEIGHTS
 from weier.surface.measured.line import Line
 
-BLANKS = " \f\v\u00a0\u200b\ufeff"  # At the ends of a line; a tab may stand between columns.
-MARKS = "#%!/*; \t"  # In front of remarks and headings.
-MINUS = re.compile(r"^[\u2010-\u2013\u2212\ufe63\uff0d](?=[\d.,]|$)")  # Signs that are printed for minus.
-# Words and signs that programs write for a missing height. Signs alone may also be a rule.
-MISSING = re.compile(
-    r"[+-]?nan(\((s?nan|ind)\))?|[+-]?1\.#([qs]?nan|ind)|#?n/?a|#nv|null|none|bad|-{1,3}|\*+", re.IGNORECASE
-)
-SIGNS = re.compile(r"[\W_]+")
-SIGN_OF_NUMBER = re.compile(r"[+(-]?|plus|minus|pos(itive)?|neg(ative)?", re.IGNORECASE)
-OF_HEIGHTS = re.compile(r"(z|y|h|heights?|values?|profile|roughness|data|depth|elevation)", re.IGNORECASE)
-OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)
-VALID, INVALID = re.compile(r"1(\.0*)?|true|yes|valid"), re.compile(r"0(\.0*)?|false|no|invalid")
+MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
+MARKS = {b"\xff\xfe\0\0": "utf-32", b"\0\0\xfe\xff": "utf-32", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
+END_OF_FILE = "\x1a"  # written by DOS programs at the end of a text
+BLANK = " "  # the delimiter that stands for any blanks between columns
+SEPARATORS = (".", ",", " ", "'")  # of thousands
+PRINTED = {  # signs of typesetting, as those that numbers are written with
+    **dict.fromkeys(map(ord, "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"), "-"),
+    **dict.fromkeys(map(ord, "\u00a0\u2007\u2009\u202f\u200b\ufeff\f\v"), " "),
+    ord("\u2019"): "'",
+}
+PREFIXES = "#%!/*; \t"  # in front of remarks and headings
+MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
+APART = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
+SAMPLE = 500  # lines that tell the signs of a table, about
+END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
+# Numbers of which all digits are in groups of three, and a single group.
+GROUPED, GROUP = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII), re.compile(r"[+-]?\d{1,3}", re.ASCII)
 ENDS = "skip= or rows= for the start or end of the table"
-HEADER_NUMBERS = 5  # A count of heights is sought among this many numbers at the start of one column.
+
+
+class NoTextError(ValueError):
+    """A file that is no text, but may be in the format of an instrument."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The layout of a table of text as a call gives it; None for what the file itself shall tell.
+
+    skip, rows : lines above the table, and rows in it
+    columns : numbers from 0: that of the heights, or those of the positions and of the heights
+    delimiter, decimal, thousands : signs between columns, before decimals, and between thousands
+    encoding : of the file
+    comment : prefixes of lines to skip; "" means empty lines
+    missing : further texts for missing heights; "" means empty lines
+    """
+
+    skip: int | None = None
+    rows: int | None = None
+    columns: tuple[int, ...] | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    thousands: str | None = None
+    encoding: str | None = None
+    comment: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+
+    @classmethod
+    def checked(cls, missing: tuple[str, ...] = (), **given: Any) -> Layout:
+        """Return the layout of arguments as of `Trace.read`, which may be None."""
+        own = {name: value for name, value in given.items() if value is not None}
+        for name, least in {"skip": 0, "rows": 1}.items():
+            if name in own:
+                own[name] = checked_count(name, own[name], least)
+        for name, choices in {"decimal": (".", ","), "thousands": SEPARATORS}.items():
+            if name in own:
+                checked_word(name, own[name], choices)
+        for name in {"columns", "comment"} & own.keys():
+            own[name] = tuple(own[name]) if isinstance(own[name], list | tuple) else (own[name],)
+        columns = [checked_count("columns", column, 0) for column in own.get("columns", (0,))]
+        if not 1 <= len(set(columns)) == len(columns) <= 2:
+            raise ValueError(
+                "columns must be the number of the column of heights, from 0, or those of positions and heights, "
+                f"got {shown(own['columns'])}"
+            )
+        if not all(isinstance(mark, str) for mark in own.get("comment", ())):
+            raise ValueError(f"comment must be a text, or a list of texts, got {shown(given['comment'])}")
+        if own.get("thousands") in (".", ","):
+            own.setdefault("decimal", "," if own["thousands"] == "." else ".")
+        delimiter = own.get("delimiter", BLANK)
+        if not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter.isalnum() or delimiter in "+-.":
+            raise ValueError(f"delimiter must be one sign, such as ';', or ' ' for blanks, got {shown(delimiter)}")
+        signs = [own[name] for name in ("delimiter", "decimal", "thousands") if name in own]
+        if len(set(signs)) < len(signs):
+            raise ValueError(f"delimiter, decimal and thousands must differ, got {', '.join(map(shown, signs))}")
+        return cls(missing=missing, **own)
 
 
 def read_columns(path: Path, layout: Layout | None = None) -> Line:
@@ -63,8 +115,53 @@ def read_columns(path: Path, layout: Layout | None = None) -> Line:
         and the arguments that settle it.
     """
     layout = layout or Layout()
-    lines = [_bare(line) for line in re.split(r"\r*\n|\r", read_text(path, layout.encoding))]
+    text = _text(path, layout.encoding).rstrip(END_OF_FILE).translate(PRINTED)
+    lines = [line.strip(" ") if line.strip(" ;,\t") else "" for line in re.split(r"\r*\n|\r", text)]
     return _Table(path, lines if lines[-1] else lines[:-1] or lines, layout).line()
+
+
+class _Signs(NamedTuple):
+    """The signs of a table between columns and before decimals, its words for missing heights, and its numbers."""
+
+    delimiter: str
+    decimal: str
+    missing: frozenset[str]
+    number: re.Pattern[str]
+
+    @classmethod
+    def of(cls, delimiter: str, decimal: str, layout: Layout) -> _Signs:
+        sign, thousands = re.escape(decimal), re.escape(layout.thousands or "")
+        whole = rf"(?:\d{{1,3}}(?:{thousands}\d{{3}})+|\d+)" if thousands else r"\d+"
+        if delimiter == ",":  # No whole number begins with 0: such a comma is one of decimals.
+            whole = rf"(?!0\d){whole}"
+        exponent = r"(?:[eEdD](?:[+-]?0*\d{1,2}|-\d{3}))?"  # below 1e100
+        number = rf"[+-]?(?:{whole}(?:{sign}\d{'*' if decimal == '.' else '+'})?|{sign}\d+){exponent}"
+        missing = frozenset(["", *MISSING.split(), *layout.missing])
+        return cls(delimiter, decimal, missing, re.compile(number, re.ASCII))
+
+    def split(self, line: str) -> list[str]:
+        """Return the fields of a line, without blanks and quotes around them."""
+        if self.delimiter == BLANK:
+            return [field.strip('"') for field in line.split()]
+        if '"' in line:
+            (fields,) = csv.reader([line], delimiter=self.delimiter, skipinitialspace=True)
+        else:
+            fields = line.split(self.delimiter)
+        return [field.strip(" \t") for field in fields]
+
+    def is_number(self, field: str) -> bool:
+        return self.number.fullmatch(field) is not None
+
+    def is_known(self, field: str) -> bool:
+        return field in self.missing or self.is_number(field)
+
+    def is_row(self, fields: Sequence[str], columns: Sequence[int] | None) -> bool:
+        """Return whether these columns of a line, or all, have numbers or words for missing heights."""
+        if columns is not None and len(fields) <= max(columns):
+            return False
+        chosen = fields if columns is None else [fields[column] for column in columns]
+        known = all(map(self.is_known, chosen))
+        return known and not all(field in ("", "--", "---") for field in chosen)  # which may be a rule
 
 
 class _Table:
@@ -72,46 +169,45 @@ class _Table:
 
     def __init__(self, path: Path, lines: list[str], layout: Layout) -> None:
         self.path, self.lines, self.layout = path, lines, layout
-        every = [at for at in range(layout.skip or 0, len(lines)) if not self._is_comment(at)]
-        sample = [at for at in every if self._looks_numeric(lines[at])] or [at for at in every if lines[at]]
-        if not sample:
+        comment = tuple(filter(None, layout.comment))
+        self.every = [
+            at for at, line in enumerate(lines) if not (line.startswith(comment) if line else "" in layout.comment)
+        ]
+        every = [at for at in self.every if at >= (layout.skip or 0)]
+        filled = [at for at in every if lines[at]]
+        if not filled:
             raise ValueError(
                 f"{path} must have a table of numbers, got no text in {len(lines)} lines: see skip= and comment="
             )
-        try:
-            self.delimiter = find_delimiter([lines[at] for at in sample], self._text_above(sample[0]), layout)
-            self.words = _pattern_of_words(layout.missing, self.delimiter)
-            self.fields = {at: self._split(lines[at]) for at in every}
-            columns = zip_longest(*(self._chosen(self.fields[at]) for at in sample))
-            numbers = [[field for field in column if field and DIGITS.fullmatch(field)] for column in columns]
-            self.decimal = find_decimal(numbers, layout)
-        except UnclearError as error:
-            at = next(at for at in sample if error.text in lines[at])
-            raise ValueError(f"{path}, line {at + 1}, {error}") from None
-        self.number = number_pattern(self.decimal, layout.thousands)
-        self.block = self._find_block(every, sample[len(sample) // 2])
-        self.rows = [at for at in self.block if lines[at]]
-        self.count = mode(len(_without_empty_ends(self.fields[at])) for at in self.rows)
-        heading = self._text_above(self.block[0]).lstrip(MARKS)
-        self.cells = units.cells_of_heading(heading, self.count, self.delimiter)
-        self.valid, self.columns = self._find_columns()
-        if layout.skip is not None and len(self.columns) == 1 and every[0] < self.block[0]:
-            self._refuse_empty(every[0])
+        self.signs, rows = self._find_signs(filled[:: max(len(filled) // SAMPLE, 1)])
+        self.width = mode(map(len, rows))
+        columns = list(zip(*(row for row in rows if len(row) == self.width), strict=True))
+        # A delimiter may stand at the end of each row.
+        self.count = 1 + max(at for at, column in enumerate(columns) if any(column))
+        words = [sum(not self.signs.is_row([field], None) for field in column if field) for column in columns]
+        self.of_numbers = [column for column, number in enumerate(words) if number < len(columns[0]) / 2]
+        self.block = self._find_block(every)
+        above = lines[: layout.skip or self.block[0]]
+        heading = next((line for line in reversed(above) if re.search(r"[^\W_]", line)), "")
+        self.cells = self._cells(heading)
+        self.columns = self._find_columns()
+        if len(self.columns) == 2:
+            self.block = [at for at in self.block if lines[at]]
 
     def line(self) -> Line:
         """Return the heights of the table and their positions, with all that its heading says of them."""
         with_positions = len(self.columns) == 2
-        counted = self.rows if with_positions else self.block
-        if len(counted) > MAX_HEIGHTS:
-            raise ValueError(f"{self.path} must have at most {MAX_HEIGHTS} heights, got {len(counted)}: say rows=")
-        if not with_positions:
-            self._check_ends()
         self._check_neighbours()
-        self._check_words()
-        self._check_signs()
-        values = self._values([self._row(at) for at in counted])
+        texts = self._texts()
+        values = self._values(texts)
+        self._check_thousands(texts)
+        if with_positions and (gone := np.isnan(values[:, 0])).any():
+            remedy = "say columns=1 for heights alone, or rows= or skip= for a part"
+            self._refuse(self.block[int(gone.argmax())], "has no position", remedy)
+        if not with_positions:
+            self._check_ends([text for (text,) in texts], values[:, 0])
         cells = [self.cells[column] for column in self.columns]
-        others = (units.HEIGHTS, units.POSITIONS) if with_positions else (units.POSITIONS,)
+        others = (units.HEIGHTS, units.POSITIONS)[-len(cells) :]
         named = [
             "" if units.quantity_of_cell(cell) == other else units.unit_of_cell(cell)
             for cell, other in zip(cells, others, strict=True)
@@ -122,243 +218,194 @@ class _Table:
             values[:, 0] if with_positions else None,
             x_units=tuple(filter(None, named[:-1])),
             height_units=tuple(filter(None, named[-1:])),
-            numbers=tuple(at + 1 for at in counted),
+            numbers=tuple(at + 1 for at in self.block),
             left_out=tuple(line for at, line in enumerate(self.lines) if line and at not in within),
         )
 
-    def _find_block(self, every: list[int], middle: int) -> list[int]:
-        """Return the lines from the first row to the last, where the arguments do not name them."""
-        skip, rows = self.layout.skip, self.layout.rows
-        found = [at for at in every if self._is_row(at)]
-        filled = [at for at in found if self.lines[at]]
-        if not filled:
+    def _find_signs(self, sample: Sequence[int]) -> tuple[_Signs, list[list[str]]]:
+        """Return the signs that make rows of the most lines, and the fields of these lines."""
+        layout = self.layout
+        found: dict[_Signs, list[int]] = {}
+        for delimiter in layout.delimiter or ";\t, ":
+            for decimal in layout.decimal or ".,":
+                if delimiter not in (decimal, layout.thousands):
+                    signs = _Signs.of(delimiter, decimal, layout)
+                    fields = {at: signs.split(self.lines[at]) for at in sample}
+                    found[signs] = [at for at in sample if signs.is_row(fields[at], layout.columns)]
+        most = max(map(len, found.values()))
+        if not most:
+            remedy = "say columns=, delimiter=, decimal=, thousands= or encoding= if the file has columns of numbers"
+            self._refuse(sample[len(sample) // 2], "and the others, are no rows of numbers", remedy)
+        best = [signs for signs, rows in found.items() if len(rows) == most]
+        rows = [self.lines[at] for at in found[best[0]]]
+        # The commas of `1:0,5` may be those of decimals, too.
+        hidden = best[0].delimiter == "," and all(re.search("[:|]", row) and "." not in row for row in rows)
+        commas = [at for at in found[best[0]] if "," in self.lines[at]]
+        if not layout.delimiter and commas and (hidden or len({signs.delimiter == "," for signs in best}) == 2):
+            problem = "has a comma of decimals, between columns or between thousands"
             self._refuse(
-                middle,
-                "and the others, are no rows of numbers",
-                "say columns=, delimiter=, decimal=, thousands= or encoding= if the file has columns of numbers",
+                commas[0], problem, "say decimal=',', thousands=',', or delimiter= for the sign between columns"
             )
-        start = found[0] if skip is not None else filled[0]
-        unread = [at for at in every if at < start and self.lines[at]]
-        if skip is not None and unread:
-            self._refuse(unread[0], "is no row of numbers", f"say skip={start}, or missing_value= for a word")
-        if rows is None:
-            return [at for at in every if start <= at <= filled[-1]]
-        counted = [at for at in every if at >= start and ("" in self.layout.missing or self.lines[at])]
-        if len(counted) < rows:
-            raise ValueError(f"rows must be at most the {len(counted)} rows of {self.path}, got {rows}")
-        return [at for at in every if start <= at <= counted[rows - 1]]
+        return best[0], [best[0].split(row) for row in rows]
 
-    def _find_columns(self) -> tuple[int | None, tuple[int, ...]]:
-        """Return the column of valid heights, if any, and those of the heights, or of positions and heights."""
-        given, valid, last = self.layout.columns, self.layout.valid, self.count - 1
-        if valid is not None and valid > last:
-            raise ValueError(f"valid must be a column from 0 to {last}, got {valid}")
-        if given is not None and max(given) > last:
-            raise ValueError(
-                f"columns must be numbers from 0 to {last}, of {self.count} columns in line {self.rows[0] + 1} of "
-                f"{self.path}, got {max(given)}: say delimiter= if it has more"
-            )
-        if valid is None:
-            named = [column for column, cell in enumerate(self.cells) if OF_VALID.fullmatch(cell)]
-            valid = next((column for column in named if column not in (given or ())), None)
-        if given is not None:
-            return valid, given
-        columns = [column for column in range(self.count) if column != valid]
-        if len(columns) > 2 or not columns:
+    def _find_block(self, every: list[int]) -> list[int]:
+        """Return the lines from the first row to the last, where the arguments do not name them."""
+        rows = self.layout.rows
+        if self.layout.skip is None:
+            every = every[next(n for n, at in enumerate(every) if self._is_row(at)) :]
+        counted = [at for at in every if self.lines[at] or "" in self.layout.missing]
+        if rows is not None and len(counted) < rows:
+            raise ValueError(f"rows must be at most the {len(counted)} rows of {self.path}, got {rows}")
+        last = counted[rows - 1] if rows else next(at for at in reversed(every) if self._is_row(at))
+        return [at for at in every if at <= last]
+
+    def _find_columns(self) -> tuple[int, ...]:
+        """Return the column of the heights, or those of positions and heights."""
+        given = self.layout.columns
+        if given is None and self.count > 2:
             self._refuse(
-                self.rows[0],
+                self.block[0],
                 f"has {self.count} columns",
                 "say columns=(0, 1) for positions and heights in the first two, columns=0 for heights in the first, "
                 "or delimiter= or thousands= for a sign that is not between columns",
             )
-        named = [units.quantity_of_cell(self.cells[column]) == units.POSITIONS for column in columns]
-        if named == [False, True]:
-            columns.reverse()
-        return valid, tuple(columns)
+        if given is not None and max(given) >= self.count:
+            raise ValueError(
+                f"columns must be numbers from 0 to {self.count - 1}, of {self.count} columns in line "
+                f"{self.block[0] + 1} of {self.path}, got {max(given)}: say delimiter= if it has more"
+            )
+        named = [units.quantity_of_cell(cell) == units.POSITIONS for cell in self.cells]
+        return given or ((1, 0) if named == [False, True] else tuple(range(self.count)))
 
-    def _row(self, at: int) -> list[str]:
-        """Return the number, or `nan`, in each of the columns of a line of the table."""
-        fields = self.fields[at]
-        if not self.lines[at]:
-            if "" not in self.layout.missing:
-                self._refuse_empty(at)
-            return ["nan"]
-        if not len(_without_empty_ends(fields)) <= self.count <= len(fields):
-            problem = f"has {len(fields)} columns, and most others have {self.count}"
-            self._refuse(at, problem, self._arguments(ENDS, self.lines[at]))
-        row = []
-        for column in self.columns:
-            if (text := self._number(fields[column])) is None:
-                problem = f"has {shown(fields[column])} for a number"
-                self._refuse(at, problem, self._arguments(ENDS, fields[column]))
-            row.append(text)
-        if len(row) == 2 and row[0] == "nan":
-            self._refuse(at, "has no position", "say columns=1 for heights alone, or rows= or skip= for a part")
-        if self.valid is not None and not self._is_valid(at, fields[self.valid].casefold()):
-            row[-1] = "nan"
-        return row
+    def _texts(self) -> list[list[str]]:
+        """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
+        texts = []
+        for at in self.block:
+            fields = self.signs.split(self.lines[at])
+            if not self.lines[at] and "" in self.layout.missing:
+                fields = [""] * self.width
+            elif not self.lines[at]:
+                remedy = "say missing_value='' if heights are missing in empty lines, or comment='' if not"
+                self._refuse(at, "is empty", remedy)
+            elif len(fields) != self.width:
+                problem = f"has {len(fields)} columns, and most others have {self.width}"
+                self._refuse(at, problem, self._arguments(ENDS, self.lines[at]))
+            elif not APART.isdisjoint(fields):
+                problem = f"has {min(APART & {*fields})!r} in a column of its own, which may be the sign of a number"
+                self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
+            texts.append([fields[column] for column in self.columns])
+        return texts
 
-    def _number(self, field: str) -> str | None:
-        """Return the number in a field for pandas, `nan` if it is missing; None if it is neither."""
-        if self.number.fullmatch(field):
-            text = field.lower().replace("d", "e")
-            return re.sub(f"[{SEPARATORS[sign]}]", sign, text) if (sign := self.layout.thousands) else text
-        return "nan" if not field or MISSING.fullmatch(field) else None
+    def _values(self, texts: Sequence[Sequence[str]]) -> Array:
+        """Return the numbers in the texts of rows, shape (rows, columns), NaN where one is missing."""
+        try:
+            return self._converted(texts)
+        except ValueError:
+            at, text = next(
+                (
+                    (at, text)
+                    for at, row in zip(self.block, texts, strict=True)
+                    for text in row
+                    if not self.signs.is_known(text)
+                ),
+                (self.block[0], texts[0][0]),
+            )
+            self._refuse(at, f"has {shown(text)} for a number", self._arguments(ENDS, text))
 
-    def _values(self, rows: Sequence[Sequence[str]]) -> Array:
-        """Return the numbers in the texts of rows, shape (rows, columns)."""
+    def _converted(self, texts: Sequence[Sequence[str]]) -> Array:
+        """Return the numbers that pandas reads in texts; ValueError if there is anything else."""
         import pandas as pd  # which takes half a second
 
-        table = StringIO("\n".join(map("\t".join, rows)))
-        frame = pd.read_csv(
-            table,
+        table = "\n".join("\t".join(row) or "nan" for row in texts)
+        sign = re.escape(self.layout.thousands or "\0")
+        if re.search(rf"\d{{4}}{sign}|(?<!\d)0*{sign}|{sign}(?!\d{{3}}(?!\d))", table):
+            raise ValueError("separators of thousands must stand between groups of three digits")
+        values: Array = pd.read_csv(
+            StringIO(re.sub(r"(?<=[\d.,])[dD](?=[+-]?\d)", "e", table)),  # exponents of Fortran
             sep="\t",
             header=None,
             dtype=float,
-            decimal=self.decimal,
+            decimal=self.signs.decimal,
             thousands=self.layout.thousands,
-            na_values=["nan"],
+            na_values=list(self.signs.missing),
             keep_default_na=False,
             skip_blank_lines=False,
             quoting=csv.QUOTE_NONE,
-        )
-        return frame.to_numpy()
+        ).to_numpy()
+        if np.isinf(values).any():
+            raise ValueError("numbers must be finite")
+        return values
 
-    def _is_row(self, at: int) -> bool:
-        """Return whether all chosen fields of a line are numbers or words for missing heights."""
-        columns = self.layout.columns
-        if not self.lines[at]:
-            return "" in self.layout.missing and len(columns or "1") == 1
-        chosen = self._chosen(_without_empty_ends(self.fields[at]))
-        if columns is not None and len(self.fields[at]) <= max(columns):
-            return False
-        words = [field for field in chosen if field]
-        only_signs = all(SIGNS.fullmatch(word) and word not in self.layout.missing for word in words)
-        return None not in map(self._number, chosen) and bool(words) and not only_signs
+    def _check_neighbours(self) -> None:
+        """Refuse a line above or below the table that may belong to it, unless `skip` or `rows` is given."""
+        single, (first, last) = len(self.columns) == 1, (self.block[0], self.block[-1])
+        above = next((at for at in reversed(self.every) if at < first and (self.lines[at] or single)), None)
+        below = next((at for at in self.every if at > last and self.lines[at]), None)
+        belongs = self._is_no_heading_of_heights if single else self._may_belong
+        if self.layout.skip is None and above is not None and belongs(above):
+            remedy = self._arguments(f"skip={first} for headings", self.lines[above])
+            self._refuse(above, "stands above the numbers, and may be a heading or a missing height", remedy)
+        if self.layout.rows is None and below is not None and (single or self._may_belong(below)):
+            remedy = self._arguments(f"rows={len(self.block)} for a remark", self.lines[below])
+            self._refuse(below, "stands below the numbers, and may be a remark or a missing height", remedy)
 
-    def _chosen(self, fields: Sequence[str]) -> list[str]:
-        """Return the fields in the columns that a call names, or all."""
-        columns = self.layout.columns
-        return list(fields) if columns is None else [fields[c] for c in columns if c < len(fields)]
+    def _check_thousands(self, texts: Sequence[Sequence[str]]) -> None:
+        """Refuse a sign that may be one of decimals or between thousands.
 
-    def _check_ends(self) -> None:
+        All digits of a column are in groups of three, and some of its numbers are without the sign, or no other
+        column shows that it is one of decimals.
+        """
+        if self.layout.decimal or self.layout.thousands:
+            return
+        columns = list(zip(*texts, strict=True))
+        has_decimals = [any(map(self._has_decimals, column)) for column in columns]
+        for column, clear in zip(columns, has_decimals, strict=True):
+            row = next((row for row, text in enumerate(column) if GROUPED.fullmatch(text)), None)
+            if row is not None and not clear and (not any(has_decimals) or any(map(GROUP.fullmatch, column))):
+                problem = f"has a sign of decimals or between thousands in {column[row]!r}"
+                sign = self.signs.decimal
+                self._refuse(self.block[row], problem, f"say decimal={sign!r} or thousands={sign!r}")
+
+    def _has_decimals(self, text: str) -> bool:
+        """Return whether a number has a sign that is none between thousands."""
+        return self.signs.is_number(text) and not GROUPED.fullmatch(text) and not GROUP.fullmatch(text)
+
+    def _check_ends(self, texts: Sequence[str], values: Array) -> None:
         """Refuse a number at an end of one column that may be a count, a step or a length in place of a height.
 
         It is about the number of rows, or has other decimals than the rows between the ends, which all have as many.
         """
-        (column,) = self.columns
-        texts = {at: self.fields[at][column] for at in self.rows if len(self.fields[at]) > column}
-        texts = {at: text for at, text in texts.items() if self._number(text) not in (None, "nan")}
-        rows = list(texts)
-        sign = re.compile(rf"[^{self.decimal}]*{re.escape(self.decimal)}?(\d*).*")
-        decimals = {at: len(sign.sub(r"\1", texts[at])) for at in rows}
-        usual = {decimals[at] for at in rows[HEADER_NUMBERS:-1]}
-        first = rows[:HEADER_NUMBERS] if self.layout.skip is None else []
-        last = rows[-1:] if self.layout.rows is None else []
-        ends, counts = [*first, *last], np.array([len(rows), len(self.block)])
-        for at, value in zip(ends, self._values([[self._number(texts[at]) or ""] for at in ends]), strict=True):
-            is_count = value >= MIN_HEIGHTS and min(abs(counts - value)) <= HEADER_NUMBERS
-            if not is_count and (len(usual) != 1 or decimals[at] in usual):
-                continue
-            heights = f"skip={rows[0]}" if at in first else f"rows={len(rows)}"
-            others = f"skip={at + 1}" if at in first else f"rows={len(rows) - 1}"
-            self._refuse(
-                at,
-                f"may be a count, a step or a length at an end of {len(rows)} numbers",
-                f"say {heights} if it is a height, or {others} to leave it out",
-            )
+        rows = np.flatnonzero(~np.isnan(values)).tolist()
+        decimals = {row: len(texts[row].partition(self.signs.decimal)[2]) for row in rows}
+        usual = {decimals[row] for row in rows[END_ROWS:-1]}
+        first = rows[:END_ROWS] if self.layout.skip is None else []
+        for row in [*first, *rows[-1:]] if self.layout.rows is None else first:
+            count = min(abs(values[row] - number) for number in (len(rows), values.size))
+            is_count = values[row] >= MIN_HEIGHTS and count <= END_ROWS
+            if is_count or (len(usual) == 1 and decimals[row] not in usual):
+                above = f"skip={self.block[0]} if it is a height, or skip={self.block[row] + 1} to leave it out"
+                below = f"rows={len(rows)} if it is a height, or rows={len(rows) - 1} to leave it out"
+                problem = f"may be a count, a step or a length at an end of {len(rows)} numbers"
+                self._refuse(self.block[row], problem, f"say {above if row in first else below}")
 
-    def _check_neighbours(self) -> None:
-        """Refuse a line above or below the table that may belong to it, unless `skip` or `rows` is given."""
-        single = len(self.columns) == 1
-        above = [at for at in range(self.block[0]) if self.lines[at] or single]
-        while above and self._is_comment(above[-1]) and not self._is_heading_of_heights(above[-1]):
-            above.pop()
-        if self.layout.skip is None and above:
-            at = above[-1]
-            if not self._is_heading_of_heights(at) if single else self._may_belong(at):
-                problem = "stands above the numbers, and may be a heading or a missing height"
-                remedy = self._arguments(f"skip={self.block[0]} for headings", self.lines[at])
-                self._refuse(at, problem, remedy)
-        end = self.block[-1] + 1
-        below = [at for at in range(end, len(self.lines)) if self.lines[at] and not self._is_comment(at)]
-        if self.layout.rows is None and below and (single or self._may_belong(below[0])):
-            problem = "stands below the numbers, and may be a remark or a missing height"
-            remedy = self._arguments(f"rows={len(self.rows)} for a remark", self.lines[below[0]])
-            self._refuse(below[0], problem, remedy)
-
-    def _check_words(self) -> None:
-        """Refuse a row at an end of the table with a word where the next row has a number, as in `Ra,0.7`."""
-        for given, at, near in ((self.layout.skip, 0, 1), (self.layout.rows, -1, -2)):
-            if given is not None or len(self.rows) < MIN_HEIGHTS:
-                continue
-            words, numbers = (
-                [self._number(field) is None for field in _without_empty_ends(self.fields[self.rows[row]])]
-                for row in (at, near)
-            )
-            if any(word and not number for word, number in zip(words, numbers, strict=False)):
-                problem = "has a word where the next row has a number"
-                self._refuse(
-                    self.rows[at], problem, "say skip= or rows= if the table begins behind it or ends before it"
-                )
-
-    def _check_signs(self) -> None:
-        """Refuse a column of signs, which are those of the numbers in another one."""
-        for column in set(range(self.count)) - {*self.columns, self.valid}:
-            fields = {at: self.fields[at][column] for at in self.rows if column < len(self.fields[at])}
-            if any(fields.values()) and all(map(SIGN_OF_NUMBER.fullmatch, fields.values())):
-                at = next(at for at, field in fields.items() if field)
-                problem = f"has {fields[at]!r} in a column of its own, which may be the sign of a number"
-                self._refuse(
-                    at, problem, "write the sign in front of the number, or leave the column out of the file"
-                )
+    def _is_row(self, at: int) -> bool:
+        """Return whether a line has numbers, or words for missing ones, in the columns of numbers."""
+        fields = self.signs.split(self.lines[at])
+        return len(fields) == self.width and self.signs.is_row(fields, self.of_numbers)
 
     def _may_belong(self, at: int) -> bool:
-        """Return whether a line next to a table has its columns, with a number or the same word in all of them."""
-        fields = self._split(self.lines[at])
-        if len(fields) >= self.count and len(set(fields)) == 1:
-            return True
-        uncommented = self._split(self.lines[at].lstrip(MARKS))
-        are_numbers = [self._number(field) not in (None, "nan") for field in uncommented]
-        return are_numbers[0] or (len(uncommented) <= self.count and any(are_numbers))
+        """Return whether a line next to a table has a number, or the same word in all columns."""
+        words = self.signs.split(self.lines[at])
+        fields = self.signs.split(self.lines[at].lstrip(PREFIXES))
+        return any(map(self.signs.is_number, fields)) or (len(words) >= self.width and len(set(words)) == 1)
 
-    def _is_heading_of_heights(self, at: int) -> bool:
-        """Return whether a line names the heights in their column, or their unit."""
-        cells = units.cells_of_heading(self.lines[at].lstrip(MARKS), self.count, self.delimiter)
-        cell = cells[self.columns[0]]
-        return bool(OF_HEIGHTS.fullmatch(cell) or units.unit_of_cell(cell))
+    def _is_no_heading_of_heights(self, at: int) -> bool:
+        """Return whether a line names neither heights in their column nor their unit."""
+        cell = self._cells(self.lines[at])[self.columns[0]]
+        return units.quantity_of_cell(cell) != units.HEIGHTS and not units.unit_of_cell(cell)
 
-    def _is_valid(self, at: int, word: str) -> bool:
-        if not VALID.fullmatch(word) and not INVALID.fullmatch(word):
-            self._refuse(at, f"has {shown(word)} for 0 or 1", "say valid= for the column of valid heights")
-        return bool(VALID.fullmatch(word))
-
-    def _text_above(self, first: int) -> str:
-        """Return the last line above one that has letters or digits: the heading, if it is one."""
-        above = self.lines[:first] if self.layout.skip is None else self.lines[: self.layout.skip]
-        return next((line for line in reversed(above) if not SIGNS.fullmatch(line or "_")), "")
-
-    def _looks_numeric(self, line: str) -> bool:
-        """Return whether a line has only numbers and words for missing heights, whatever its signs mean."""
-        for word in filter(None, self.layout.missing):
-            line = line.replace(word, " nan ")
-        words = [word for word in re.split(rf"[;,|\s\"'{re.escape(self.layout.delimiter or ';')}]+", line) if word]
-        return any(map(DIGITS.fullmatch, words)) and all(DIGITS.fullmatch(w) or MISSING.fullmatch(w) for w in words)
-
-    def _split(self, line: str) -> list[str]:
-        """Return the fields of a line, stripped of blanks and quotes, with ASCII minus signs."""
-        if self.words:
-            line = self.words.sub(r"\1nan", line)
-        if self.delimiter == BLANK:
-            fields = re.split(r"[ \t]+", line.strip(" \t"))
-        elif '"' in line:
-            fields = next(csv.reader([line], delimiter=self.delimiter, skipinitialspace=True))
-        else:
-            fields = line.split(self.delimiter)
-        return [MINUS.sub("-", _unquoted(field.strip(" \t"))) for field in fields]
-
-    def _is_comment(self, at: int) -> bool:
-        return any(self.lines[at].startswith(mark) if mark else not self.lines[at] for mark in self.layout.comment)
+    def _cells(self, heading: str) -> list[str]:
+        return units.cells_of_heading(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
 
     def _arguments(self, where: str, text: str) -> str:
         """Return the arguments for a text in or next to the table that is not read."""
@@ -368,40 +415,33 @@ class _Table:
             f"or missing_value={shown(text)} for a missing height"
         )
 
-    def _refuse_empty(self, at: int) -> NoReturn:
-        self._refuse(
-            at, "is empty", "say missing_value='' if heights are missing in empty lines, or comment='' if not"
-        )
-
     def _refuse(self, at: int, problem: str, remedy: str) -> NoReturn:
         raise ValueError(f"{self.path}, line {at + 1}, {problem}, got {shown(self.lines[at])}: {remedy}")
 
 
-def _bare(line: str) -> str:
-    """Return a line without blanks and quotes around the whole of it; empty if it has only separators."""
-    line = line.strip(BLANKS)
-    if line.count('"') == 2 and len(line) > 2 and line[0] == line[-1] == '"':
-        line = line[1:-1].strip(BLANKS)
-    return line if line.strip(";,\t" + BLANKS) else ""
-
-
-def _pattern_of_words(words: Sequence[str], delimiter: str) -> re.Pattern[str] | None:
-    """Return a pattern of the words for missing heights, which may have blanks, as whole fields; None without any."""
-    split = [word.split() for word in sorted(words, key=len, reverse=True) if word and not MISSING.fullmatch(word)]
-    if not split:
-        return None
-    sign = r"[ \t]" if delimiter == BLANK else re.escape(delimiter)
-    listed = "|".join(r"\s+".join(map(re.escape, parts)) for parts in split)
-    return re.compile(rf"((?:^|(?<={sign}))[ \t\"']*)(?:{listed})(?=[ \t\"']*(?:{sign}|$))", re.IGNORECASE)
-
-
-def _unquoted(field: str) -> str:
-    return field[1:-1].strip() if len(field) > 1 and field[0] == field[-1] and field[0] in "\"'" else field
-
-
-def _without_empty_ends(fields: Sequence[str]) -> Sequence[str]:
-    """Return the fields up to the last that is not empty."""
-    used = len(fields)
-    while used > 1 and not fields[used - 1]:
-        used -= 1
-    return fields[:used]
+def _text(path: Path, encoding: str | None) -> str:
+    """Return the text of a file, in the given encoding or in UTF-8, UTF-16 by its mark, or that of old Windows."""
+    with path.open("rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    own = encoding or next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
+    bare = content.rstrip(END_OF_FILE.encode())
+    if not own and (first := BINARY.search(bare)):
+        if len(BINARY.findall(bare)) > 0.01 * len(bare):  # Random bytes have ten times as many.
+            raise NoTextError(
+                f"{path} is no text: save the heights as text, such as the sheet of a workbook as CSV, unpack an "
+                "archive, or say encoding='utf-16-le' or the like"
+            )
+        line = bare.count(b"\n", 0, first.start()) + 1
+        problem = f"must be text, got the control character {first[0]!r}"
+        raise ValueError(f"{path}, line {line}, {problem}: leave it out, or say encoding=")
+    if len(content) > MAX_BYTES:
+        raise ValueError(f"{path} must be a text of at most {MAX_BYTES:.0e} bytes: keep one line of heights in it")
+    try:
+        return content.decode(own or "utf-8")
+    except LookupError:
+        known = "encoding must be one that Python knows, as in encoding='latin-1'"
+        raise ValueError(f"{known}, got {shown(encoding)}") from None
+    except UnicodeError as error:
+        if not own:
+            return content.removeprefix(codecs.BOM_UTF8).decode("cp1252", "replace")
+        raise ValueError(f"encoding must be that of {path}, got {shown(encoding)}: {error}") from None

@@ -27,9 +27,9 @@ from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.artefacts import Filled
 from weier.surface.measured.instruments import lines_of, read_lines
-from weier.surface.measured.layout import Layout
 from weier.surface.measured.line import Line, line_of_array
 from weier.surface.measured.positions import on_grid
+from weier.surface.measured.text import Layout
 from weier.surface.measured.units import UNITS, agreed_unit, in_words, known_unit
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
@@ -242,7 +242,6 @@ class Trace(Waves):
         skip: int | None = None,
         rows: int | None = None,
         columns: int | Sequence[int] | None = None,
-        valid: int | None = None,
         delimiter: str | None = None,
         decimal: str | None = None,
         thousands: str | None = None,
@@ -279,9 +278,6 @@ class Trace(Waves):
             The number of lines above the table in a file of text, and of rows in the table.
         columns : int or (int, int), optional
             The column of the heights in a file of text, from 0, or those of the positions and of the heights.
-        valid : int, optional
-            A column in a file of text that says which heights are valid, by 1 or true; by default the one with the
-            heading `valid`, if `columns` leaves it out. The other heights are missing.
         delimiter, decimal, thousands : str, optional
             The signs between columns, before decimals and between thousands in a file of text; " " as delimiter
             stands for blanks.
@@ -317,7 +313,6 @@ class Trace(Waves):
             skip=skip,
             rows=rows,
             columns=columns,
-            valid=valid,
             delimiter=delimiter,
             decimal=decimal,
             thousands=thousands,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Collection, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from weier.checks import checked_word, shown
@@ -26,14 +25,11 @@ UNITS = {
     "uin": 2.54e-8,
 }
 # Further names in files. Names are compared in lower case, except for M, which never stands for a metre.
+PREFIXES = {"": "m", "centi": "cm", "milli": "mm", "micro": "um", "nano": "nm", "pico": "pm"}
 SPELLINGS = {
     **{name: name for name in UNITS},
-    **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
-    **dict.fromkeys(("centimeter", "centimeters", "centimetre", "centimetres"), "cm"),
-    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
-    **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns", "mum"), "um"),
-    **dict.fromkeys(("nanometer", "nanometers", "nanometre", "nanometres"), "nm"),
-    **dict.fromkeys(("picometer", "picometers", "picometre", "picometres"), "pm"),
+    **{prefix + name: unit for prefix, unit in PREFIXES.items() for name in ("meter", "meters", "metre", "metres")},
+    **dict.fromkeys(("micron", "microns", "mum"), "um"),
     **dict.fromkeys(("\u00e5", "\u212b", "angstroms", "\u00e5ngstr\u00f6m", "ang"), "angstrom"),
     **dict.fromkeys(("inches",), "inch"),
     **dict.fromkeys(("mils", "thou"), "mil"),
@@ -41,32 +37,18 @@ SPELLINGS = {
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
-# The unit at the end of the cell of a heading: in brackets, after a sign, or as the last word.
-_NAME = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
-UNIT = re.compile(
-    rf"(?:[\[({{<]\s*({_NAME}|{'|'.join(BRACKETED)})\s*[\])}}>]|[_/:=]\s*({_NAME})|(?:^|[\s,;])({_NAME}))$",
-    re.IGNORECASE,
-)
-WORD = re.compile(r"[^\W\d_]+")
-# A factor in front of it: an operator with a number, a number in brackets, or a decimal or power of ten.
-FACTOR = re.compile(
-    r"(?:[\d\s)\]]x|[\u00d7*\u00b7/^])\s*[-+]?\d|\d\s*[x\u00d7*\u00b7^]|\d[eE][-+]?\d|[\[({<][^\])}>]*\d"
-    r"|(?<![^\W_])(10+|\d*[.,]\d+)\W*$"
-)
-NUMBER_AT_THE_END = re.compile(r"(?:^|[^\w.,])[\d.,]*\d\s*$")
-# Words for a factor or for another quantity, more words between `in` and the unit, and a cell within the cell.
-OTHER = re.compile(
-    r"\b(half|quarter|ten|hundred|thousand)s?\b|tenth|hundredth|thousandth|zehntel|hundertstel|tausendstel|dixi.me"
-    r"|centi.me|\bmilli.me|\b(per|pro|times|steps?|speed|tip|stylus|radius|filter|lambda)\b|\bof\W*$"
-    r"|cut.?off|\u03bb|grenzwelle|spacing|interval|increment|resolution|sampling|wave.?length|bandwidth|uncertainty"
-    r"|\b[PRSW](a|q|z|p|v|t|sm|sk|ku)\b|\bin\b(?=.*\w)|[,;].*\w",
-    re.IGNORECASE,
-)
-# Names of positions and of heights. A letter decides, as in `position z`.
-OF_POSITIONS = re.compile(r"pos(ition|\b)|distance|lateral|length|travel|abscissa|width|weg\b", re.IGNORECASE)
-OF_HEIGHTS = re.compile(r"height|depth|elevation|profile?|roughness|h\u00f6he|value|data", re.IGNORECASE)
+# The words that the cell of a heading may have in front of a unit. A unit next to any other may be a multiple, or
+# that of another quantity. Of the letters x and z, one decides, as in `position z`.
 POSITIONS, HEIGHTS = "x", "z"
-LETTER = re.compile(r"(?<![^\W_])([xz])\d*(?![^\W_])", re.IGNORECASE)
+OF_POSITIONS = "x|positions?|pos|distance|lateral|length|travel|abscissa|width|weg|l\u00e4nge"
+OF_HEIGHTS = "z|heights?|depth|elevation|profile?|roughness|h\u00f6he|values?|data"
+OF_EITHER = "y|h|s|r|p|w|raw|measured|filtered|surface|scan|axis|coordinate|primary|waviness|in|units?"
+_NAMES = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
+CELL = re.compile(
+    rf"((?:(?:{OF_POSITIONS}|{OF_HEIGHTS}|{OF_EITHER})\d?(?:[\s_:./,=-]+|$|(?=[\[({{<])))*)"
+    rf"(?:[\[({{<]\s*({_NAMES}|{'|'.join(BRACKETED)})\s*[\])}}>]|({_NAMES}))?",
+    re.IGNORECASE,
+)
 
 
 def cells_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
@@ -91,23 +73,19 @@ def cells_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
 
 
 def unit_of_cell(cell: str) -> str:
-    """Return the unit at the end of the cell of a heading; none if it has a factor, another unit or quantity."""
-    found = UNIT.search(cell)
-    if found is None:
-        return ""
-    name = cell[: found.start()].replace("_", " ")
-    is_value = found[1] is None and NUMBER_AT_THE_END.search(name)
-    if is_value or FACTOR.search(name) or OTHER.search(name) or any(map(_known, WORD.findall(name))):
-        return ""
-    return _known(next(filter(None, found.groups())), BRACKETED)
+    """Return the unit in the cell of a heading; none if it has other words than those of positions and heights."""
+    found = CELL.fullmatch(cell)
+    return _known((found[2] or found[3] or "").strip()) if found else ""
 
 
 def quantity_of_cell(cell: str) -> str:
     """Return what a cell of a heading names: positions, heights, or neither."""
-    letters = set(map(str.casefold, LETTER.findall(cell)))
-    if len(letters) == 1:
-        return letters.pop()
-    return POSITIONS if OF_POSITIONS.search(cell) else HEIGHTS if OF_HEIGHTS.search(cell) else ""
+    found = CELL.fullmatch(cell)
+    words = re.findall(r"[^\W\d_]+", found[1].casefold()) if found else []
+    if (POSITIONS in words) != (HEIGHTS in words):
+        return POSITIONS if POSITIONS in words else HEIGHTS
+    quantities = ((POSITIONS, OF_POSITIONS), (HEIGHTS, OF_HEIGHTS))
+    return next((name for name, known in quantities for word in words if re.fullmatch(known, word)), "")
 
 
 def in_words(unit: float) -> str:
@@ -117,7 +95,7 @@ def in_words(unit: float) -> str:
 
 def length_unit(name: str) -> str:
     """Return the unit of length for a name in a file or an array; ValueError if it is unknown."""
-    known = _known(name.strip(), BRACKETED) or _known(unicodedata.normalize("NFKC", name.strip()), BRACKETED)
+    known = _known(name.strip()) or _known(unicodedata.normalize("NFKC", name.strip()))
     if not known:
         raise ValueError(f"the unit of heights and positions must be one of {', '.join(UNITS)}, got {shown(name)}")
     return known
@@ -155,7 +133,7 @@ def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> s
     )
 
 
-def _known(name: str, more: Mapping[str, str] = MappingProxyType({})) -> str:
+def _known(name: str) -> str:
     """Return a unit by one of its spellings; an empty name if it is none."""
-    spellings = {**SPELLINGS, **more}
+    spellings = {**SPELLINGS, **BRACKETED}
     return "" if name == "M" else spellings.get(name, spellings.get(name.lower(), ""))
