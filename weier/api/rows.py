@@ -30,8 +30,8 @@ def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
     values = {name: value for name, value in solution._asdict().items() if value is not None}
-    more = _derived(curve, solution) | _bounds(curve, solution)
-    return {"status": Status.solved, "seconds": seconds, **values, **more}
+    values |= {**_derived(curve, solution), **_bounds(curve, solution)}
+    return {"status": Status.solved, "seconds": seconds, **values}
 
 
 def _bounds(curve: CurveTask, solution: Any) -> Mapping[str, Array]:

@@ -235,8 +235,8 @@ VARIABLES = {
     "area_coefficient": Variable(
         CURVE,
         "coefficient of the contact fraction in p/(E* h')",
-        comment="kappa = A E* h'/p with the contact fraction A, the contact modulus E* = 2 M, the root mean square slope h' "
-        "and the mean pressure p. NaN for methods without a contact fraction.",
+        comment="kappa = A E* h'/p with the contact fraction A, the contact modulus E* = 2 M, the root mean square "
+        "slope h' and the mean pressure p. NaN for methods without a contact fraction.",
     ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", files=(TRADEOFF,), optional=True),
     "residual": Variable(
