@@ -86,7 +86,7 @@ def test_help_names_every_command_of_a_user(run):
 
 
 def test_the_first_help_shows_the_commands_for_one_profile():
-    assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "table"}
+    assert {command for _, command, *_ in examples(described(None))} == {"solve", "plot", "report", "table"}
 
 
 @pytest.mark.parametrize(

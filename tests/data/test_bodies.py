@@ -56,6 +56,24 @@ def test_results_in_si_units_follow_westergaard_in_si_units():
     assert bodies.resistance(westergaard.resistance(0.3)) == pytest.approx(M * 1.57e-7 * slope, rel=1e-9)
 
 
+def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
+    """Of one wave, A = 2/pi asin(sqrt(p/p*)) (Johnson 1985, 13.7): p/A grows from 0 to p*."""
+    loads = np.array([0.01, 0.1, 0.5, 1.0, 2.0])
+    expected = interface().full_contact_pressure * loads / np.r_[2 / np.pi * np.arcsin(np.sqrt(loads[:3])), 1, 1]
+    bodies = interface(hardness_1=9e9, hardness_2=expected[2] / 0.47 * (1 - 1e-6))
+    curve = solve(Profile(1.5, 3, 1), loads, "westergaard")
+    said = f"from a mean pressure of {bodies.pressure(0.5) / 1e6:.3g} MPa on, at 3 of 5 loads: .* reaches "
+    with pytest.warns(UserWarning, match=f"{said}{expected[4] / 1e6:.3g} MPa") as warned:
+        table = bodies.in_si(curve).weier.table()
+    assert len(warned) == 1
+    assert table["contact_pressure"].to_numpy() == pytest.approx(expected, rel=1e-12)
+    interface(hardness_2=expected[4] / 0.47 * (1 + 1e-6)).in_si(curve)  # without a warning
+    ensemble = solve([Profile(1.5, 3, 1)], loads, ["westergaard", "demelio"]).weier.ensemble()
+    expected /= interface().full_contact_pressure
+    assert ensemble["contact_pressure_median"].to_numpy()[:5] == pytest.approx(expected, rel=1e-12)
+    assert ensemble["contact_pressure_median"][5:].isna().all()
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -80,6 +98,10 @@ def test_interface_refuses_what_cannot_be(changed, message):
     ("changed", "message"),
     [
         ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
+        (
+            {"hardness_1": 150},
+            r"hardness_1 = 150 Pa is below .* is it in MPa, or a Vickers number\? 1 HV is 9.8e6 Pa",
+        ),
         ({"mu_1": 80}, r"mu_1 = 80 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
         ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-08 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),

@@ -70,6 +70,20 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     assert '"axis_label":"mean pressure, MPa"' in text.replace(": ", ":")
 
 
+@pytest.mark.filterwarnings("ignore:contacts yield")
+def test_a_scene_says_where_contacts_yield(solved):
+    folder, *_ = solved
+    hard = scene_in(folder, SCENE | {"interface": SCENE["interface"] | {"hardness_2": "1 GPa"}})
+    with pytest.warns(UserWarning, match="contacts yield from a mean pressure of .* MPa on, at . of 3 loads"):
+        write_data(curves_in(hard, folder / "curves"), folder / "hard.nc")
+    with weier.open_dataset(folder / "hard.nc") as data:
+        assert data.attrs["hardness_2"] == 1e9
+        expected = data.mean_pressure / data.contact_fraction
+        table = data.weier.table()
+        assert table["contact_pressure"].to_numpy() == pytest.approx(expected.transpose("case", ...).values.ravel())
+    page.write(curves_in(hard, folder / "curves"), folder / "page.html")  # without a warning
+
+
 def test_figures_are_in_si_units(solved):
     """The curves of traces of different scales reduce at the common pressures, those of a series as arrays."""
     _, loaded, solutions = solved

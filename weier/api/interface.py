@@ -39,6 +39,9 @@ class Interface(Bodies):
         Resistivities, in ohm m; 0 for a perfect conductor.
     lambda_0, g_0 : float, optional
         Wavelength and amplitude of the coarsest wave of a series, in m. Curves of a `Trace` have their own.
+    hardness_1, hardness_2 : float, optional
+        Indentation hardnesses, in Pa. Results then warn of loads at which the mean pressure of the contacts, p over
+        the contact fraction, exceeds 0.47 of the lower one, where line contacts begin to yield.
 
     Raises
     ------
@@ -51,6 +54,7 @@ class Interface(Bodies):
     UserWarning
         If a shear modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m,
         lambda_0 above 1 m, a coarsest wave flatter than 1e-7, or p_0* above a shear modulus.
+        With a hardness, if contacts of a result yield.
 
     Examples
     --------

@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from weier.data.curves import CONTACT_PRESSURE
 from weier.data.ensembles import PERCENTILES
-from weier.data.si import BODIES
+from weier.data.si import OF_INTERFACE
 from weier.methods.method import QUANTITIES
 from weier.scene.yaml import parse_yaml
 from weier.units import NONE, WITHOUT, unit_of
@@ -50,7 +51,7 @@ def _given(path: Path) -> dict[str, Any]:
 
         with dataset.open_lazily(path) as data:
             if "mu_1" in data.attrs:
-                return {name: data.attrs[name] for name in (*BODIES, "lambda_0", "g_0") if name in data.attrs}
+                return {name: data.attrs[name] for name in OF_INTERFACE if name in data.attrs}
             given = parse_yaml(str(data.attrs.get("scene", "")))
     else:
         given = parse_yaml(path.read_text(encoding="utf-8"))
@@ -67,5 +68,6 @@ def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
     table = data.weier.ensemble() if ensemble else data.weier.table()
     table = table.rename(columns={f"{name}_error": f"{name}_numerical_error" for name in QUANTITIES})
     known = {str(name): unit_of(values) for name, values in data.variables.items()}
+    known[CONTACT_PRESSURE] = known["mean_pressure"]
     named = {name: known.get(name) or known.get(OF_AN_ENSEMBLE.sub("", name)) or NONE for name in table}
     return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit not in WITHOUT})

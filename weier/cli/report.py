@@ -48,6 +48,7 @@ COLUMNS = {
     "resistance_numerical_error": "resistance, numerical error",
     "compliance_median": "compliance, median",
     "contact_fraction_median": "contact fraction, median",
+    "contact_pressure_median": "mean pressure of the contacts, median",
 }
 OF_SEVERAL = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
 MAX_DIGITS, ERROR_DIGITS = 5, 2  # significant digits of quantities and of errors, at most
@@ -86,7 +87,7 @@ def report(
     max_seconds: float | None,
     **options: Any,
 ) -> None:
-    """Compute the contact resistance of measured lines under given pressures.
+    """Report the contact resistance of measured lines.
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
     over the lines, its 10 and 90 % percentiles and its largest numerical error, in the unit of the pressures and in

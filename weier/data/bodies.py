@@ -17,7 +17,9 @@ from numpy.typing import ArrayLike
 
 from weier import units
 from weier.checks import checked_number, checked_numbers
+from weier.data.curves import contact_pressure
 from weier.data.si import BODIES, OF_DATASETS, check_normalised, converted, scaled
+from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
 from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
 from weier.surface.waves import checked_surface
@@ -40,7 +42,10 @@ RESISTIVITY = (
     "ohm m",
     "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
 )
-USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY}
+HARDNESS = (1e6, 2e11, "Pa", "is it in MPa, or a Vickers number? 1 HV is 9.8e6 Pa")
+USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY, "hardness": HARDNESS}
+# Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
+YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
 OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
@@ -87,6 +92,8 @@ class Bodies:
     rho_2: float
     lambda_0: float | None = None
     g_0: float | None = None
+    hardness_1: float | None = None
+    hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
 
@@ -101,7 +108,7 @@ class Bodies:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
-        known = {name: vars(self)[name] for name in BODIES}
+        known = {name: vars(self)[name] for name in given if name not in OF_TRACE}
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # A warning names what was given.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
@@ -201,7 +208,26 @@ class Bodies:
         own = {name: value for name, value in vars(self).items() if value is not None}
         if not _varies(scale):
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
-        return converted(data, self._scales(*scale)).assign_attrs(own)
+        found = converted(data, self._scales(*scale)).assign_attrs(own)
+        if "contact_fraction" in found and LOADS in found.coords:
+            pascals = units.factor(LOADS, units.unit_of(found[LOADS]), units.PASCAL)
+            self.warn_of_yield(found[LOADS].values * pascals, found["contact_fraction"].values)
+        return found
+
+    def warn_of_yield(self, pressure: Array, contact_fraction: Array) -> None:
+        """Warn once of mean pressures in Pa under which the contacts of curves, shape (..., loads), yield."""
+        hardness = min(filter(None, (self.hardness_1, self.hardness_2)), default=math.inf)
+        ratio = contact_pressure(pressure, contact_fraction) / hardness
+        near = (ratio > YIELD).any(axis=tuple(range(ratio.ndim - 1)))
+        if near.any():
+            largest = float(np.nanmax(ratio))
+            warnings.warn(
+                f"contacts yield from a mean pressure of {_in_MPa(pressure[near].min())} on, at {near.sum()} of "
+                f"{near.size} loads: p over the contact fraction exceeds {YIELD} of the lower hardness, "
+                f"{_in_MPa(hardness)}, and reaches {_in_MPa(largest * hardness)}. Elastic contact underestimates "
+                "their area: take lighter loads, or judge these results as elastic ones",
+                stacklevel=3,  # at the call of the conversion
+            )
 
     def _scale_of(self, surface: Any) -> tuple[Array, Array]:
         """Return lambda_0 and g_0 of a surface, or of curves one per case: of traces, else of this interface."""
@@ -273,3 +299,7 @@ def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Ar
 def _varies(scale: Iterable[Array]) -> bool:
     """Return whether cases differ in scale."""
     return any(np.ptp(values) > 0 for values in scale)
+
+
+def _in_MPa(pressure: float) -> str:
+    return f"{pressure / 1e6:.3g} MPa"

@@ -22,6 +22,7 @@ class Labelled(Protocol):
         """Return the values of a variable."""
 
 
+CONTACT_PRESSURE = "contact_pressure"  # a column of tables, which results do not have
 AnyCase = TypeVar("AnyCase", bound=Labelled)
 # Contact counts as full above this fraction of the compliance at full contact, as a linear axis shows no difference.
 FULL_CONTACT_COMPLIANCE = 0.99
@@ -50,6 +51,19 @@ def curve(case: Labelled, name: str, method: str | None) -> Array | None:
     except KeyError:  # a variable that no method of the file returns
         return None
     return values if np.isfinite(values).any() else None
+
+
+def contact_pressure(mean_pressure: Array, contact_fraction: Array) -> Array:
+    """Return the mean pressure of the contacts, p/A, in the unit of p; NaN where there is no area."""
+    return np.asarray(mean_pressure / np.where(contact_fraction > 0, contact_fraction, np.nan))
+
+
+def with_contact_pressure(data: xr.Dataset) -> xr.Dataset:
+    """Return curves with the mean pressure of the contacts as a further variable where they have an area."""
+    if "contact_fraction" not in data:
+        return data
+    own = contact_pressure(data["mean_pressure"].values, data["contact_fraction"].values)
+    return data.assign({CONTACT_PRESSURE: (data["contact_fraction"].dims, own)})
 
 
 def most_accurate(study: Labelled) -> tuple[Flags, Indices]:

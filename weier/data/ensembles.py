@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import units
+from weier.data.curves import CONTACT_PRESSURE
 from weier.data.variables import CASE, CURVE
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.surface.profile import PARAMETERS
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-AVERAGED = ("compliance", "resistance", "contact_fraction")
+AVERAGED = ("compliance", "resistance", "contact_fraction", CONTACT_PRESSURE)
 PERCENTILES = {"percentile_10": 0.1, "median": 0.5, "percentile_90": 0.9}  # suffixes of columns
 FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
 CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.

@@ -94,7 +94,8 @@ class CurvesAccessor:
         Returns
         -------
         DataFrame
-            First the labels of the case, `solution_method` and `mean_pressure`, then all quantities with a value.
+            First the labels of the case, `solution_method` and `mean_pressure`, then all quantities with a value, and
+            `contact_pressure`, the mean pressure of the contacts.
 
         Examples
         --------
@@ -105,7 +106,7 @@ class CurvesAccessor:
         0  1.5    3.0  2.0  [0.0, 0.0]            0.1      0.4587
         1  1.5    3.0  2.0  [0.0, 0.0]            1.0      1.5164
         """
-        data = as_cases(self._data)
+        data = curves.with_contact_pressure(as_cases(self._data))
         labels = [name for name in _labels(data) if name != "case"]
         quantities = [name for name, values in data.data_vars.items() if values.dims == CURVE]
         rows = data[quantities].drop_vars("phases", errors="ignore")
@@ -127,12 +128,12 @@ class CurvesAccessor:
         -------
         DataFrame
             One row for each ensemble, method and load: the labels of the ensemble; the number of `cases`, surfaces
-            that were solved there; and for the compliance, the resistance and the contact fraction, where there is
-            one, the mean over these cases, `..._mean`; the standard deviation between them, `..._deviation`; the
-            median and the percentiles, `..._median`, `..._percentile_10` and `..._percentile_90`, interpolated
-            linearly between cases; and the largest error that a method states, `..._numerical_error`. For traces of
-            a scene also the mean of D and g_0 of their fits, the standard deviation between them, and the mean of
-            their standard errors.
+            that were solved there; and for the compliance, the resistance and, where there is one, the contact
+            fraction and the mean pressure of the contacts, `contact_pressure`, the mean over these cases, `..._mean`;
+            the standard deviation between them, `..._deviation`; the median and the percentiles, `..._median`,
+            `..._percentile_10` and `..._percentile_90`, interpolated linearly between cases; and the largest error
+            that a method states, `..._numerical_error`. For traces of a scene also the mean of D and g_0 of their
+            fits, the standard deviation between them, and the mean of their standard errors.
 
         Raises
         ------
@@ -150,7 +151,7 @@ class CurvesAccessor:
         0  1.5  1.0            0.1      8             0.33
         1  1.5  2.0            0.1      8             0.63
         """
-        return ensembles.means(as_cases(self._data))
+        return ensembles.means(curves.with_contact_pressure(as_cases(self._data)))
 
 
 def as_cases(data: xr.Dataset) -> xr.Dataset:

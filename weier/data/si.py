@@ -22,6 +22,7 @@ SI_SYMBOLS = {"dh/dp": "M (rho_1 + rho_2) dh/dp"}
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # The coordinates with normalised units.
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2", "rho_1", "rho_2")  # attributes of a Dataset in SI units
+OF_INTERFACE = (*BODIES, "hardness_1", "hardness_2", "lambda_0", "g_0")  # with those that not all have
 OF_DATASETS = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 

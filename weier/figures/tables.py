@@ -74,7 +74,7 @@ class Table:
 
     def case(self, row: int) -> xr.Dataset:
         """Return one case, in the units of the figure."""
-        case = self.study.isel(case=row)
+        case = self.study.isel(case=row).drop_vars("contact_fraction", errors="ignore")  # no warning of yield again
         return self._interface.at(case).in_si(case) if self._interface else case
 
     def line(self, row: int, method: str, points: bool = False) -> tuple[Array, Array]:

@@ -215,7 +215,10 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
                 stored = netcdf.add_curves(file, name, described[name].attrs | related, labels)
                 factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0]).reshape(-1, 1)
                 for column, method in enumerate(solved.methods):
-                    netcdf.fill_method(stored, column, solved.of_method(name, method) * factor)
+                    values = solved.of_method(name, method)
+                    netcdf.fill_method(stored, column, values * factor)
+                    if name == "contact_fraction" and scene.in_si and scene.interface:
+                        scene.interface.warn_of_yield(solved.loads, values)
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:

@@ -399,6 +399,10 @@ class InterfaceKeys(Part):
     nu_2: Number = Field(description="Poisson's ratio of the second body.")
     rho_1: Number = Field(description="Resistivity of the first body, in ohm m.")
     rho_2: Number = Field(description="Resistivity of the second body.")
+    hardness_1: Number = Field(
+        ABSENT, description="Hardness of the first body, in Pa: results say where contacts come near the lower one."
+    )
+    hardness_2: Number = Field(ABSENT, description="Hardness of the second body.")
     lambda_0: Number = Field(
         ABSENT, description="Wavelength of the coarsest wave of the series, in m; traces have their own."
     )

@@ -26,6 +26,9 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
         ("rho_1", "rho_2"),
         ("be finite and not negative", lambda rho: (rho >= 0) & (rho < math.inf), units.OHM_METRE),
     ),
+    **dict.fromkeys(
+        ("hardness_1", "hardness_2"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.PASCAL)
+    ),
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
 }
 
