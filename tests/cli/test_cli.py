@@ -82,7 +82,14 @@ def test_help_names_every_command_of_a_user(run):
     assert code == 0
     commands = out.partition("Commands:")[2].partition("Exit codes")[0]
     assert "..." not in commands  # a line says it all
-    assert set(re.findall(r"^  (\w+) +\S", commands, re.M)) == {"solve", "plot", "table", "compile", "adopt"}
+    assert set(re.findall(r"^  (\w+) +\S", commands, re.M)) == {
+        "solve",
+        "plot",
+        "report",
+        "table",
+        "compile",
+        "adopt",
+    }
 
 
 def test_the_first_help_shows_the_commands_for_one_profile():
