@@ -116,8 +116,8 @@ rule solve:
     conda:
         "rules/environment.yaml"
     resources:
-        mem_mb=plan.job_memory,
-        runtime=plan.job_minutes,
+        mem_mb=memory,
+        runtime=plan.minutes,
     params:
         run=command,
         scenes=scenes_of,
@@ -160,8 +160,8 @@ rule data:
     conda:
         "rules/environment.yaml"
     resources:
-        mem_mb=plan.memory,
-        runtime=plan.minutes,
+        mem_mb=memory,
+        runtime=lambda wildcards, attempt: 60 * attempt,
     params:
         run=command,
         scene=lambda wildcards, output: scene_file(wildcards.scene),

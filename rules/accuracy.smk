@@ -84,7 +84,11 @@ rule draw:
 # The documentation, with the figures of the paper: snakemake --cores 2 docs
 rule docs:
     input:
-        figures=figures_of_documentation,
+        figures=lambda wildcards: [
+            f"results/paper/{file}"
+            for figure in plan.scene("paper").figures
+            for file in files_of(figure)
+        ],
         index=str(CHECKOUT / "docs/index.rst"),
         pages=[str(path) for path in sorted(CHECKOUT.glob("docs/**/*.*"))],
     output:

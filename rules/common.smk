@@ -14,12 +14,11 @@ from weier.pipeline.workflow import (
     ALL,
     BETWEEN,
     Plan,
-    check_packages,
     kernels_file,
     names_of_scenes,
 )
 
-SCENES = names_of_scenes(config, CONFIG / "scenes")
+SCENES = names_of_scenes(config)
 # Jobs run the Python of Snakemake, or of their own environment, and no module of the folder that they run in.
 in_conda = DeploymentMethod.CONDA in workflow.deployment_settings.deployment_method
 RUN = f"{'python' if in_conda else shlex.quote(sys.executable)} -P -m weier"
@@ -28,6 +27,11 @@ RUN = f"{'python' if in_conda else shlex.quote(sys.executable)} -P -m weier"
 def command(wildcards, output):
     """The command of jobs: Snakemake makes nothing again where a parameter that is a function of the output differs."""
     return RUN
+
+
+def memory(wildcards, attempt):
+    """The megabytes that a job may need; a million cases by two methods at 8 loads took 1100."""
+    return 2000 * attempt
 
 
 def slots():
@@ -61,7 +65,7 @@ def stamp(product):
     """The stamp of a product, as an input function; the date of a fresh one does not count."""
 
     def made_of(wildcards):
-        path, fresh = plan.made_of(wildcards.scene, product.format(**wildcards))
+        path, fresh = plan.stamp(wildcards.scene, product.format(**wildcards))
         return ancient(path) if fresh else path
 
     return made_of
@@ -71,10 +75,3 @@ def labels_of_figure(wildcards):
     """The labels of a figure of a scene in the report of Snakemake."""
     text = caption(plan.scene(wildcards.scene), wildcards.figure).text
     return {"figure": wildcards.figure, "caption": text}
-
-
-def figures_of_documentation(wildcards):
-    """The figures of the paper; the run ends if packages for the documentation are missing."""
-    check_packages("sphinx", "myst_parser", "furo")
-    figures = plan.scene("paper").figures
-    return [f"results/paper/{file}" for figure in figures for file in files_of(figure)]

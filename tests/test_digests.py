@@ -151,11 +151,11 @@ def of_weier(files):
 
 folder = Path(sys.argv[1])
 curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics().name))
-lacking = curves.store.lacking(curves.of_studies(None))
+lacking = curves.store.lacking(curves.of_studies())
 sys.setprofile(noted)
 solve(lacking, curves.store, "test", lambda line: None)
 sys.setprofile(None)
-print(*sorted({each.part.kind.method for each in lacking}))
+print(*sorted({part.kind.method for part in lacking}))
 print(*of_weier(getattr(module, "__file__", None) or "" for module in list(sys.modules.values())))
 print(*of_weier(run))
 """

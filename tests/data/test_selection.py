@@ -267,15 +267,15 @@ def many(size, tmp_path_factory):
     full, random = curves_in(load(folder / "many.yaml"), folder / "curves"), np.random.default_rng(1)
     for part in (*full.surfaces, *full.parts):
         for numbers in np.array_split(np.arange(count), count // PART):
-            rows = [row_of(part, number, random) for number in numbers.tolist()]
-            full.store.append(part.kind, list(part.keys[numbers]), rows, "test")
+            rows = {part.keys[number]: row_of(part, number, random) for number in numbers.tolist()}
+            full.store.append(part.kind, rows, "test")
     return folder
 
 
 def row_of(part, number, random):
     """What a job stores: of a surface, or a curve of random numbers."""
     if part.kind.method == SURFACE:
-        return surface_row(part.case(number).profile)
+        return surface_row(part.product.case(number).profile)
     return {"status": 0, "points": 1600, **{name: random.random(len(part.kind.loads)) for name in OVER_LOADS}}
 
 

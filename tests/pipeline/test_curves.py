@@ -10,7 +10,7 @@ from weier.data import bodies
 from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.methods.settings import defaults
-from weier.pipeline.curves import SURFACE, Curves, number_of_jobs
+from weier.pipeline.curves import SURFACE, Curves
 from weier.pipeline.store import Store
 from weier.scene.case import identity
 from weier.surface.measured import trace as traces
@@ -33,8 +33,8 @@ def missing(folder, store, **changes):
     """The number of curves of each method that would be solved."""
     wanted = Curves(scene_in(folder, SCENE | changes), Store(store, "now"))
     found = {}
-    for each in wanted.store.lacking(wanted.of_studies(None)):
-        found[each.part.kind.method] = found.get(each.part.kind.method, 0) + len(each.numbers)
+    for part in wanted.store.lacking(wanted.of_studies()):
+        found[part.kind.method] = found.get(part.kind.method, 0) + len(part.keys)
     return found
 
 
@@ -43,8 +43,8 @@ def solved(tmp_path_factory):
     """A store that has the curves of a scene, without numbers."""
     folder = tmp_path_factory.mktemp("solved")
     full = Curves(scene_in(folder, SCENE), Store(folder / "curves", "now"))
-    for each in full.store.lacking(full.of_studies(None)):
-        full.store.append(each.part.kind, list(each.keys), [{"seconds": 1.0}] * len(each.keys), "test")
+    for part in full.store.lacking(full.of_studies()):
+        full.store.append(part.kind, dict.fromkeys(part.keys, {"seconds": 1.0}), "test")
     return folder / "curves"
 
 
@@ -172,39 +172,30 @@ def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     full = curves_in(
         scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves"
     )
-    planned = full.store.lacking(full.of_studies(None))
+    planned = full.store.lacking(full.of_studies())
 
     def shares(lacking, count=3):
-        of = [[each.of_job(number, count) for each in lacking] for number in range(count)]
-        return [{(one.part.kind.name, key) for one in own for key in one.keys.tolist()} for own in of]
+        of = [[part.of_job(number, count) for part in lacking] for number in range(count)]
+        return [{(one.kind.name, key) for one in own for key in one.keys.tolist()} for own in of]
 
     first = shares(planned)
-    everything = {(each.part.kind.name, key) for each in planned for key in each.keys.tolist()}
+    everything = {(part.kind.name, key) for part in planned for key in part.keys.tolist()}
     assert set.union(*first) == everything
     assert sum(map(len, first)) == len(everything) == 160 + 4 + 160
     assert all(len(share) > 0.6 * len(everything) / 3 for share in first)
-    for each in planned:  # which others solve in part
-        some = each.keys[: len(each.keys) // 2]
-        full.store.append(each.part.kind, list(some), [{"seconds": 1.0}] * len(some), "test")
-    later = shares(full.store.lacking(full.of_studies(None)))
+    for part in planned:  # which others solve in part
+        full.store.append(part.kind, dict.fromkeys(part.keys[: len(part.keys) // 2], {"seconds": 1.0}), "test")
+    later = shares(full.store.lacking(full.of_studies()))
     assert all(now <= before for now, before in zip(later, first, strict=True))
     assert 0 < len(set.union(*later)) < len(everything)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "curves", "most", "expected"),
-    [(0.1, 9, 2, 1), (15.0, 9, 2, 2), (1e4, 9, 2, 2), (900.0, 10_000, 100, 90), (1e5, 3, 100, 3), (0.0, 0, 2, 1)],
-)
-def test_there_are_as_many_jobs_as_can_run_and_none_that_is_short(seconds, curves, most, expected):
-    assert number_of_jobs(seconds, curves, most) == expected
 
 
 @pytest.mark.parametrize(("method", "solved"), [("layer", 4), ("archard", 4), ("bem", 12)])
 def test_each_curve_is_expected_to_take_what_its_method_says(tmp_path, method, solved):
     found = curves_in(scene_in(tmp_path, SCENE | {"methods": [method]}), tmp_path)
-    (own,) = [each for each in found.store.lacking(found.of_studies(None)) if each.part.kind.method == method]
-    assert len(own.numbers) == solved
-    cases = [own.part.case(number) for number in own.numbers.tolist()]
+    (own,) = [part for part in found.store.lacking(found.parts) if part.kind.method == method]
+    cases = [own.product.case(position) for position in own.positions.tolist()]
+    assert len(cases) == solved
     assert own.seconds == pytest.approx(sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases), rel=1e-9)
 
 

@@ -30,7 +30,7 @@ SCENE = {
 
 
 def lacking(curves):
-    return curves.store.lacking(curves.of_studies(None))
+    return curves.store.lacking(curves.of_studies())
 
 
 def solve_all(curves, said=None):
@@ -151,23 +151,27 @@ def test_an_edit_that_changes_a_number_changes_the_digest_of_the_code(curves, tm
     assert numerics().name != before
 
 
-def test_curves_are_appended_after_some_seconds_and_at_the_end(tmp_path, monkeypatch):
+def test_curves_are_appended_after_some_seconds_and_at_the_end(curves, monkeypatch):
     """And before rows fill memory. A job that is killed loses what it solved in ten seconds."""
     now, appended = [0.0], []
+
+    def row(*given):
+        now[0] += 1.999
+        return {}
+
+    def append(kind, rows, origin):
+        appended.append(len(rows))
+
     monkeypatch.setattr(jobs, "monotonic", lambda: now[0])
     monkeypatch.setattr(jobs, "check_code", lambda *given: None)
-    store = SimpleNamespace(numerics="", append=lambda kind, keys, rows, origin: appended.append(len(rows)))
-    segment = jobs.Segment(None, store, "test")
-    for _ in range(120):
-        now[0] += 0.999
-        segment.add(np.uint64(1), {})
-    assert set(appended) == {11}
-    segment.close()
-    assert sum(appended) == 120
-    monkeypatch.setattr(jobs, "MAX_ROWS", 10)
-    for _ in range(25):
-        segment.add(np.uint64(1), {})
-    assert appended[-2:] == [10, 10]
+    monkeypatch.setattr(jobs, "_row", row)
+    monkeypatch.setattr(curves.store, "append", append)
+    solve_all(curves)
+    assert sum(appended) == 36
+    assert max(appended) == 6
+    monkeypatch.setattr(jobs, "MAX_ROWS", 4)
+    solve_all(curves)
+    assert max(appended[-8:]) == 4
 
 
 SLOW = """
@@ -206,11 +210,11 @@ def test_a_job_that_is_stopped_keeps_its_curves_and_the_next_one_solves_the_rest
     assert job.returncode != 0
     assert "Traceback" not in said
     again = curves_in(curves.scene, curves.store.folder)
-    left = sum(len(each.numbers) for each in lacking(again))
-    assert left <= sum(len(each.numbers) for each in lacking(curves_in(curves.scene, tmp_path / "none"))) - 5
+    left = sum(len(part.keys) for part in lacking(again))
+    assert left <= sum(len(part.keys) for part in lacking(curves_in(curves.scene, tmp_path / "none"))) - 5
     start = time.monotonic()
     done = subprocess.run([sys.executable, "-m", "weier", *map(str, arguments)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert time.monotonic() - start < 60
     rest = lacking(curves_in(curves.scene, curves.store.folder))
-    assert {each.part.kind.method for each in rest} == {"bem"}
+    assert {part.kind.method for part in rest} == {"bem"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from weier.pipeline.curves import Kind
-from weier.pipeline.store import ADOPTED, Store
+from weier.pipeline.store import Store
 from weier.scene.identity import keys_of
 
 KIND = Kind("bem", {}, (0.1, 1.0))
@@ -24,8 +24,8 @@ def row(value, **more):
 def store(tmp_path):
     """Four curves in two segments, the second with a quantity and a longer row more."""
     store = Store(tmp_path / "curves", "now")
-    store.append(KIND, [KEYS[2], KEYS[0]], [row(2, edges=np.ones((1, 2))), row(0)], "one")
-    store.append(KIND, [KEYS[1], KEYS[3]], [row(1, chosen="layer"), row(3, edges=2 * np.ones((2, 3)))], "another")
+    store.append(KIND, {KEYS[2]: row(2, edges=np.ones((1, 2))), KEYS[0]: row(0)}, "one")
+    store.append(KIND, {KEYS[1]: row(1, chosen="layer"), KEYS[3]: row(3, edges=2 * np.ones((2, 3)))}, "another")
     return store
 
 
@@ -52,7 +52,7 @@ def test_what_is_not_solved_is_named_with_what_to_do(store):
 
 
 def test_either_of_two_solutions_of_a_curve_serves(store):
-    store.append(KIND, [KEYS[0], KEYS[5]], [row(0), row(5)], "again")
+    store.append(KIND, {KEYS[0]: row(0), KEYS[5]: row(5)}, "again")
     assert store.read(KIND, KEYS[[0, 5, 1]], "compliance")[:, 0].tolist() == [0, 5, 1]
     assert len(store.index(KIND.name).keys) == 6
 
@@ -90,7 +90,9 @@ def test_a_damaged_segment_is_named_with_what_to_do(store):
 def append_many(folder, first):
     store = Store(folder, "now")
     for number in range(first, first + 40, 2):
-        store.append(KIND, list(keys_of([number, number + 1])), [row(number), row(number + 1)], "test")
+        store.append(
+            KIND, dict(zip(keys_of([number, number + 1]), map(row, (number, number + 1)), strict=True)), "test"
+        )
 
 
 def test_two_jobs_append_at_once(tmp_path):
@@ -113,9 +115,9 @@ def killed_while_writing(folder):
     from weier.data import files
 
     store = Store(folder, "now")
-    store.append(KIND, [KEYS[0]], [row(0)], "test")
+    store.append(KIND, {KEYS[0]: row(0)}, "test")
     files.os.replace = lambda *paths: signal.raise_signal(signal.SIGKILL)
-    store.append(KIND, [KEYS[1]], [row(1)], "test")
+    store.append(KIND, {KEYS[1]: row(1)}, "test")
 
 
 def test_what_was_appended_outlives_a_kill(tmp_path):
@@ -131,15 +133,5 @@ def test_what_was_appended_outlives_a_kill(tmp_path):
 
 def test_a_segment_that_is_appended_is_seen_by_its_store(store):
     assert not store.index(KIND.name).find(KEYS[4:5])[0].any()
-    store.append(KIND, [KEYS[4]], [row(4)], "test")
+    store.append(KIND, {KEYS[4]: row(4)}, "test")
     assert store.index(KIND.name).find(KEYS[4:5])[0].all()
-
-
-def test_curves_of_adopted_numerics_count(store):
-    later = Store(store.folder, "later")
-    later.append(KIND, [KEYS[4]], [row(4)], "test")
-    (store.folder / KIND.name / "later" / ADOPTED).write_text(json.dumps({"curves": "now"}))
-    assert Store(store.folder, "later").read(KIND, KEYS[:5], "compliance")[:, 0].tolist() == [0, 1, 2, 3, 4]
-    assert len(store.index(KIND.name).keys) == 4  # and none the other way round
-    (store.folder / KIND.name / "now" / ADOPTED).write_text(json.dumps({"curves": "later"}))
-    assert len(Store(store.folder, "now").index(KIND.name).keys) == 5  # each once, though they adopt each other

@@ -1,7 +1,6 @@
 """The plan of a run: what is missing, who solves it, and messages that end a run. Planning writes nothing."""
 
 import re
-import signal
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +11,7 @@ from tests.scenes import solve_scene
 from weier.figures.checks import load_by_name
 from weier.pipeline import workflow
 from weier.pipeline.curves import CLOSED
-from weier.pipeline.workflow import Plan, check_packages, ending_in_one_sentence, kernels_file
+from weier.pipeline.workflow import Plan, kernels_file
 
 SCENE = """
 title: test
@@ -88,17 +87,13 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     assert plan().solved(of(product="contact.nc")) == []
 
 
-def test_a_job_of_many_solves_what_a_product_needs_of_its_share(folder, monkeypatch):
-    monkeypatch.setattr(workflow, "number_of_jobs", lambda seconds, curves, most: 5)
+def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
     change(folder, "[2, 3]", "{from: 2, to: 4, count: 3}, seed: {from: 1, to: 20, count: 20}")
     change(folder, "studies: [long], facet: m", "studies: [long], facet: m, median over: seed")
-    all_of = plan()
-    all_of.all_files(of())
-    of_one, everything = (set(all_of.solved(of(product=name))) for name in ("one", "contact.nc"))
-    assert of_one < everything
-    assert len(everything) == 10
-    shares = [all_of._of_job(of(what="all", group="bem", number=n, jobs=5)) for n in range(5)]
-    assert sum(len(each.numbers) for share in shares for each in share) == 2 + 60
+    for seconds, slots, expected in ((4.0, 9, 1), (25.0, 9, 5), (90.0, 5, 5), (1e4, 99, 62)):
+        monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each study
+        jobs = [Path(path).name for path in plan(slots=slots).solved(of(product="contact.nc")) if "/bem." in path]
+        assert jobs == [f"bem.{number}-of-{expected}" for number in range(expected)]
 
 
 def test_a_figure_of_no_study_needs_no_curves(folder):
@@ -106,12 +101,11 @@ def test_a_figure_of_no_study_needs_no_curves(folder):
     assert plan().solved(of(product="three")) == []
 
 
-def test_memory_and_minutes_grow_with_curves_and_attempts(folder):
-    now, job = plan(), {"what": "all", "group": "bem", "number": "0", "jobs": "1"}
-    assert now.job_memory(of(**job), attempt=2) == pytest.approx(2 * now.job_memory(of(**job), attempt=1), abs=1)
-    assert now.job_minutes(of(**job), attempt=1) == 5
-    assert now.memory(of(), attempt=3) > now.memory(of(), attempt=1) >= 500
-    assert now.minutes(of(), attempt=3) == 30
+def test_minutes_grow_with_the_seconds_of_a_job_and_with_attempts(folder, monkeypatch):
+    job = {"what": "test~contact.nc", "group": "bem", "number": "0", "jobs": "2"}
+    assert [plan().minutes(of(**job), attempt) for attempt in (1, 3)] == [5, 15]
+    monkeypatch.setattr(workflow.Part, "seconds", 60.0)
+    assert plan().minutes(of(**job), 2) == 2 * (5 + 2 * 5 / 2)
 
 
 def test_no_rule_makes_a_stamp_that_is_there(folder):
@@ -146,21 +140,13 @@ def test_a_scene_above_its_limit_is_refused(folder, capsys):
     assert not (folder / "results").exists()
 
 
-@pytest.mark.parametrize(
-    ("given", "expected"),
-    [("test, 2024", ["test", "2024"]), (2024, ["2024"]), (815, ["0815"]), (100000.0, ["1e5"]), (True, ["True"])],
-)
-def test_scenes_are_named_by_what_snakemake_makes_of_words(tmp_path, given, expected):
-    for name in ("test", "2024", "0815", "1e5", "True", "07", "7"):
-        (tmp_path / f"{name}.yaml").touch()
-    assert workflow.names_of_scenes({"scenes": given}, tmp_path) == expected
-    with pytest.raises(SystemExit, match=r"got 7: quote one of 07, 7, as in --config \"scenes='07'\"$"):
-        workflow.names_of_scenes({"scenes": 7}, tmp_path)
-    for wrong in (5, None, "", [1]):
-        with pytest.raises(SystemExit, match=r"^weier: scenes must name some of 07, .*, got (5|None|''|\[1\])$"):
-            workflow.names_of_scenes({"scenes": wrong}, tmp_path)
+def test_scenes_are_named_by_words_with_commas_between():
+    assert workflow.names_of_scenes({"scenes": "test, 2024,test"}) == ["test", "2024"]
+    for wrong in (2024, None, "", [1], True):
+        with pytest.raises(SystemExit, match=r"^weier: scenes must be names .*, got .*: quote .* \"scenes='2024'\"$"):
+            workflow.names_of_scenes({"scenes": wrong})
     with pytest.raises(SystemExit, match=r"^weier: there is no key 'scens' .*: did you mean 'scenes'\?$"):
-        workflow.names_of_scenes({"scens": given}, tmp_path)
+        workflow.names_of_scenes({"scens": "test"})
 
 
 def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypatch):
@@ -180,22 +166,3 @@ def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypat
     assert kernels_file("{method}") == "results/compiled/{method}"  # the name of an output all the same
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert kernels(of(group="bem")) == []
-
-
-def test_missing_packages_are_named_with_how_to_get_them():
-    check_packages("numpy")
-    with pytest.raises(SystemExit, match=r"needs nonsense: pip install --require-hashes -r requirements/dev.txt"):
-        check_packages("numpy", "nonsense")
-
-
-@pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_ends_the_run_whatever_an_event_loop_makes_of_it():
-    noted = []
-    signal.signal(signal.SIGINT, lambda *_: noted.append("later"))
-    with pytest.raises(SystemExit, match=r"^weier: stopped by Ctrl-C$"), ending_in_one_sentence():
-        signal.raise_signal(signal.SIGINT)
-    signal.raise_signal(signal.SIGINT)
-    assert noted == ["later"]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with ending_in_one_sentence():
-        signal.raise_signal(signal.SIGINT)

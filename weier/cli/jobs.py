@@ -69,16 +69,16 @@ def curves(
     WHAT says of which products, GROUP by which compiled method. NUMERICS is the digest of the code that has planned.
     Ctrl-C, SIGTERM of a cluster and a kill leave the curves that are in the store by then.
     """
-    from weier.pipeline.curves import Curves, by_group
+    from weier.pipeline.curves import Curves
     from weier.pipeline.jobs import solve
-    from weier.pipeline.workflow import wanted
+    from weier.pipeline.workflow import missing
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
-    lacking = by_group(store.lacking(wanted(what, list(loaded), loaded.__getitem__))).get(group, [])
-    own = [each.of_job(number, count) for each in lacking]
-    with job("solve", f"{sum(len(each.numbers) for each in own)} curves by {group}"):
+    lacking = missing(what, list(loaded), loaded.__getitem__).get(group, [])
+    own = [part.of_job(number, count) for part in lacking]
+    with job("solve", f"{sum(len(part.keys) for part in own)} curves by {group}"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 
 
@@ -112,8 +112,8 @@ def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
 
     store = Store(folder, numerics().name)
     wanted = [Curves(weier.load_scene(path), store) for path in scenes]
-    verdicts = adopt_curves(wanted, store, within_errors, click.echo)
-    click.echo(f"{len(verdicts)} kinds of curves of other code were compared with that of {store.numerics}")
+    compared = adopt_curves(wanted, store, within_errors, click.echo)
+    click.echo(f"{compared} kinds of curves of other code were compared with that of {store.numerics}")
 
 
 @click.command(hidden=True)

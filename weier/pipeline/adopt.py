@@ -3,43 +3,30 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from weier.api.rows import curve_row
-from weier.data.files import write_text
-from weier.pipeline.curves import SURFACE, Curves, Lacking
-from weier.pipeline.jobs import described, solve_curve
-from weier.pipeline.store import ADOPTED, SUFFIX, Store
+from weier.data.files import replacing, write_text
+from weier.data.provenance import origin
+from weier.data.variables import VARIABLES
+from weier.methods.method import QUANTITIES
+from weier.pipeline.curves import SURFACE, Curves, Part
+from weier.pipeline.jobs import solve
+from weier.pipeline.store import ORIGIN, SUFFIX, Store
 
 SAMPLE = 50  # curves of each kind that are solved again, evenly spread over those that there are
-NOT_COMPARED = ("seconds",)  # which differ from run to run
+RECORD = "adopted.json"  # beside the segments: the last comparison with other numerics
+NOT_COMPARED = ("seconds", ORIGIN)  # which differ from run to run
 
 
-class Verdict(NamedTuple):
-    """The comparison of the curves of one kind under other numerics with those of the present code.
+def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Callable[[str], None]) -> int:
+    """Compare curves of other numerics that scenes lack with new solutions, and copy those that agree.
 
-    name, curves : of the kind, and of the other numerics
-    compared : number of curves that were solved again
-    identical : whether all were the same to the last bit
-    within : whether compliance and resistance differ by at most the sum of their stated errors
-    largest : largest difference of compliance over the sum of the stated errors; NaN where none is stated
-    """
-
-    name: str
-    curves: str
-    compared: int
-    identical: bool
-    within: bool
-    largest: float
-
-
-def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Callable[[str], None]) -> list[Verdict]:
-    """Compare solved curves of other numerics that scenes lack with new solutions, and adopt those that agree.
+    The new solutions stay in the store. Beside the segments of the present numerics, `adopted.json` has both digests
+    and the result.
 
     Parameters
     ----------
@@ -48,92 +35,88 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
     store : Store
         The solved curves, under the present numerics.
     within_errors : bool
-        Whether differences within the stated errors are accepted, too; by default, all bits must agree.
+        Whether compliance and resistance may differ by the sum of their stated errors; by default, all bits of all
+        quantities must agree.
     say : callable
         Called with a line for each comparison.
 
     Returns
     -------
-    list of Verdict
-        Those of all kinds that were compared. Adopted ones are written to `adopted.json` in the folder of the present
-        numerics.
+    int
+        The number of comparisons, one for each kind and other numerics.
     """
-    wanted: dict[str, list[Lacking]] = {}
-    for each in store.lacking(part for curves in scenes for part in curves.of_studies(None)):
-        wanted.setdefault(each.part.kind.name, []).append(each)
-    verdicts = []
-    for name, lacking in wanted.items():
-        for folder in others(store, name):
-            known = Store(store.folder, folder.name)
-            if (sample := _sample(lacking, known)) and not (folder.parent / store.numerics / ADOPTED).exists():
-                verdict = _compared(sample, known)
-                accepted = verdict.identical or (within_errors and verdict.within)
-                say(_line(verdict, accepted))
-                verdicts.append(verdict)
-                if accepted:
-                    own = verdict._asdict() | {"code": store.numerics, "date": datetime.now(UTC).isoformat()}
-                    write_text(folder.parent / store.numerics / ADOPTED, json.dumps(own, indent=1) + "\n")
-    return verdicts
+    by_kind: dict[str, list[Part]] = {}
+    for part in store.lacking(part for curves in scenes for part in curves.of_studies()):
+        by_kind.setdefault(part.kind.name, []).append(part)
+    compared = 0
+    for name, wanted in by_kind.items():
+        folders = [path for path in (store.folder / name).glob("*/") if path != store.segments(name)]
+        for folder in sorted(folders, key=lambda path: path.stat().st_mtime, reverse=True):  # the newest first
+            other = Store(store.folder, folder.name)
+            if not (sample := _sample(store.lacking(wanted), other)):
+                continue
+            solve(sample, store, origin(), lambda line: None)
+            identical, within = np.all([_compared(part, store, other) for part in sample], axis=0).tolist()
+            accepted = identical or (within_errors and within)
+            record = {
+                "curves": other.numerics,
+                "code": store.numerics,
+                "compared": sum(len(part.keys) for part in sample),
+                "identical": identical,
+                "within_errors": within,
+                "adopted": accepted,
+                "date": datetime.now(UTC).isoformat(),
+            }
+            for path in folder.glob(f"[!.]*{SUFFIX}") if accepted else ():
+                with replacing(store.segments(name) / path.name) as beside:
+                    beside.write_bytes(path.read_bytes())
+            write_text(store.segments(name) / RECORD, json.dumps(record, indent=1) + "\n")
+            store = Store(store.folder, store.numerics)  # which reads the copies
+            agree = "the same bits" if identical else "within the stated errors" if within else "they differ"
+            verdict = "adopted" if accepted else "not adopted"
+            say(f"{name} of {other.numerics}: {record['compared']} curves solved again, {agree}: {verdict}")
+            compared += 1
+    return compared
 
 
-def others(store: Store, kind: str) -> list[Path]:
-    """Return the folders of other numerics with segments of a kind, the newest first."""
-    folders = [path for path in (store.folder / kind).glob("*/") if path.name != store.numerics]
-    return sorted(filter(_newest, folders), key=_newest, reverse=True)
+def _sample(lacking: Iterable[Part], other: Store) -> list[Part]:
+    """Return curves that are solved under the other numerics, evenly spread."""
+    solved = [part.only(other.index(part.kind.name).find(part.keys)[0]) for part in lacking]
+    total = sum(len(part.keys) for part in solved)
+    chosen = np.zeros(total, bool)
+    chosen[np.linspace(0, total, SAMPLE, endpoint=False).astype(int)] = total > 0
+    mine = np.split(chosen, np.cumsum([len(part.keys) for part in solved])[:-1])
+    return [part.only(own) for part, own in zip(solved, mine, strict=True) if own.any()]
 
 
-def _newest(folder: Path) -> float:
-    return max((path.stat().st_mtime for path in folder.glob(f"[!.]*{SUFFIX}")), default=0.0)
+def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
+    """Return whether all values of some curves are the same in two stores, and whether they are within errors."""
+
+    def both(name: str) -> list[Any]:
+        return [each.read(part.kind, part.keys, name) for each in (store, other)]
+
+    same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
+    identical = all(same.values())
+    if part.kind.method == SURFACE or not same["status"]:  # nothing of a surface has a stated error
+        return identical, identical
+    return identical, all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
 
 
-def _sample(lacking: Sequence[Lacking], known: Store) -> list[tuple[Lacking, int]]:
-    """Return curves that are solved under the other numerics, evenly spread: parts with their numbers."""
-    index = known.index(lacking[0].part.kind.name)
-    solved = [(each, int(number)) for each in lacking for number in each.numbers[index.find(each.keys)[0]]]
-    return [solved[place] for place in np.unique(np.linspace(0, len(solved) - 1, SAMPLE).astype(int)) if solved]
+def _same(*values: Any) -> bool:
+    """Return whether two arrays are the same to the last bit, but for NaN at their ends."""
+    if any(one is None or one.dtype.kind == "U" for one in values):
+        return np.array_equal(values[0], values[1])
+    shape = np.max([one.shape for one in values], axis=0)
+    padded = np.full((2, *shape), np.nan)
+    for one, within in zip(values, padded, strict=True):
+        within[tuple(map(slice, one.shape))] = one
+    return np.array_equal(padded[0], padded[1], equal_nan=True)
 
 
-def _compared(sample: Sequence[tuple[Lacking, int]], known: Store) -> Verdict:
-    """Solve a sample again, and compare it with the store."""
-    kind = sample[0][0].part.kind
-    identical, within, largest = True, True, np.nan
-    for lacking, number in sample:
-        case = lacking.part.case(number)
-        new = described(case) if kind.method == SURFACE else curve_row(*solve_curve(case.profile, kind))
-        key = lacking.part.keys[number : number + 1]
-        old = {name: found[0] for name in new if (found := known.read(kind, key, name)) is not None}
-        names = [name for name in new if name not in NOT_COMPARED and (kind.contact_edges or np.ndim(new[name]) < 2)]
-        exact = names if kind.method == SURFACE else ["status"]  # nothing else of a surface has a stated error
-        identical &= all(name in old and _same(new[name], old[name]) for name in names)
-        within &= all(name in old and _same(new[name], old[name]) for name in exact)
-        for quantity in ("compliance", "resistance"):
-            if f"{quantity}_error" in old and f"{quantity}_error" in new:
-                difference = np.abs(new[quantity] - old[quantity])
-                stated = new[f"{quantity}_error"] + old[f"{quantity}_error"]
-                within &= bool((difference <= stated).all())
-                if quantity == "compliance":
-                    ratio = difference[stated > 0] / stated[stated > 0]
-                    largest = float(np.fmax(largest, np.max(ratio, initial=0.0)))
-            elif quantity in new:
-                within &= quantity in old and _same(new[quantity], old[quantity])
-    return Verdict(kind.name, known.numerics, len(sample), identical, within, largest)
-
-
-def _same(new: Any, old: Any) -> bool:
-    """Return whether two values are the same to the last bit; the stored one may end in NaN."""
-    new, old = np.asarray(new), np.asarray(old)
-    if new.dtype.kind in "UO":
-        return str(new) == str(old)
-    own = tuple(map(slice, new.shape))
-    if old[own].shape != new.shape:
+def _within(values: list[Any], errors: list[Any]) -> bool:
+    """Return whether values differ by at most the sum of their stated errors; NaN is NaN in both."""
+    if any(one is None for one in (*values, *errors)):
         return False
-    padded = np.full(old.shape, np.nan)
-    padded[own] = new
-    return np.array_equal(padded, old, equal_nan=True)
-
-
-def _line(verdict: Verdict, accepted: bool) -> str:
-    """Return a comparison in one line."""
-    agree = "the same bits" if verdict.identical else "within the stated errors" if verdict.within else "they differ"
-    what = f"{verdict.name} of {verdict.curves}: {verdict.compared} curves solved again, {agree}"
-    return f"{what}: {'adopted' if accepted else 'not adopted'}"
+    new, old = values
+    close = np.abs(new - old) <= np.sum(errors, axis=0)
+    return bool((close | (np.isnan(new) & np.isnan(old))).all())

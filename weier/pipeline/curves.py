@@ -7,9 +7,7 @@ has none, so that scenes share curves, and the profiles of an ensemble share tho
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
@@ -21,10 +19,9 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.method import CURVE_SECONDS
 from weier.methods.registry import find_method, methods_run_by
 from weier.methods.settings import all_settings
-from weier.scene.case import Case
 from weier.scene.cases import Scene
 from weier.scene.identity import Keys, digest_of_keys, key_of
-from weier.scene.study import SEEDS, CaseProduct
+from weier.scene.study import CaseProduct
 from weier.theory.conduction import full_contact_pressure
 
 if TYPE_CHECKING:
@@ -93,21 +90,23 @@ def kind_of(product: CaseProduct, method: str, scene: Scene) -> Kind:
 
 @dataclass(frozen=True)
 class Part:
-    """The curves of one kind for the cases of a product.
+    """Curves of one kind for cases of a product.
 
-    first : number of its first case in the scene; the others follow
-    positions : of its cases in the product
+    cases, positions : numbers of the cases in the scene, and their positions in the product
     """
 
     kind: Kind
     product: CaseProduct
-    first: int
+    cases: Indices
     positions: Indices
 
-    @property
-    def cases(self) -> slice:
-        """The numbers of its cases in the scene."""
-        return slice(self.first, self.first + len(self.positions))
+    def only(self, rows: Indices | Flags) -> Part:
+        """Return the part with some of its curves."""
+        return Part(self.kind, self.product, self.cases[rows], self.positions[rows])
+
+    def of_job(self, number: int, count: int) -> Part:
+        """Return the share of one of several jobs, which depends on the key and the kind of each curve alone."""
+        return self.only((self.keys + key_of(self.kind.name)) % np.uint64(count) == number)
 
     @cached_property
     def keys(self) -> Keys:
@@ -115,20 +114,16 @@ class Part:
         own = self.product.surface_keys if self.kind.uses_phases else self.product.keys_without_phases
         return own[self.positions]
 
-    def case(self, number: int) -> Case:
-        """Return one of its cases."""
-        return self.product.case(int(self.positions[number]))
-
-    def seconds(self) -> Array:
-        """Return the expected seconds of each curve, which hardly depend on phases."""
+    @cached_property
+    def seconds(self) -> float:
+        """The expected seconds of all its curves on one core, which hardly depend on phases."""
         if self.kind.method == SURFACE:
-            return np.full(len(self.positions), CURVE_SECONDS)
-        shape = [len(values) for values in self.product.axes.values()]
-        costs = np.zeros([1 if name in SEEDS else len(values) for name, values in self.product.axes.items()])
-        for place in np.ndindex(costs.shape):
-            case = self.product.case(int(np.ravel_multi_index(place, shape)))
-            costs[place] = case.seconds(self.kind.method, self.kind.loads_for(case.profile))
-        return np.broadcast_to(costs, shape).ravel()[self.positions]
+            return CURVE_SECONDS * len(self.positions)
+        keys = self.product.keys_without_phases[self.positions]
+        _, first, counts = np.unique(keys, return_index=True, return_counts=True)
+        cases = map(self.product.case, self.positions[first].tolist())
+        each = [case.seconds(self.kind.method, self.kind.loads_for(case.profile)) for case in cases]
+        return float(np.dot(each, counts))
 
 
 class Curves:
@@ -145,76 +140,21 @@ class Curves:
     def __init__(self, scene: Scene, store: Store) -> None:
         self.scene, self.store = scene, store
         self.parts, self.surfaces = list[Part](), list[Part]()
-        starts = np.searchsorted(scene.product_of_cases, np.arange(len(scene.products) + 1))
-        for product, start, end in zip(scene.products, starts.tolist(), starts[1:].tolist(), strict=False):
-            if end > start:
-                own = product, start, scene.position_in_product[start:end]
+        for number, product in enumerate(scene.products):
+            cases = np.flatnonzero(scene.product_of_cases == number)
+            if cases.size:
+                own = product, cases, scene.position_in_product[cases]
                 self.surfaces.append(Part(Kind(SURFACE, {"trace": "trace" in product.axes}, ()), *own))
                 self.parts += [Part(kind_of(product, method, scene), *own) for method in product.methods]
 
-    def of_studies(self, studies: Collection[str] | None) -> list[tuple[Part, Indices]]:
-        """Return the parts, surfaces first, that these studies need, or all, with the numbers of those curves."""
-        wanted = self._cases_of(studies)
-        found = [(part, np.flatnonzero(wanted[part.cases])) for part in (*self.surfaces, *self.parts)]
-        return [(part, numbers) for part, numbers in found if numbers.size]
-
-    def digest(self, studies: Collection[str] | None = None) -> str:
-        """Return a digest of the curves of these studies, or of all, in the order of their cases."""
-        return digest(
-            [[part.kind.name, digest_of_keys(part.keys[numbers])] for part, numbers in self.of_studies(studies)]
-        )
-
-    def _cases_of(self, studies: Collection[str] | None) -> Flags:
+    def of_studies(self, studies: Collection[str] | None = None) -> list[Part]:
+        """Return what these studies need, or all, surfaces first."""
         wanted = np.full(len(self.scene.distinct), studies is None)
         for study in studies or ():
             wanted[self.scene.cases_of_study(study)] = True
-        return wanted
+        parts = [part.only(wanted[part.cases]) for part in (*self.surfaces, *self.parts)]
+        return [part for part in parts if part.cases.size]
 
-
-@dataclass(frozen=True)
-class Lacking:
-    """Curves of a part that no segment of the store has, by their numbers in the part."""
-
-    part: Part
-    numbers: Indices
-
-    @cached_property
-    def keys(self) -> Keys:
-        """The key of each of them."""
-        return self.part.keys[self.numbers]
-
-    @cached_property
-    def spread(self) -> Keys:
-        """A number for each of them by which jobs share them: independent of the others and of their order."""
-        return self.keys + key_of(self.part.kind.name)
-
-    @property
-    def seconds(self) -> float:
-        """The expected seconds of all on one core."""
-        return float(self.part.seconds()[self.numbers].sum())
-
-    def of_job(self, number: int, count: int) -> Lacking:
-        """Return those of one of several jobs."""
-        return Lacking(self.part, self.numbers[self.spread % np.uint64(count) == number])
-
-
-def by_group(lacking: Iterable[Lacking]) -> dict[str, list[Lacking]]:
-    """Return missing curves by the kernels that they need."""
-    found: dict[str, list[Lacking]] = {}
-    for each in lacking:
-        found.setdefault(each.part.kind.group, []).append(each)
-    return found
-
-
-def number_of_jobs(seconds: float, curves: int, most: int) -> int:
-    """Return the number of jobs among which curves of one group are shared."""
-    return max(1, min(most, curves, math.ceil(seconds / JOB_SECONDS)))
-
-
-# arbitrary within a factor of two, since curves do not depend on the jobs that solve them: starting a job takes 1 s
-JOB_SECONDS = 10.0
-
-
-def described(kind: Kind) -> str:
-    """Return a kind as text, for the file that says what the segments beside it hold."""
-    return json.dumps(kind._asdict(), indent=1, sort_keys=True) + "\n"
+    def digest(self, studies: Collection[str] | None = None) -> str:
+        """Return a digest of the curves of these studies, or of all, in the order of their cases."""
+        return digest([[part.kind.name, digest_of_keys(part.keys)] for part in self.of_studies(studies)])

@@ -58,7 +58,7 @@ class Solved:
     def _among(self, parts: Iterable[Part]) -> Iterable[tuple[Part, Indices, Indices]]:
         """Yield parts with the rows of the dataset that are of theirs, and the numbers of these in the part."""
         for part in parts:
-            number = self.cases - part.first
+            number = self.cases - part.cases[0]  # the others follow
             rows = np.flatnonzero((number >= 0) & (number < len(part.positions)))
             if rows.size:
                 yield part, rows, number[rows]

@@ -24,12 +24,11 @@ from numpy.typing import NDArray
 
 from weier.data.files import replacing, write_text
 from weier.kernels.arrays import Flags, Indices
-from weier.pipeline.curves import Kind, Lacking, Part, described
+from weier.pipeline.curves import Kind, Part
 from weier.scene.identity import Keys, distinct
 
 KEY, ORIGIN = "key", "origin"  # of each row, and of all rows of a segment
 SUFFIX = ".npz"
-ADOPTED = "adopted.json"  # in the folder of new numerics: those whose curves count for them
 DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
 
 
@@ -62,22 +61,19 @@ class Store:
         self.folder, self.numerics = Path(folder), numerics
         self._indices: dict[str, Index] = {}
 
-    def lacking(self, wanted: Iterable[tuple[Part, Indices]]) -> list[Lacking]:
-        """Return which of some curves the store lacks, each once."""
-        parts: dict[str, list[tuple[Part, Indices]]] = {}
-        for part, numbers in wanted:
-            parts.setdefault(part.kind.name, []).append((part, numbers))
+    def lacking(self, wanted: Iterable[Part]) -> list[Part]:
+        """Return what the store lacks of some parts, each curve once."""
+        by_kind: dict[str, list[Part]] = {}
+        for part in wanted:
+            by_kind.setdefault(part.kind.name, []).append(part)
         found = []
-        for name, own in parts.items():
-            keys = np.concatenate([part.keys[numbers] for part, numbers in own])
-            known, _ = self.index(name).find(keys)
-            first = distinct(keys)[0]
+        for name, parts in by_kind.items():
+            keys = np.concatenate([part.keys for part in parts])
             new = np.zeros(len(keys), bool)
-            new[first[~known[first]]] = True
-            ends = np.cumsum([len(numbers) for _, numbers in own])[:-1]
-            for (part, numbers), mine in zip(own, np.split(new, ends), strict=True):
-                if mine.any():
-                    found.append(Lacking(part, numbers[mine]))
+            new[distinct(keys)[0]] = True
+            new &= ~self.index(name).find(keys)[0]
+            mine = np.split(new, np.cumsum([len(part.keys) for part in parts])[:-1])
+            found += [part.only(own) for part, own in zip(parts, mine, strict=True) if own.any()]
         return found
 
     def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
@@ -109,27 +105,29 @@ class Store:
             joined[(here, *within)] = values[row[here]]
         return joined
 
-    def append(self, kind: Kind, keys: Sequence[np.uint64], rows: Sequence[Mapping[str, Any]], origin: str) -> None:
-        """Add curves as a segment: whole or not at all, and on the disk before it has its name."""
-        folder = self.folder / kind.name
-        if not (about := folder / "kind.json").exists():
-            write_text(about, described(kind))
-        names = dict.fromkeys(name for row in rows for name in row)
-        columns = {name: _column([row.get(name) for row in rows]) for name in names}
-        columns |= {KEY: np.array(keys, np.uint64), ORIGIN: np.array(origin)}
+    def append(self, kind: Kind, rows: Mapping[np.uint64, Mapping[str, Any]], origin: str) -> None:
+        """Add curves by their keys as a segment: whole or not at all, and on the disk before it has its name."""
+        if not (about := self.folder / kind.name / "kind.json").exists():
+            write_text(about, json.dumps(kind._asdict(), indent=1, sort_keys=True) + "\n")
+        names = dict.fromkeys(name for row in rows.values() for name in row)
+        columns = {name: _column([row.get(name) for row in rows.values()]) for name in names}
+        columns |= {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
         host = socket.gethostname().partition(".")[0]
-        path = folder / self.numerics / f"{time.time_ns():x}-{host}-{os.getpid()}{SUFFIX}"
+        path = self.segments(kind.name) / f"{time.time_ns():x}-{host}-{os.getpid()}{SUFFIX}"
         with replacing(path) as beside, beside.open("wb") as file:
             np.savez_compressed(file, allow_pickle=False, **columns)
             file.flush()
             os.fsync(file.fileno())
         self._indices.pop(kind.name, None)
 
+    def segments(self, kind: str) -> Path:
+        """Return the folder with the segments of a kind."""
+        return self.folder / kind / self.numerics
+
     def index(self, kind: str) -> Index:
-        """Return the rows of a kind, those of adopted numerics among them."""
+        """Return the rows of a kind."""
         if kind not in self._indices:
-            files = [file for folder in self._folders(kind) for file in sorted(folder.glob(f"[!.]*{SUFFIX}"))]
-            keys = []
+            files, keys = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}")), []
             for file in files:
                 with opened(file) as columns:
                     for member in columns.zip.infolist():
@@ -142,16 +140,6 @@ class Store:
             row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)])
             self._indices[kind] = Index(files, every[order], segment[order], row[order])
         return self._indices[kind]
-
-    def _folders(self, kind: str) -> Iterator[Path]:
-        """Yield the folders of a kind that count for these numerics, each once: code may go there and back."""
-        name, seen = self.numerics, set[str]()
-        while name and name not in seen:
-            seen.add(name)
-            folder = self.folder / kind / name
-            yield folder
-            adopted = folder / ADOPTED
-            name = json.loads(adopted.read_text(encoding="utf-8"))["curves"] if adopted.exists() else ""
 
 
 @contextmanager
