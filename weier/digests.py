@@ -39,8 +39,7 @@ CURVES = (
 # Readers of files are not in it: a trace is identified by its final heights.
 READERS = "surface/measured"
 KEPT = ("__init__.py", "trace.py")
-# Modules of products may read these, too.
-TEXTS = (".css", ".html", ".js", ".mplstyle")
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class Numerics(NamedTuple):
@@ -165,29 +164,11 @@ def _plain(name: str, text: bytes) -> str:
     """Return a digest of a text; that of a module does not depend on docstrings, annotations and comments."""
     if not name.endswith(".py"):
         return hashlib.sha256(text).hexdigest()
-    # Fields that are empty differ between versions of Python, and are left out by `dump`.
-    return hashlib.sha256(ast.dump(_WithoutWords().visit(ast.parse(text))).encode()).hexdigest()
-
-
-class _WithoutWords(ast.NodeTransformer):
-    """Remove docstrings and annotations."""
-
-    def _without_docstring(self, node: Any) -> Any:
-        self.generic_visit(node)
-        if ast.get_docstring(node, clean=False) is not None:
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        for words in {"annotation", "returns"}.intersection(node._fields):
+            setattr(node, words, None)
+        if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             del node.body[0]
-        return node
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> Any:
-        node.returns = None
-        return self._without_docstring(node)
-
-    visit_Module = visit_ClassDef = _without_docstring  # noqa: N815 - names that ast gives
-
-    def visit_arg(self, node: ast.arg) -> Any:
-        node.annotation = None
-        return node
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> Any:
-        node.annotation = ast.Constant(None)
-        return self.generic_visit(node)
+    # Fields that are empty differ between versions of Python, and are left out by `dump`.
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()

@@ -13,7 +13,6 @@ from weier.methods.settings import defaults
 from weier.pipeline.curves import SURFACE, Curves
 from weier.pipeline.store import Store
 from weier.scene.case import identity
-from weier.surface.measured import trace as traces
 from weier.surface.measured.trace import Trace
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
@@ -44,7 +43,7 @@ def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("solved")
     full = Curves(scene_in(folder, SCENE), Store(folder / "curves", "now"))
     for part in full.store.lacking(full.of_studies()):
-        full.store.append(part.kind, dict.fromkeys(part.keys, {"seconds": 1.0}), "test")
+        full.store.append(part.kind, {key: {"seconds": 1.0} for key in part.keys}, "test")
     return folder / "curves"
 
 
@@ -125,36 +124,11 @@ def test_another_constant_in_the_formulas_of_bodies_is_another_kind(tmp_path, mo
     assert names(tmp_path, **IN_SI)[0] != before
 
 
-LINE = {"file": "line.csv", "length": 1e-3, "height_unit": "um"}
-HEIGHTS = [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5, 0, -1, 0.5, 1, -2, 0.75, -0.5, -1.5]
-
-
-def of_trace(folder, **changes):
-    (folder / "line.csv").write_text("\n".join(map(str, HEIGHTS)))
-    scene = {"studies": {"one": {"trace": LINE | changes}}, "methods": ["bem"]}
-    return names(folder, **scene, loads=IN_SI["loads"], interface=BODIES)
-
-
-def test_a_trace_is_its_final_heights(tmp_path, monkeypatch):
-    kinds, keys = of_trace(tmp_path)
-    assert of_trace(tmp_path, length=0.001)[1] == keys
-    for changed in ({"shortest": 3e-4}, {"ends": "tapered"}, {"detrend": "mean"}, {"height_unit": "nm"}):
-        assert of_trace(tmp_path, **changed)[1] != keys, changed
-    usual = traces._checked_level
-    for step in (lambda level: level * (1 + 1e-15), lambda level: level - level[0], lambda level: level[::-1]):
-        monkeypatch.setattr(traces, "_checked_level", lambda *given, step=step: step(usual(*given)))
-        assert of_trace(tmp_path)[1] != keys
-    monkeypatch.setattr(traces, "_checked_level", usual)
-    assert of_trace(tmp_path) == (kinds, keys)
-    monkeypatch.setattr(bodies.Bodies, "composite_modulus", 1e10)
-    assert of_trace(tmp_path)[0] != kinds
-
-
 def test_a_trace_has_the_digest_of_what_is_solved():
-    one = Trace(1e-6 * np.array(HEIGHTS), 1e-3, unit="m")
-    tilted = Trace(1e-6 * (np.array(HEIGHTS) + np.arange(16)), 1e-3, unit="m")
+    heights = 1e-6 * np.cos(np.arange(16.0) ** 2)
+    one, tilted = (Trace(each, 1e-3, unit="m") for each in (heights, heights + 1e-6 * np.arange(16)))
     assert np.allclose(one.amplitude, tilted.amplitude)
-    assert len({one.digest, Trace(1e-6 * np.array(HEIGHTS), 1e-3, unit="m", detrend="mean").digest}) == 2
+    assert Trace(heights, 1e-3, unit="m", detrend="mean").digest != one.digest
 
 
 def test_curves_without_phases_are_stored_once_for_all(tmp_path):
@@ -184,7 +158,7 @@ def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     assert sum(map(len, first)) == len(everything) == 160 + 4 + 160
     assert all(len(share) > 0.6 * len(everything) / 3 for share in first)
     for part in planned:  # which others solve in part
-        full.store.append(part.kind, dict.fromkeys(part.keys[: len(part.keys) // 2], {"seconds": 1.0}), "test")
+        full.store.append(part.kind, {key: {} for key in part.keys[::2]}, "test")
     later = shares(full.store.lacking(full.of_studies()))
     assert all(now <= before for now, before in zip(later, first, strict=True))
     assert 0 < len(set.union(*later)) < len(everything)

@@ -1,104 +1,11 @@
-"""Products are made of curves, entries of the scene and code: what changes the digest of which, and what does not."""
+"""Products are made of curves, entries of the scene and code; stamps say of which. Keys of scenes: test_freshness."""
 
 import pytest
 
-from tests.scenes import curves_in, scene_in
+from tests.pipeline.test_freshness import ALL, digests_of
 from weier import digests
 from weier.pipeline import products
-from weier.pipeline.products import DATA, PAGE, files_of, fill_stamp, made_of, names_of, stamp_of
-
-PRODUCT = {"D": 1.25, "gamma": 5, "m": [1, 2]}
-BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 1e-7}
-SCENE = {
-    "title": "test",
-    "loads": [0.1, 1.0],
-    "methods": ["archard", "demelio"],
-    "studies": {"short": {"product": PRODUCT}, "long": {"product": {**PRODUCT, "m": [3, 4]}}},
-    "figures": {
-        "one": {"draw": "compliance", "studies": ["short"]},
-        "two": {"draw": "resistance", "studies": ["long"], "behind": ["short"]},
-    },
-}
-ALL = {DATA, PAGE, "one", "two"}
-
-
-def digests_of(folder, **changes):
-    curves = curves_in(scene_in(folder, SCENE | changes), folder / "curves")
-    return {name: made_of(curves, name) for name in names_of(curves.scene)}
-
-
-def figures(**changes):
-    return {"figures": SCENE["figures"] | {"one": SCENE["figures"]["one"] | changes}}
-
-
-def studies(**changes):
-    return {"studies": SCENE["studies"] | {"long": SCENE["studies"]["long"] | changes}}
-
-
-# Each key of a scene, a study and a figure, with the products that another value of it changes.
-KEYS = {
-    "title": ({"title": "another"}, {DATA, PAGE}),
-    "max_cases": ({"max_cases": 99}, {DATA}),  # which has the text of the scene
-    "loads": ({"loads": [0.1, 2.0]}, ALL),
-    "methods": ({"methods": ["archard"]}, ALL),
-    "tolerance": ({"methods": ["auto"], "tolerance": 0.1}, ALL),
-    "max_seconds": ({"max_seconds": 99.0}, {DATA}),
-    "settings": ({"methods": ["layer"], "settings": {"layer": {"points": 40}}}, ALL),
-    "contact_edges": ({"contact_edges": True}, ALL),
-    "interface": ({"interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}, ALL),
-    "studies": ({"studies": SCENE["studies"] | {"more": {"product": PRODUCT}}}, {DATA, PAGE}),
-    "figures": (figures(title="other"), {DATA, "one"}),
-    "claims": ({"claims": {"closed_forms_agree": ["short"]}}, {DATA}),
-    "study.product": (studies(product={**PRODUCT, "m": [3, 5]}), {DATA, PAGE, "two"}),
-    "study.cases": ({"studies": {**SCENE["studies"], "long": {"cases": [PRODUCT]}}}, {DATA, PAGE, "two"}),
-    "study.trace": (studies(), set()),  # below: its heights
-    "study.loads": (studies(loads=[0.1]), {DATA, PAGE, "two"}),
-    "study.methods": (studies(methods=["archard"]), {DATA, PAGE, "two"}),
-    "study.settings": (studies(methods=["layer"], settings={"layer": {"points": 40}}), {DATA, PAGE, "two"}),
-    "figure.draw": (figures(draw="resistance"), {DATA, "one"}),
-    "figure.studies": (figures(studies=["long"]), {DATA, "one"}),
-    "figure.title": (figures(title="other"), {DATA, "one"}),
-    "figure.x": (figures(x="linear"), {DATA, "one"}),
-    "figure.y": (figures(y={"to": 3.0}), {DATA, "one"}),
-    "figure.size": (figures(size=[3.5, 3]), {DATA, "one"}),
-    "figure.colour": (figures(colour="m"), {DATA, "one"}),
-    "figure.facet": (figures(facet="m"), {DATA, "one"}),
-    "figure.median over": (figures(**{"median over": ["m"]}), {DATA, "one"}),
-    "figure.band": (figures(band="all"), {DATA, "one"}),
-    "figure.behind": (figures(behind=["long"]), {DATA, "one"}),
-}
-
-
-@pytest.mark.parametrize("key", KEYS)
-def test_another_value_of_a_key_makes_its_products_again(tmp_path, key):
-    changes, expected = KEYS[key]
-    before, after = digests_of(tmp_path), digests_of(tmp_path, **changes)
-    assert {name for name in ALL if before[name] != after[name]} == expected
-    assert digests_of(tmp_path) == before
-
-
-def test_each_key_of_a_scene_is_above():
-    from weier.scene.models import FigureKeys, SceneKeys, StudyKeys
-
-    known = {
-        f"{part}{key}"
-        for part, of in (("", SceneKeys), ("study.", StudyKeys), ("figure.", FigureKeys))
-        for key in of.keys()  # noqa: SIM118 - a method of models
-    }
-    assert known == KEYS.keys()
-
-
-def test_other_heights_of_a_trace_make_again_what_reads_them(tmp_path):
-    own = {"line": {"trace": {"file": "line.csv", "length": 1e-3, "height_unit": "um"}, "methods": ["bem"]}}
-    changes = {
-        "studies": SCENE["studies"] | own,
-        "figures": {**SCENE["figures"], "three": {"draw": "compliance", "studies": ["line"]}},
-    }
-    found = []
-    for first in (0, 1.75):
-        (tmp_path / "line.csv").write_text("\n".join(map(str, [first, 1, 0.5, -1, 2, 0.25, -0.5, 1.5] * 2)))
-        found.append(digests_of(tmp_path, **changes))
-    assert {name for name in found[0] if found[0][name] != found[1][name]} == {DATA, PAGE, "three"}
+from weier.pipeline.products import DATA, files_of, fill_stamp, stamp_of
 
 
 def test_data_of_another_date_are_other_data(tmp_path, monkeypatch):

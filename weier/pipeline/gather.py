@@ -111,7 +111,7 @@ class Solved:
             if part.kind.method != method:
                 continue
             if name == "settings":
-                found.append((rows, np.full(len(rows), _settings(part), object)))
+                found.append((rows, np.full(len(rows), json.dumps(part.kind.settings, sort_keys=True), object)))
             elif (values := self._store.read(part.kind, part.keys[numbers], name)) is not None:
                 values = np.searchsorted(self.origins, values) if name == ORIGIN else values
                 found.append((rows, self._at_all_loads(name, values, part)))
@@ -144,11 +144,6 @@ class Solved:
         """The variables of curves that have a value for each load."""
         return [name for name in self.names if VARIABLES[name].dims == CURVE]
 
-    def blank_curves(self) -> dict[str, tuple[tuple[str, ...], Values, dict[str, Any]]]:
-        """Return those variables for one case, without values."""
-        sizes = {CASE: 1, "solution_method": len(self.methods), "mean_pressure": self.loads.size}
-        return {name: variables.blank(name, sizes) for name in self.over_loads}
-
     def dataset(self, without: Collection[str] = ()) -> xr.Dataset:
         """Return the cases in memory, in normalised units but for the loads, without some variables."""
         found = {}
@@ -160,14 +155,6 @@ class Solved:
         unit = PASCAL if self.scene.in_si else NORMALISED_PRESSURE
         return with_pressures_in(over_cases(found, self.methods, self.loads, unit), self.scene.load_unit)
 
-    def labels(self) -> xr.Dataset:
-        """Return the labels of the cases that follow from the scene."""
-        return case_labels(self.scene).isel(case=self.cases)
-
-
-def _settings(part: Part) -> str:
-    return json.dumps(part.kind.settings, sort_keys=True)
-
 
 def read_study(curves: Curves, study: str, without: Collection[str] = ()) -> xr.Dataset:
     """Return the cases of a study in memory, without some variables; ValueError if a case is not solved."""
@@ -176,8 +163,8 @@ def read_study(curves: Curves, study: str, without: Collection[str] = ()) -> xr.
 
 def read_cases(curves: Curves, cases: Indices, without: Collection[str] = ()) -> xr.Dataset:
     """Return some cases of the file of a scene in memory, by their numbers, without some variables."""
-    solved = Solved(curves, cases)
-    return in_units_of(curves.scene, solved.dataset(without)).merge(solved.labels())
+    data = in_units_of(curves.scene, Solved(curves, cases).dataset(without))
+    return data.merge(case_labels(curves.scene).isel(case=cases))
 
 
 def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None:
@@ -201,7 +188,9 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     scene, solved = curves.scene, Solved(curves)
     in_memory = solved.dataset(without=solved.over_loads)
     scales = scales_of(scene.interface, in_memory) if scene.in_si and scene.interface else {}
-    like = marked(in_memory.isel(case=slice(1)).assign(solved.blank_curves()))
+    sizes = {CASE: 1, "solution_method": len(solved.methods), "mean_pressure": solved.loads.size}
+    blank = {name: variables.blank(name, sizes) for name in solved.over_loads}
+    like = marked(in_memory.isel(case=slice(1)).assign(blank))
     described = in_units_of(scene, like).variables  # for attributes in the units of the scene
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
@@ -232,13 +221,12 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
 def case_labels(scene: Scene) -> xr.Dataset:
     """Return the labels of the cases of a scene, in its order.
 
-    `study` holds the names of the studies of each case, with commas between. `study_NAME`, such as `study_smooth`, is
-    1 for the cases of a study and 0 for others; it is not a coordinate, so that files of other studies can be joined.
-    `METHOD_SETTING`, as `layer_points`, exists for each setting that differs between cases. It is NaN or an empty
-    text where the method is not run, or chooses the setting itself.
+    `study` holds the names of the studies of each case, with commas between. `METHOD_SETTING`, as `layer_points`,
+    exists for each setting that differs between cases. It is NaN or an empty text where the method is not run, or
+    chooses the setting itself.
     """
-    studies = np.array([", ".join(names) for names in scene.studies_of_cases])
-    columns: dict[str, tuple[Values, str]] = {"study": (studies, "studies of the case")}
+    columns: dict[str, tuple[Values, str]] = {}
+    columns["study"] = np.array([", ".join(names) for names in scene.studies_of_cases]), "studies of the case"
     for name in scene.methods:
         method, run = find_method(name), [name in product.methods for product in scene.products]
         own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
@@ -247,27 +235,10 @@ def case_labels(scene: Scene) -> xr.Dataset:
             if len(set(map(json.dumps, compress(values, run)))) > 1:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
                 columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
-    flags = {
-        f"study_{name}": (
-            "case",
-            np.array([name in names for names in scene.studies_of_cases], "i1"),
-            _of_study(name),
-        )
-        for name in scene.studies
-    }
+    attributes = {"coverage_content_type": LABEL}
     return xr.Dataset(
-        flags,
-        coords={
-            name: ("case", values, {"long_name": meaning, "coverage_content_type": LABEL})
-            for name, (values, meaning) in columns.items()
-        },
+        coords={name: (CASE, values, {"long_name": words, **attributes}) for name, (values, words) in columns.items()}
     )
-
-
-def _of_study(name: str) -> dict[str, Any]:
-    """Return the attributes of the flag of a study."""
-    meanings = {"flag_values": np.array([0, 1], "i1"), "flag_meanings": "other_study this_study"}
-    return {"long_name": f"whether the case is of study {name}", "coverage_content_type": LABEL, **meanings}
 
 
 def _column(values: list[Any]) -> Values:
