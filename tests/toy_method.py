@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 
-class ToyCurve(NamedTuple):
-    """Compliance in g_0, resistance in g_0/p_0*, each of shape (loads,)."""
-
-    compliance: Array
-    resistance: Array
-
-
-def _solve(profile: Profile, loads: Array, fraction: float = 0.5) -> ToyCurve:
-    return ToyCurve(fraction * loads, np.full(loads.size, fraction))
+def _solve(profile: Profile, loads: Array, fraction: float = 0.5) -> Curve:
+    return Curve(fraction * loads, np.full(loads.size, fraction))
 
 
 def _applies(profile: Profile) -> None:

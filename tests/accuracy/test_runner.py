@@ -11,13 +11,14 @@ from weier import Profile
 from weier.accuracy.runner import MAX_REPEATED, REPEAT, Outcome, attempt, median_run, run
 from weier.accuracy.variants import Variant
 from weier.methods import registry, westergaard
+from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import Estimate, Method
+from weier.methods.method import Method
 
 
 def solve_first_wave(profile, loads, factor: float = 1.0):
     """The compliance of the first wave alone, times a factor."""
-    return Estimate(factor * westergaard.compliance(loads), factor * westergaard.resistance(loads))
+    return Curve(factor * westergaard.compliance(loads), factor * westergaard.resistance(loads))
 
 
 def raising(error):
@@ -99,7 +100,7 @@ def test_what_numpy_raises_is_not_clear(listed):
 
 def test_numbers_that_are_not_finite_are_counted_as_such(listed):
     def solve(profile, loads):
-        return Estimate(np.where(loads > 0.01, np.inf, loads), loads)
+        return Curve(np.where(loads > 0.01, np.inf, loads), loads)
 
     found = attempt(listed(Method("infinite", "infinite", "gives inf", solve)), ONE, LOADS)
     assert found.outcome.tolist() == [Outcome.finite, Outcome.not_finite, Outcome.not_finite]

@@ -51,6 +51,34 @@ def test_the_compliance_of_more_terms_is_within_the_tolerance(profile, tolerance
     assert found.chosen_method == "patches"  # whose bound is a theorem
 
 
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
+def test_all_that_the_chosen_method_returns_is_passed_on(tolerance):
+    choice = weier.choose(THREE, tolerance)
+    own = weier.solve(THREE, LOADS, choice.method.name, contact_edges=True, **choice.settings)
+    found = weier.solve(THREE, LOADS, tolerance=tolerance, contact_edges=True)
+    assert {"contact_edge", "patch_count", "residual"} <= own.keys() == found.keys()
+    for name in own:
+        np.testing.assert_array_equal(found[name], own[name])
+
+
+def test_the_resistance_of_more_terms_is_within_its_error():
+    """By chords between loads as close as these, the error of the terms solved alone would be too small."""
+    loads = np.geomspace(0.5, 10, 30)
+    found = weier.solve(INFINITE, loads, tolerance=0.3)
+    more = patches.curve(INFINITE.truncated(int(found.chosen_terms) + 1), loads)
+    assert np.all(np.abs(more.resistance - found.resistance) <= found.resistance_error)
+
+
+def test_quantities_of_the_contact_are_nan_where_terms_are_left_out():
+    found = weier.solve(INFINITE, LOADS, tolerance=0.1, contact_edges=True)
+    assert {name for name in found if np.isnan(found[name]).any()} == {
+        "indentation",
+        "contact_fraction",
+        "patch_count",
+    }
+    assert found.sizes["edge"] == 0
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9, 1e-13])
 def test_all_terms_are_solved_where_none_may_be_left_out(tolerance):
     found, exact = weier.solve(THREE, LOADS, tolerance=tolerance), patches.curve(THREE, LOADS, 1e-13)

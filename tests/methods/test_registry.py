@@ -7,6 +7,7 @@ import pytest
 
 from weier import Profile, solve
 from weier.cli import options
+from weier.data.variables import VARIABLES
 from weier.figures import style
 from weier.methods import registry
 from weier.methods.errors import NotApplicableError
@@ -88,8 +89,12 @@ def test_no_two_methods_look_alike():
 
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
-def test_what_a_method_returns_is_known_before_it_runs(method):
-    assert {"compliance", "resistance"} <= set(method.returns)
+def test_what_a_method_returns_is_known_before_it_runs_and_is_in_the_table(method):
+    """The method "auto" passes on what that of its choice returns."""
+    found = method.solve(Profile(1.5, 2, 1), np.array([0.1, 1.0])).values()
+    chosen = registry.find_method(found.get("chosen_method", method.name))
+    assert {*found} == registry.returned_by([chosen.name]) | {*found} & {"chosen_method", "chosen_terms"}
+    assert {*found} <= registry.returned_by([method.name]) <= VARIABLES.keys()
     assert method.stiffness or "contact fraction alone" in method.summary
 
 

@@ -74,7 +74,7 @@ def run(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Return the curve of a variant; raises what `weier.solve` raises."""
     start = process_time()
     solved, _ = CurveTask(profile, variant.method, variant.settings, loads).solve()
-    seconds, values = process_time() - start, solved._asdict()
+    seconds, values = process_time() - start, solved.values()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
     solution_error = values.get(STATED[0], 0.0)

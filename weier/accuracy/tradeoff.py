@@ -22,8 +22,8 @@ from weier.data.markdown import plain, table
 from weier.data.variables import LOAD_DIMS, TRADEOFF, VARIABLES, Status, Variable, variables_of_file
 from weier.kernels.arrays import Array
 from weier.methods import registry
+from weier.methods.curve import QUANTITIES
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import QUANTITIES
 from weier.scene import Scene, load
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile

@@ -19,6 +19,7 @@ from weier.api.workers import solve_curves
 from weier.data import dataset
 from weier.data.variables import LOADS, VARIABLES
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.progress import STOPS
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
@@ -147,7 +148,7 @@ def _store_curve(
     _store(rows, position, {**found, "settings": settings})
 
 
-def _row_of_part(curve: CurveTask, part: tuple[Array, Any]) -> dict[str, Any]:
+def _row_of_part(curve: CurveTask, part: tuple[Array, Curve]) -> dict[str, Any]:
     """Return a curve that was stopped: NaN at the loads that are not solved."""
     solved, solution = part
     found = curve_row(curve._replace(loads=solved), (solution, math.nan))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from weier.api.task import CurveTask
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.registry import find_method
 from weier.surface.limits import resolvable
@@ -18,7 +18,7 @@ from weier.surface.waves import Waves
 from weier.theory.bounds import first_contact, infinite_series_bounds
 
 # The solution of a method and the seconds that it took, or the error.
-Outcome = tuple[Any, float] | NotApplicableError | ConvergenceError
+Outcome = tuple[Curve, float] | NotApplicableError | ConvergenceError
 RMS = "rms_height", "rms_slope", "rms_curvature"
 BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
 
@@ -29,27 +29,25 @@ def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
         unconverged = isinstance(outcome, ConvergenceError)
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
-    values = {name: value for name, value in solution._asdict().items() if value is not None}
-    values |= {**_derived(curve, solution), **_bounds(curve, solution)}
-    return {"status": Status.solved, "seconds": seconds, **values}
+    more = _derived(curve, solution) | _bounds(curve, solution)
+    return {"status": Status.solved, "seconds": seconds, **solution.values(), **more}
 
 
-def _bounds(curve: CurveTask, solution: Any) -> Mapping[str, Array]:
+def _bounds(curve: CurveTask, solution: Curve) -> dict[str, Array]:
     """Return bounds on the infinite series, from the curve of a truncated one by a method that solves it."""
     surface: Any = curve.profile
     if not find_method(curve.method).numerical or math.isinf(surface.m) or math.isnan(surface.tail_amplitude):
         return {}
-    return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.compliance_error)
+    return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.values()["compliance_error"])
 
 
-def _derived(curve: CurveTask, solution: Any) -> dict[str, Array]:
+def _derived(curve: CurveTask, solution: Curve) -> dict[str, Array]:
     """Return the mean gap and, with a contact fraction A, kappa = A E* h'/p, where p_0* = pi E* g_0/lambda_0."""
     gap = {"mean_gap": curve.profile.total_amplitude - solution.compliance}
-    fraction = getattr(solution, "contact_fraction", None)
-    if fraction is None:
+    if solution.contact_fraction is None:
         return gap
     with np.errstate(invalid="ignore"):  # 0 inf of an infinite series without contact area
-        return gap | {"area_coefficient": fraction * curve.profile.rms[1] / (np.pi * curve.loads)}
+        return gap | {"area_coefficient": solution.contact_fraction * curve.profile.rms[1] / (np.pi * curve.loads)}
 
 
 def surface_row(surface: Waves) -> dict[str, Any]:

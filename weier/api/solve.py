@@ -17,6 +17,7 @@ from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
+from weier.methods.curve import Curve
 from weier.methods.progress import converting
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
@@ -171,8 +172,8 @@ def _list(name: str, given: Any) -> list[Any]:
 def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dataset:
     """Return one curve with its labels and settings, over mean_pressure, or over the same pressures in Pa."""
 
-    def labelled(loads: Array, solution: Any, **others: Any) -> xr.Dataset:
-        values = {name: value for name, value in solution._asdict().items() if edges or np.ndim(value) < 2}
+    def labelled(loads: Array, solution: Curve, **others: Any) -> xr.Dataset:
+        values = {name: value for name, value in solution.values().items() if edges or np.ndim(value) < 2}
         labels = curve.profile.labels | {"phases": curve.profile.listed_phases, "solution_method": curve.method}
         settings = all_settings(find_method(curve.method), curve.settings)
         data = dataset.curve(loads, values | others, labels, settings)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from weier.api.progress import clock
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves
@@ -34,7 +35,7 @@ class CurveTask(NamedTuple):
         """The expected seconds on one core."""
         return find_method(self.method).seconds(self.profile, self.loads, **self.settings)
 
-    def solve(self) -> tuple[Any, float]:
+    def solve(self) -> tuple[Curve, float]:
         """Return the solution and its seconds without compiling; raises what the method raises."""
         method = find_method(self.method)
         method.check_applies(self.profile)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from weier.data.curves import CONTACT_PRESSURE
 from weier.data.ensembles import PERCENTILES
 from weier.data.si import OF_INTERFACE
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 from weier.scene.yaml import parse_yaml
 from weier.units import NONE, WITHOUT, unit_of
 

@@ -32,7 +32,7 @@ from weier.data.bodies import to_normalised
 from weier.data.si import marked, with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 from weier.methods.progress import STOPS
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import with_tolerance

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier import units
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 
 # Dimensions of variables.
 CASE, LOADS = "case", "mean_pressure"
@@ -249,6 +249,7 @@ VARIABLES = {
     ),
     "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, files=(TRADEOFF,), optional=True),
     "points": Variable(RUN, "nodes in one period", content=AUXILIARY, files=ALL_MEASURED, optional=True),
+    "second_attempts": Variable(RUN, "loads whose first attempt failed", content=AUXILIARY, optional=True),
     "settings": Variable(
         RUN,
         "settings of the method with defaults, as JSON",

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from weier import figures
 from weier.methods import auto
-from weier.methods.method import COMPLIANCE
+from weier.methods.curve import COMPLIANCE
 from weier.methods.registry import METHODS, find_method, numerical_names
 from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene

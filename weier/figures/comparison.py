@@ -24,7 +24,7 @@ from weier.figures import lines, style
 from weier.figures.captions import PLURALS
 from weier.figures.tables import Extent, Table, codes, extent, tables_of
 from weier.kernels.arrays import Array, Indices
-from weier.methods.method import COMPLIANCE, QUANTITIES
+from weier.methods.curve import COMPLIANCE, QUANTITIES
 from weier.methods.registry import names, numerical_names
 from weier.scene import Grouping
 from weier.scene.figure import EACH_CASE

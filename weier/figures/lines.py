@@ -11,7 +11,7 @@ import xarray as xr
 
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 
 PIECES = 8  # segments between two loads that look smooth in print
 DECADES = 4  # over which a resistance that falls to 0 is drawn, more than an axis shows

@@ -16,7 +16,7 @@ from weier.data.bodies import Bodies, scales_of
 from weier.figures import lines, style
 from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE
+from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.flattened import Remaining, remaining
-from weier.methods.method import Estimate, Method, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, full_contact_pressure
 
@@ -96,10 +97,10 @@ def _taylor_series(distance: Array, fixed: Array, terms: Array, log_ratio: Array
     return total
 
 
-def curve(profile: Profile, mean_pressure: ArrayLike) -> Estimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
     """Return both curves of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
+    return Curve(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
 
 
 METHOD = Method(

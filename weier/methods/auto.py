@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
+from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE, Curve
 from weier.methods.errors import MARGIN, OutOfReachError
-from weier.methods.method import COMPLIANCE, QUANTITIES, RESISTANCE, Method, Style
+from weier.methods.method import Method, Style
 from weier.methods.progress import converting
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
@@ -26,6 +27,7 @@ from weier.theory.bounds import complete_bounds, first_contact, resistance_bound
 
 TOLERANCE = 1e-3
 MAX_LISTED = 5  # loads in a message
+OF_CONTACT = "indentation", "contact_fraction", "patch_count"  # unknown where terms are left out
 
 
 @dataclass(frozen=True, repr=False)
@@ -147,29 +149,7 @@ def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float
     )
 
 
-class AutoCurve(NamedTuple):
-    """Curves within a tolerance over the loads, each of shape (loads,), and how they were solved.
-
-    compliance : h, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp, in g_0/p_0*, of the terms solved
-    compliance_error : in g_0; where terms are left out, and of patches, an a-posteriori bound, evaluated on samples
-    resistance_error : that of the method, or by chords of the concave h(p) where terms are left out, in g_0/p_0*
-    contact_fraction : length in contact per length; NaN where terms are left out
-    second_attempts : the number of loads at which the first attempt of patches failed; a scalar
-    chosen_method, chosen_terms : the method and its number of terms; scalars
-    """
-
-    compliance: Array
-    resistance: Array
-    compliance_error: Array
-    resistance_error: Array
-    contact_fraction: Array
-    second_attempts: int
-    chosen_method: str
-    chosen_terms: float
-
-
-def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> AutoCurve:
+def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
     choice = choose(profile, tolerance, quantity)
     with converting(lambda solved: (solved[0], _as_curve(profile, choice, *solved))):
         solved = choice.method.solve(choice.kept, loads, **choice.settings)
@@ -178,21 +158,35 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
     return _as_curve(profile, choice, loads, solved)
 
 
-def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Any) -> AutoCurve:
-    """Return the curve of the whole surface from that of the terms that are solved."""
-    h, R, error, R_error = solved.compliance, solved.resistance, solved.compliance_error, solved.resistance_error
-    fraction, again = solved.contact_fraction, getattr(solved, "second_attempts", 0)
-    if choice.left_out:
-        low, high = complete_bounds(h, choice.left_out, profile.total_amplitude, error)
-        h, error, fraction = (low + high) / 2, (high - low) / 2, np.full(loads.size, np.nan)
-        shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
-        R_error = np.maximum(steepest - R, R - shallowest)
-    return AutoCurve(h, R, error, R_error, fraction, again, choice.method.name, float(choice.kept.m))
+def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Curve:
+    """Return the curve of the whole surface from that of the terms solved, with all that their method returns.
+
+    Where terms are left out, the resistance is that of the terms solved, its error is by chords of the concave h(p),
+    and quantities of the contact are NaN, without edges.
+    """
+    solved = replace(solved, chosen_method=choice.method.name, chosen_terms=float(choice.kept.m))
+    if not choice.left_out:
+        return solved
+    R, known = solved.resistance, solved.values()
+    low, high = complete_bounds(
+        solved.compliance, choice.left_out, profile.total_amplitude, known["compliance_error"]
+    )
+    h, error = (low + high) / 2, (high - low) / 2
+    shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
+    unknown: dict[str, Any] = {name: np.full(loads.size, np.nan) for name in OF_CONTACT if name in known}
+    return replace(
+        solved,
+        compliance=h,
+        compliance_error=error,
+        resistance_error=np.maximum(steepest - R, R - shallowest),
+        contact_edge=np.empty((loads.size, 0)),
+        **unknown,
+    )
 
 
-def _check_resistance(solved: Any, loads: Array, tolerance: float) -> None:
+def _check_resistance(solved: Curve, loads: Array, tolerance: float) -> None:
     """Refuse a curve whose stated error of the resistance is not within the tolerance."""
-    error = solved.resistance_error / np.fmax(solved.resistance, 1)
+    error = solved.values()["resistance_error"] / np.fmax(solved.resistance, 1)
     exceeding = ~(error <= tolerance)
     if exceeding.any():
         listed = ", ".join(f"{load:.6g}" for load in loads[exceeding][:MAX_LISTED])
@@ -222,6 +216,7 @@ METHOD = Method(
     label="within a tolerance",
     summary="the fewest terms within a tolerance, by bem or patches (weier.choose); any m, also inf",
     solve=_solve,
+    returns=tuple(dict.fromkeys([*bem.METHOD.returns, *patches.METHOD.returns, "chosen_method", "chosen_terms"])),
     settings={
         "tolerance": f"accepted error, in {patches.TOLERANCE_RANGE}: of h, in g_0; of R, relative to the larger of R "
         "and 1 g_0/p_0*",

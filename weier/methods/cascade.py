@@ -21,8 +21,9 @@ import scipy  # Its submodules are loaded on first use.
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import CURVE_SECONDS, AreaEstimate, Method, Style
+from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
 LIGHTEST, HEAVIEST = -690.0, math.log(1e4)  # ln xi of a table: lighter loads are refused, heavier waves are flat
@@ -189,14 +190,14 @@ def _tables(step: float, waves: float) -> float:
     return min(max(waves - 2, 0), HEAVIEST / step + LIGHT_TABLES) if math.isfinite(waves) else 0
 
 
-def curve(profile: Profile, mean_pressure: ArrayLike) -> AreaEstimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
     """Return the contact fraction of a series, over loads in p_0*; compliance and resistance are NaN.
 
     The elastic energies of the same pressures would give both, but worse than Persson's theory does.
     """
     p = np.asarray(mean_pressure, float)
     none = np.full(p.shape, np.nan)
-    return AreaEstimate(none, none, contact_fraction(p, profile.D, float(profile.gamma), profile.m))
+    return Curve(none, none, contact_fraction=contact_fraction(p, profile.D, float(profile.gamma), profile.m))
 
 
 def _step(profile: Profile) -> float:
@@ -219,6 +220,7 @@ METHOD = Method(
     label="theory of 2000",
     summary="contact fraction alone: each wave carries all pressures of the coarser one; any m, also inf (0)",
     solve=curve,
+    returns=("contact_fraction",),
     applies=_applies,
     uses_phases=False,
     stiffness=False,

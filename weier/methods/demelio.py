@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.flattened import remaining
-from weier.methods.method import Estimate, Method, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 
@@ -50,10 +51,10 @@ def _geometric(gamma: Array, m: Array) -> Array:
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 
-def curve(profile: Profile, mean_pressure: ArrayLike) -> Estimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
     """Return both curves of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return Estimate(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
+    return Curve(compliance(mean_pressure, *series), resistance(mean_pressure, *series))
 
 
 METHOD = Method(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
-from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
@@ -21,22 +21,6 @@ from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
 CURVE_SECONDS = 5e-4  # of the simplest curve: `python -m benchmarks expected_seconds`
-QUANTITIES = COMPLIANCE, RESISTANCE = "compliance", "resistance"
-
-
-class Estimate(NamedTuple):
-    """The result of a closed form: compliance, in g_0, and resistance, in g_0/p_0*; both of shape (loads,)."""
-
-    compliance: Array
-    resistance: Array
-
-
-class AreaEstimate(NamedTuple):
-    """The result of a closed form that also has the contact area; each of shape (loads,)."""
-
-    compliance: Array
-    resistance: Array
-    contact_fraction: Array
 
 
 class Style(NamedTuple):
@@ -84,9 +68,10 @@ class Method:
         Description and range of application, in one line of plain text.
     solve : callable
         From a surface, increasing loads of shape (loads,) in p_0*, and settings as keywords with defaults and
-        annotations, to a NamedTuple of `compliance` in g_0, `resistance` in g_0/p_0*, and any other fields of the
-        table of variables. Raises ConvergenceError rather than return a wrong number. A first parameter of type
+        annotations, to a Curve. Raises ConvergenceError rather than return a wrong number. A first parameter of type
         Profile says that it solves the series only, Waves that it takes traces, too.
+    returns : tuple of str
+        The quantities of this Curve other than compliance and resistance.
     settings : mapping of str
         Meaning and unit of each of these keywords, for help texts.
     applies : callable
@@ -112,7 +97,8 @@ class Method:
     name: str
     label: str
     summary: str
-    solve: Callable[..., Any]
+    solve: Callable[..., Curve]
+    returns: tuple[str, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
     applies: Callable[..., None] = lambda profile: None
     check: Callable[..., None] = lambda profile, **settings: None
@@ -122,11 +108,6 @@ class Method:
     in_paper: bool = False
     style: Style = DEFAULT_STYLE
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
-
-    @property
-    def returns(self) -> tuple[str, ...]:
-        """The names of the values returned by `solve`, from its annotation, a NamedTuple."""
-        return tuple(getattr(_annotations(self.solve).get("return"), "_fields", ()))
 
     @property
     def takes_traces(self) -> bool:

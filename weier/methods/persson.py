@@ -19,8 +19,9 @@ import scipy  # Its submodules are loaded on first use.
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import AreaEstimate, Method, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, MAX_TERMS, leading_amplitude
 
@@ -136,10 +137,11 @@ def _geometric_sums(p: Array, n: Array, m: float, rates: Rates) -> tuple[Array, 
     return weight * ((-log_x - np.euler_gamma) * zeroth + rates.growth * first), weight * zeroth
 
 
-def curve(profile: Profile, mean_pressure: ArrayLike) -> AreaEstimate:
+def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
     """Return both curves and the contact fraction of a series, over loads in p_0*."""
     series = profile.D, float(profile.gamma), profile.m
-    return AreaEstimate(*_solve_series(mean_pressure, *series), contact_fraction(mean_pressure, *series))
+    h, R = _solve_series(mean_pressure, *series)
+    return Curve(h, R, contact_fraction=contact_fraction(mean_pressure, *series))
 
 
 def _applies(profile: Profile) -> None:
@@ -156,6 +158,7 @@ METHOD = Method(
     label="Persson",
     summary="the pressure diffuses as finer waves are added; any m, also inf, not for light loads",
     solve=curve,
+    returns=("contact_fraction",),
     applies=_applies,
     uses_phases=False,
     style=Style("#E69F00", (8, 1.5, 1, 1.5), "p"),

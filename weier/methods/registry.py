@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from weier.checks import checked_word
 from weier.methods import archard, auto, bem, cascade, demelio, layer, patches, persson, westergaard
+from weier.methods.curve import QUANTITIES
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
 from weier.surface.profile import Profile
@@ -69,7 +70,7 @@ def infinite_names() -> list[str]:
 
 def returned_by(methods: Iterable[str]) -> set[str]:
     """Return the names of all values returned by these methods."""
-    return {name for method in methods for name in find_method(method).returns}
+    return {*QUANTITIES}.union(*(find_method(method).returns for method in methods))
 
 
 def find_method(name: str) -> Method:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
+from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import AreaEstimate, Method, Style
+from weier.methods.method import Method, Style
 from weier.surface.profile import Profile
 
 
@@ -68,9 +69,9 @@ def _wave(x: ArrayLike) -> tuple[Array, Array]:
     return np.sin(angle), np.cos(angle)
 
 
-def curve(profile: Profile, xi: ArrayLike) -> AreaEstimate:
+def curve(profile: Profile, xi: ArrayLike) -> Curve:
     """Return both curves and the contact fraction of the only wave of a series, over loads in p*."""
-    return AreaEstimate(compliance(xi), resistance(xi), 2 * contact_half_width(xi))
+    return Curve(compliance(xi), resistance(xi), contact_fraction=2 * contact_half_width(xi))
 
 
 def _applies(profile: Profile) -> None:
@@ -83,6 +84,7 @@ METHOD = Method(
     label="Westergaard",
     summary="the closed form for one wave (6)-(14); m = 1",
     solve=curve,
+    returns=("contact_fraction",),
     applies=_applies,
     uses_phases=False,
     in_paper=True,

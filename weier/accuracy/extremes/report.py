@@ -13,7 +13,7 @@ from weier.accuracy.report import Page, measurement, number
 from weier.accuracy.runner import Outcome
 from weier.data.markdown import plain, table
 from weier.data.variables import Check
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 
 # The outcomes in words.
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}

@@ -6,12 +6,11 @@ bounds.
 """
 
 from weier.methods.bem.method import METHOD, grid, points_of, within_few_points
-from weier.methods.bem.solver import POINTS_PER_WAVE, BemCurve, checked_points, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, checked_points, curve
 
 __all__ = [
     "METHOD",
     "POINTS_PER_WAVE",
-    "BemCurve",
     "checked_points",
     "curve",
     "grid",

@@ -8,7 +8,8 @@ from typing import Any
 from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, BemCurve, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curve
+from weier.methods.curve import Curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
 from weier.methods.method import CURVE_SECONDS, Method, Style, applies_to_resolvable
@@ -26,7 +27,7 @@ def _solve(
     tolerance: float | None = None,
     points_per_wave: int | None = None,
     staircase: str = "removed",
-) -> BemCurve:
+) -> Curve:
     points, residual = grid(profile, tolerance, points_per_wave)
     return curve(profile, loads, points, residual, staircase=staircase)
 
@@ -94,6 +95,16 @@ METHOD = Method(
     label="boundary elements",
     summary="accelerated boundary elements (5.1) with sub-grid contact edges; finite m",
     solve=_solve,
+    returns=(
+        "compliance_error",
+        "resistance_error",
+        "contact_fraction",
+        "patch_count",
+        "residual",
+        "work",
+        "contact_edge",
+        "points",
+    ),
     settings={
         "tolerance": f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
         'it sets the points, and bounds R poorly: for this use patches, or auto with quantity="resistance"',

@@ -6,16 +6,15 @@ errors ("Bounds").
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier.checks import checked_number, checked_word
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.methods.bem import active_set, error_model
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.staircase import ContactPoint, contact_on_nodes, remove_staircase
+from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import count_load, keeping
 from weier.surface.limits import check_points, check_resolvable
@@ -30,35 +29,6 @@ RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
 LOADS_TOGETHER, MAX_POINTS_TOGETHER = 4, 2**15
 
 
-class BemCurve(NamedTuple):
-    """Boundary-element curves over the loads, each of shape (loads,).
-
-    compliance : h, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp, in g_0/p_0*
-    contact_fraction : length in contact per length
-    patch_count : contacts in one period; 0 in full contact
-    residual : largest violation of a contact condition at the nodes, on a freshly applied operator, in g_0
-    work : pairs of FFTs, those of coarser grids by their size
-    compliance_error : bound on the error at first contact plus that by the residual, in g_0; never exceeded in tests
-        at other loads
-    resistance_error : from chords of the concave curve h(p), in g_0/p_0*; a bound if `compliance_error` is one
-    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0, padded with NaN;
-        left edges are in the period
-    points : nodes in one period; a scalar
-    """
-
-    compliance: Array
-    resistance: Array
-    contact_fraction: Array
-    patch_count: Indices
-    residual: Array
-    work: Array
-    compliance_error: Array
-    resistance_error: Array
-    contact_edge: Array
-    points: int
-
-
 def curve(
     profile: Waves,
     mean_pressure: ArrayLike,
@@ -66,7 +36,7 @@ def curve(
     max_residual: float = RESIDUAL,
     with_resistance: bool = True,
     staircase: str = "removed",
-) -> BemCurve:
+) -> Curve:
     """Return compliance and resistance of a truncated series by boundary elements (Section 5.1).
 
     Parameters
@@ -88,8 +58,11 @@ def curve(
 
     Returns
     -------
-    BemCurve
-        Arrays over the loads, with bounds on their errors.
+    Curve
+        With the residual at the nodes, on a freshly applied operator, the pairs of FFTs as `work`, those of coarser
+        grids by their size, and the stated errors. That of the compliance is a bound at first contact, and was never
+        exceeded in tests at other loads. That of the resistance is from chords of the concave curve h(p), a bound if
+        the other is one.
 
     Raises
     ------
@@ -119,7 +92,7 @@ def curve(
         grid = active_set.NestedSolver(profile, points, max_residual, together)
         solutions = grid.solve_each(partial[::-1], with_resistance or staircase == "removed")
 
-        def solved() -> tuple[Array, BemCurve]:
+        def solved() -> tuple[Array, Curve]:
             """Return the heaviest loads, which are solved first, and their curve."""
             own = loads[partial.size - len(found) :]
             return own, _as_curve(profile, own, found[::-1], points, with_resistance)
@@ -133,9 +106,7 @@ def curve(
     return _as_curve(profile, loads, found[::-1], points, with_resistance)
 
 
-def _as_curve(
-    profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool
-) -> BemCurve:
+def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: int, with_resistance: bool) -> Curve:
     """Return the curve from the solutions at the loads of partial contact; at heavier loads contact is full."""
     plane, resistance, fraction, residual, work = np.tile([[0.0], [0.0], [1.0], [0.0], [0.0]], loads.size)
     most = max((point.edge.size for point in found), default=0)
@@ -151,7 +122,18 @@ def _as_curve(
     if not with_resistance:
         resistance = np.full(loads.size, np.nan)
     h_error, R_error = error_model.errors(profile, loads, points, (compliance, resistance), residual)
-    return BemCurve(compliance, resistance, fraction, count, residual, work, h_error, R_error, edge, points)
+    return Curve(
+        compliance,
+        resistance,
+        compliance_error=h_error,
+        resistance_error=R_error,
+        contact_fraction=fraction,
+        patch_count=count,
+        residual=residual,
+        work=work,
+        contact_edge=edge,
+        points=points,
+    )
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

@@ -4,6 +4,6 @@ docs/layer.md derives the formulas; each module names its sections.
 """
 
 from weier.methods.layer.method import METHOD
-from weier.methods.layer.solver import POINTS, LayerCurve, curve, tail_closure
+from weier.methods.layer.solver import POINTS, curve, tail_closure
 
-__all__ = ["METHOD", "POINTS", "LayerCurve", "curve", "tail_closure"]
+__all__ = ["METHOD", "POINTS", "curve", "tail_closure"]

@@ -24,6 +24,7 @@ METHOD = Method(
     label="non-linear layer",
     summary="each wave bears on a non-linear layer of all finer ones (4.3); any m, also inf",
     solve=curve,
+    returns=("residual",),
     settings={
         "points": f"nodes per half wave, from {MIN_POINTS} to {MAX_POINTS}",
         "accuracy": "relative error of the compliance by the tables of finer waves, "

@@ -7,7 +7,6 @@ as infinite.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from weier.checks import checked_count, checked_number
 from weier.kernels.arrays import Array
 from weier.kernels.blas import one_thread
 from weier.methods import westergaard
+from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import infinite_waves
@@ -34,20 +34,7 @@ TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as inf
 FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
 
-class LayerCurve(NamedTuple):
-    """Curves of the non-linear layer model over the loads.
-
-    compliance : h, in g_0, from the profile whose waves all peak together
-    resistance : dh/dp, in g_0/p_0*
-    residual : largest violation of a contact condition by the coarsest wave, on a freshly applied operator, in g_0
-    """
-
-    compliance: Array
-    resistance: Array
-    residual: Array
-
-
-def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accuracy: float = ACCURACY) -> LayerCurve:
+def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accuracy: float = ACCURACY) -> Curve:
     """Return compliance and resistance of the non-linear layer model (4.3).
 
     Parameters
@@ -64,8 +51,8 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
 
     Returns
     -------
-    LayerCurve
-        Arrays over the loads.
+    Curve
+        With the residual of the coarsest wave.
 
     Raises
     ------
@@ -94,7 +81,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
     if loads[0] < MIN_LOADS[1]:
         raise ValueError(f"mean_pressure must be at least {MIN_LOADS[1]:g} p_0*, got {loads[0]:g}")
     if profile.m == 1:
-        return LayerCurve(westergaard.compliance(loads), westergaard.resistance(loads), np.zeros(loads.size))
+        return Curve(westergaard.compliance(loads), westergaard.resistance(loads), residual=np.zeros(loads.size))
     # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
     top = _top(model)
     parts = zip(
@@ -104,7 +91,8 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
         strict=True,
     )
     solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
-    return LayerCurve(*(np.concatenate(columns) for columns in zip(*solved, strict=True)))
+    h, R, residual = (np.concatenate(columns) for columns in zip(*solved, strict=True))
+    return Curve(h, R, residual=residual)
 
 
 def check(profile: Profile, points: int = POINTS, accuracy: float = ACCURACY) -> None:
@@ -138,12 +126,12 @@ def _flat_waves(log_load: Array, waves: ComplianceTable, model: Model) -> tuple[
 
 
 @one_thread
-def _solve(loads: Array, bottom: float, top: float, model: Model) -> LayerCurve:
-    """Return the coarsest wave under these loads, on the layer of all finer ones."""
+def _solve(loads: Array, bottom: float, top: float, model: Model) -> tuple[Array, Array, Array]:
+    """Return h, R and the residual of the coarsest wave under these loads, on the layer of all finer ones."""
     waves = _finer_waves(bottom, top, model)
     carried, height, scale = _flat_waves(np.log(loads), waves, model)
     h, rate, residual = scale_on(waves, model).solve(carried)
-    return LayerCurve(height + scale * h, scale * rate / loads, scale * residual)
+    return height + scale * h, scale * rate / loads, scale * residual
 
 
 @one_thread

@@ -9,7 +9,7 @@ holds contacts or gaps with their nodes and densities. A load starts from `start
 
 from weier.methods.patches.event_search import Events, events, expected_loads
 from weier.methods.patches.method import METHOD, run_kernels
-from weier.methods.patches.solver import PatchCurve, Solution, curve, solve_load, solve_loads
+from weier.methods.patches.solver import Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE, TOLERANCE_RANGE
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "TOLERANCE",
     "TOLERANCE_RANGE",
     "Events",
-    "PatchCurve",
     "Solution",
     "curve",
     "events",

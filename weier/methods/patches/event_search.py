@@ -101,7 +101,7 @@ def expected_loads(profile: Waves, low: float, high: float) -> int:
     It is proportional to the length that comes into contact.
     """
     surface = surface_of(profile)
-    light, heavy = curve(profile, [max(low, MIN_LOAD), high]).contact_fraction
+    light, heavy = curve(profile, [max(low, MIN_LOAD), high]).values()["contact_fraction"]
     crests = surface.heights.crest_position.size + surface.tensions.crest_position.size
     return int((heavy - light) * (LOADS_PER_WAVE * profile.waves_per_period[-1] + LOADS_PER_CREST * crests))
 

@@ -55,6 +55,17 @@ METHOD = Method(
     label="contact patches",
     summary="contact edges as unknowns, ten digits; finite m",
     solve=curve,
+    returns=(
+        "compliance_error",
+        "resistance_error",
+        "indentation",
+        "contact_fraction",
+        "patch_count",
+        "residual",
+        "work",
+        "contact_edge",
+        "second_attempts",
+    ),
     settings={
         "tolerance": f"accepted error of the compliance, in g_0, in {TOLERANCE_RANGE}; the stated bound is within it",
     },

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.blas import one_thread
+from weier.methods.curve import Curve
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.patches.certificate import resistance_error
@@ -34,35 +35,6 @@ from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
 MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
-
-
-class PatchCurve(NamedTuple):
-    """Exact curves over the loads, each of shape (loads,).
-
-    compliance : h, in g_0, from the profile whose waves all peak together
-    compliance_error : a bound on its error, in g_0, from sampled violations of the contact conditions
-    indentation : the same from first contact, in g_0, with full relative accuracy at light loads
-    resistance : dh/dp, in g_0/p_0*
-    resistance_error : an estimate of its error, in the same units
-    contact_fraction : length in contact per length
-    patch_count : contacts in one period; 0 in full contact
-    residual : largest violation of a contact condition, evaluated without the equations solved, in g_0
-    work : Newton steps
-    second_attempts : the number of loads at which the first attempt failed; a scalar
-    contact_edge : left and right edge of each contact in turn, shape (loads, edges), in lambda_0; padded with NaN
-    """
-
-    compliance: Array
-    compliance_error: Array
-    indentation: Array
-    resistance: Array
-    resistance_error: Array
-    contact_fraction: Array
-    patch_count: Indices
-    residual: Array
-    work: Indices
-    second_attempts: int
-    contact_edge: Array
 
 
 class Solution(NamedTuple):
@@ -116,7 +88,7 @@ def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
 
 
 @one_thread
-def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> PatchCurve:
+def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE) -> Curve:
     """Return compliance and resistance of a truncated series by contact patches.
 
     Chebyshev collocation of the singular integral equation on every contact, with unknown edges, or on every gap if
@@ -135,8 +107,10 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     Returns
     -------
-    PatchCurve
-        Arrays over the loads.
+    Curve
+        With an a-posteriori bound on the error of the compliance, from sampled violations of the contact conditions,
+        and an estimate of that of the resistance; the residual, evaluated without the equations solved; the Newton
+        steps as `work`; and the indentation, accurate relative to itself at light loads.
 
     Raises
     ------
@@ -148,37 +122,41 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges = list[tuple[Any, ...]](), list[Array]()
+    points, edges = list[dict[str, Any]](), list[Array]()
     period, again = float(profile.period), 0
 
-    def solved() -> PatchCurve:
+    def solved() -> Curve:
         padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, len(points)).T
-        return PatchCurve._make([*map(np.array, zip(*points, strict=True)), again, padded])
+        values: dict[str, Any] = {name: np.array([point[name] for point in points]) for name in points[0]}
+        return Curve(**values, contact_edge=padded, second_attempts=again)
 
     with keeping(lambda: (loads[: len(points)], solved()) if points else None):
         for load in map(float, loads):
             state, steps = solve_state(starts, load)
             contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]
-            point = (*_curve_point(starts.surface, state, contacts[2]), steps)
+            point = _curve_point(starts.surface, state, contacts[2])
             edges.append(_sorted_contacts(contacts, period)[0].ravel())
-            points.append(point)
+            points.append(point | {"work": steps})
             again += state is not None and state.route.attempts > 1
             count_load()
     return solved()
 
 
-def _curve_point(
-    surface: Surface, state: ContactState | None, half_width: Array
-) -> tuple[float, float, float, float, float, float, int, float]:
-    """Return h with error, indentation, R with error, contact fraction, number of contacts and residual."""
-    total, series = surface.total_amplitude, surface.heights
-    rounding, top = _rounding(surface), series.maximum
-    if state is None:
-        return total, rounding, top, 0.0, 0.0, 1.0, 0, 0.0
-    fraction = float(2 * half_width.sum() / series.period)
-    h_error, indentation, R = state.error + rounding, state.dual * top + state.approach, state.resistance
-    R_error = resistance_error(state, series)
-    return total - top + indentation, h_error, indentation, R, R_error, fraction, half_width.size, state.residual
+def _curve_point(surface: Surface, state: ContactState | None, half_width: Array) -> dict[str, Any]:
+    """Return the quantities of a curve under one load, by name; the state None is full contact."""
+    total, top, series = surface.total_amplitude, surface.heights.maximum, surface.heights
+    full = state is None
+    indentation = top if state is None else state.dual * top + state.approach
+    return {
+        "compliance": total if full else total - top + indentation,
+        "resistance": 0.0 if state is None else state.resistance,
+        "compliance_error": _rounding(surface) + (0.0 if state is None else state.error),
+        "resistance_error": 0.0 if state is None else resistance_error(state, series),
+        "indentation": indentation,
+        "contact_fraction": 1.0 if full else float(2 * half_width.sum() / series.period),
+        "patch_count": half_width.size,
+        "residual": 0.0 if state is None else state.residual,
+    }
 
 
 def _rounding(surface: Surface) -> float:
