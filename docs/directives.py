@@ -14,7 +14,7 @@ from weier import scene
 from weier.data import markdown
 from weier.data.provenance import VERSION
 from weier.data.variables import VARIABLES
-from weier.figures import kinds, style
+from weier.figures import KINDS, style
 from weier.figures.captions import caption
 from weier.methods.registry import METHODS, PLOTTED
 from weier.methods.settings import described
@@ -94,14 +94,14 @@ class FigureKinds(SphinxDirective):
 
     def run(self):
         """A table with a row for each."""
-        rows = [[f"`{name}`", *self.cells(kind)] for name, kind in kinds().items()]
+        rows = [[f"`{name}`", *self.cells(kind)] for name, kind in KINDS.items()]
         head = ["draw", "what it shows", "takes parameters", "drawn from"]
         return self.parse_text_to_nodes(markdown.table(head, rows))
 
     def cells(self, kind):
         """Its cells after the name, as Markdown."""
         text = " ".join(kind.caption.replace("{methods}", "").split())
-        file = f"the file of `weier {kind.command}`" if kind.command else "studies"
+        file = f"the file of `python -m weier.accuracy {kind.command}`" if kind.command else "studies"
         return markdown.plain(text), "yes" if kind.grouped else "", file
 
 

@@ -65,7 +65,7 @@ rule draw:
             subcategory="{study}",
             labels=lambda wildcards: {
                 "figure": wildcards.figure,
-                "caption": kinds()[wildcards.figure].caption,
+                "caption": KINDS[wildcards.figure].caption,
             },
         ),
     log:

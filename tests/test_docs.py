@@ -17,11 +17,11 @@ import pytest
 import weier
 from tests import plots
 from tests.scenes import scene_in, solve_scene
-from weier import scene
+from weier import figures, scene
 from weier.api import batch
 from weier.data import variables
 from weier.data.variables import Check
-from weier.figures import kinds
+from weier.figures import KINDS
 from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.claims import paper
@@ -130,10 +130,9 @@ def two_profiles(tmp_path):
 
 
 def test_the_figure_of_contributing_is_drawn(two_profiles):
-    (code,) = (code for code in examples("python") if "CAPTION = " in code)
+    (code,) = (code for code in examples("python") if "def draw(" in code)
     names = {}
     exec(compile(code, "CONTRIBUTING.md", "exec"), names)
-    assert "{methods}" in names["CAPTION"]
     figure = names["draw"]([two_profiles], "")
     assert [axes.get_xscale() for axes in figure.axes] == ["linear"] * two_profiles.sizes["case"]
     assert {"Demelio", "contact patches"} <= {
@@ -156,6 +155,8 @@ def test_rows_of_tables_in_contributing_are_those_of_the_project():
     for name, shown in eval(f"{{{row}}}", vars(variables)).items():
         there = variables.VARIABLES[name]
         assert (there.dims, there.long_name) == (shown.dims, shown.long_name)
+    (row,) = (code for code in examples("python") if "FigureKind(" in code)
+    assert {type(kind) for kind in eval(f"{{{row}}}", vars(figures)).values()} == {figures.FigureKind}
     (field,) = (code for code in examples("python") if "= Field(" in code)
     assert f"    {field.strip()}\n" in Path("weier/scene/models.py").read_text(encoding="utf-8")
 
@@ -259,7 +260,7 @@ def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     known = {key for part in keys.PARTS for key in tuple(part.keys())}
     cells = re.findall(r"<td><p><code[^>]*>(.*?)</code>", text)
     listed = {re.sub("<[^>]*>", "", cell) for cell in cells}
-    assert known | set(kinds()) <= listed
+    assert known | set(KINDS) <= listed
     assert text.count("<table") == len(keys.PARTS) + 1
 
 

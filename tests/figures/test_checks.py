@@ -12,8 +12,8 @@ from weier.figures import checks
 from weier.figures.captions import caption
 from weier.scene import Grouping, SceneError
 
-OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
-OF_FILES = sorted(figures.kinds().keys() - set(OF_STUDIES))
+OF_STUDIES = [name for name, kind in figures.KINDS.items() if not kind.command]
+OF_FILES = sorted(figures.KINDS.keys() - set(OF_STUDIES))
 
 
 def write(folder, product=None, other_studies=None, without="", **figure):

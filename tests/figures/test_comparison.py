@@ -9,7 +9,6 @@ from tests.scenes import blank
 from weier import figures
 from weier.data.bodies import Bodies
 from weier.figures import compliance, lines
-from weier.figures.tables import codes
 from weier.scene import Axis, Grouping
 from weier.scene import Figure as Wanted
 from weier.scene.figure import ALL, MEAN, PERCENTILES
@@ -34,7 +33,7 @@ def sweep() -> xr.Dataset:
 
 
 def sketch(sweep: xr.Dataset, **grouping) -> Figure:
-    figure = compliance.draw([sweep], "", Grouping(**grouping))
+    figure = compliance.draw([sweep], "", grouping=Grouping(**grouping))
     figure.draw_without_rendering()
     return figure
 
@@ -263,14 +262,3 @@ def test_many_cases_take_a_time_that_is_linear_in_them() -> None:
         )
         sketch(data, median_over=("seed",))
     assert len(calls) < 10
-
-
-def test_codes_are_equal_for_the_same_rows_alone():
-    """Whether these follow each other or not."""
-    random = np.random.default_rng(1)
-    numbers = np.repeat(random.integers(0, 3, 40) / 7, random.integers(1, 5, 40))
-    words = np.repeat(["b", "", "a"], numbers.size)[: numbers.size]
-    rows = list(zip(numbers.tolist(), words.tolist(), strict=True))
-    found = codes(numbers, words).tolist()
-    assert len(set(found)) == len(set(rows)) == len(set(zip(found, rows, strict=True)))
-    assert codes(np.empty(0)).tolist() == []

@@ -35,7 +35,7 @@ studies:
     product: {D: 1.5, gamma: "5/2", m: 2, phases: 1.0}
 """
 FORMATS = ("pdf", "svg", "png")
-OF_STUDIES = [name for name, kind in figures.kinds().items() if not kind.command]
+OF_STUDIES = [name for name, kind in figures.KINDS.items() if not kind.command]
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def test_curves_of_several_studies_stand_in_one_figure(kind: str, studies: dict[
 
 @pytest.mark.parametrize("kind", OF_STUDIES)
 def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(kind: str) -> None:
-    if figures.kinds()[kind].grouped:
+    if figures.KINDS[kind].grouped:
         with pytest.raises(ValueError, match="m varies among the curves and nothing shows it"):
             sketch(kind, [many_cases()])
     else:
@@ -133,7 +133,7 @@ def test_curves_of_one_load_are_drawn(kind: str, studies: dict[str, xr.Dataset])
 def test_every_module_that_draws_is_a_kind() -> None:
     modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
     draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
-    assert set(figures.kinds()) == draws > set(OF_STUDIES) > {"compliance", "profiles"}
+    assert set(figures.KINDS) == draws > set(OF_STUDIES) > {"compliance", "profiles"}
 
 
 def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,7 +178,7 @@ SENTENCES = {
 def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
     loaded = scene_in(tmp_path, CAPTIONED)
     name, text, alternative = caption(loaded, "figure_1")
-    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.kinds()['profiles'].caption}")
+    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.KINDS['profiles'].caption}")
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
     for name, sentence in SENTENCES.items():
         assert f" over mean pressure. {sentence} " in caption(loaded, name).text

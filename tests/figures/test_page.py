@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -125,24 +124,18 @@ def test_a_method_looks_as_in_the_figures():
     assert isinstance(alone["boundary elements"].glyph, Line)
 
 
-def test_a_page_of_many_cases_has_as_many_phases_of_each_series(tmp_path):
-    """And says how many of all it has."""
-    many = {"product": {"D": [1.25, 1.5], "gamma": 5, "seed": [*range(30)], "m": [1, 2]}, "methods": ["archard"]}
-    few = {"product": {"D": 1.25, "gamma": 3, "m": 2, "seed": [*range(4)]}, "methods": ["demelio"]}
-    loaded = scene_in(tmp_path, SCENE | {"studies": {"many": many, "few": few}})
-    assert len(loaded.distinct) == 124
-    assert page.shown_cases(loaded, 124).tolist() == [*range(124)]
-    shown = [loaded.distinct[case].parameters for case in page.shown_cases(loaded, 44)]
-    numbers = Counter((case["D"], case["m"], case["gamma"]) for case in shown)
-    assert numbers == {(1.25, 1, 5): 10, (1.25, 2, 5): 10, (1.5, 1, 5): 10, (1.5, 2, 5): 10, (1.25, 2, 3): 4}
-    assert [case["seed"] for case in shown if (case["D"], case["m"]) == (1.5, 2)] == [*range(0, 30, 3)]
-    assert len(page.shown_cases(loaded, 3)) == 3  # fewer than series
+def test_a_page_of_many_cases_has_evenly_spread_ones_and_says_so(tmp_path, monkeypatch):
+    many = {"product": {"D": [1.25, 1.5], "gamma": 5, "m": [1, 2], "seed": [*range(5)]}, "methods": ["archard"]}
+    loaded = scene_in(tmp_path, SCENE | {"studies": {"many": many}})
     solutions = solve_scene(loaded, tmp_path / "curves")
     page.write(solutions, tmp_path / "page.html")
-    assert "<p>All 124 cases</p>" in (tmp_path / "page.html").read_text()
-    data = read_cases(solutions, page.shown_cases(loaded, 44))
-    assert data["study"].values.tolist() == ["few"] * 4 + ["many"] * 40  # in the order of the file
-    assert "<p>44 of 124 cases: of each series as many phases" in page.render(data, "", 124)
+    assert "<p>All 20 cases</p>" in (tmp_path / "page.html").read_text()
+    monkeypatch.setattr(page, "MAX_CASES", 8)
+    read = []
+    monkeypatch.setattr(page, "read_cases", lambda *given: read.append(given[1]) or read_cases(*given))
+    page.write(solutions, tmp_path / "page.html")
+    assert read[0].tolist() == [0, 3, 5, 8, 11, 14, 16, 19]
+    assert "<p>8 of 20 cases, evenly spread" in (tmp_path / "page.html").read_text()
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
@@ -153,24 +146,8 @@ def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():
     data = data.assign_coords(seed=("case", [7.0, np.nan, 8.0, 9.0]))
     made = explorer.curve_explorer(data)
     (choose,) = made.select_one({"name": "m"}).js_property_callbacks["change:value"]
-    assert choose.args["labels"]["m"] == ["1", "3", "3", "10", "3"]
-    assert choose.args["labels"]["phase"][-1] == "median of 2"
+    assert choose.args["labels"]["m"] == ["1", "3", "3", "10"]
     assert explorer._labels(data, "phase") == ["seed 7: 1", "1", "seed 8: 1", "seed 9: 1"]
-
-
-def test_ensembles_have_a_median_with_the_largest_error_of_its_curves():
-    data = blank(4, METHODS, LOADS, 3)
-    data["D"].values[:], data["gamma"].values[:], data["m"].values[:] = 1.5, 5, 2
-    data["phases"].values[:, :2] = [[0, 1], [0, 2], [0, 3], [0, 4]]
-    data["m"].values[3] = 3
-    data["compliance"].values[:] = np.array([1.0, 5.0, 2.0, 9.0])[:, None, None] + LOADS
-    data["resistance"].values[:] = 1.0
-    data["compliance_error"].values[:] = np.array([1e-5, 3e-5, 2e-5, 1.0])[:, None, None]
-    made = explorer.curve_explorer(data)
-    (choose,) = made.select_one({"name": "m"}).js_property_callbacks["change:value"]
-    table = choose.args["allCurves"].data
-    assert table["compliance bem"].reshape(5, -1)[4] == pytest.approx(2 + LOADS)
-    assert table["compliance_error bem"].reshape(5, -1)[4] == pytest.approx(3e-5)
 
 
 def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
@@ -241,35 +218,13 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert hidden["visible"] == hidden["named"] == [False, True]  # it is not wanted
 
 
-# Ends of an axis, its major ticks, and whether a number is a minor one.
-AXES = [
-    ((0.1, 7.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.3: True, 6: True, 0.15: False}),
-    ((0.08, 8.0), [0.1, 0.2, 0.5, 1, 2, 5], {0.09: True}),
-    ((1e-3, 4.0), [1e-3, 1e-2, 0.1, 1], {2e-3: True}),
-    ((2e-12, 1.0), [1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1], {1e-11: True, 2e-11: False}),
-    ((3.0, 9.0), [3, 4, 5, 6, 7, 8, 9], {3.2: True, 3.1: False}),
-    ((1.0, 1.00101), [1, 1.0002, 1.0004, 1.0006, 1.0008, 1.001], {1.00005: True}),
-    ((2.0, 2.0), [], {}),
-    ((0.0, 1.0), [], {}),
-]
-
-
-def test_an_axis_has_numbers_over_many_decades_and_within_one(tmp_path):
-    """By bokeh itself, an axis from 0.1 to 7 had no numbers."""
-    calls = (
-        "const ticks = new Function('cb_data', code); console.log('CONSOLE');"
-        "const result = ends.map(([start, end]) => { const major_ticks = ticks({ start, end });"
-        "return [major_ticks, ticks({ start, end, major_ticks })] });"
-        "document.body.innerHTML = `<pre id='result'>${JSON.stringify(result)}</pre>`"
-    )
-    code = (Path(page.__file__).parent / "ticks.js").read_text(encoding="utf-8")
-    constants = f"const code = {json.dumps(code)}; const ends = {json.dumps([ends for ends, *_ in AXES])};"
-    (tmp_path / "ticks.html").write_text(f"<body><script>{constants}{calls}</script></body>", encoding="utf-8")
-    shown = browse(tmp_path, "--dump-dom", (tmp_path / "ticks.html").as_uri())
-    found = json.loads(re.search(r'<pre id="result">(.*?)</pre>', shown).group(1))
-    for (_, expected, tried), (major, minor) in zip(AXES, found, strict=True):
-        assert major == expected
-        assert {number: number in minor for number in tried} == tried
+def test_an_axis_has_ticks_over_many_decades_and_within_one():
+    """By the ticker of bokeh, an axis from 0.1 to 7 had no numbers."""
+    made = explorer.curve_explorer(cases())
+    (axis,) = made.select_one({"name": "resistance"}).yaxis
+    ticks = np.array(axis.ticker.ticks)
+    assert ticks[(ticks >= 0.1) & (ticks <= 7)] == pytest.approx([0.1, 0.2, 0.5, 1, 2, 5])
+    assert np.log10(ticks[[0, -1]]) == pytest.approx([-20, 20], abs=1)
 
 
 def test_a_narrow_window_is_wide_enough(tmp_path):

@@ -65,7 +65,7 @@ def test_every_figure_has_values_in_plain_text(studies, tmp_path, kind):
 
 def test_labels_of_matplotlib_become_plain_text():
     assert (
-        values._plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0^*/g_0"
+        values.plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0^*/g_0"
     )
-    assert values._plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"
-    assert values._plain(r"a_{1} \$ b\infty.csv, $\gamma=5$") == r"a_{1} $ b\infty.csv, gamma=5"
+    assert values.plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"
+    assert values.plain(r"a_{1} \$ b\infty.csv, $\gamma=5$") == r"a_{1} $ b\infty.csv, gamma=5"

@@ -1,17 +1,12 @@
-"""Figures: each kind is one module of this folder, drawn in the style of `weier.figures.style`.
+"""Figures: each kind is a module of this folder, drawn in the style of `weier.figures.style`.
 
-A module is a kind of figure if it has a CAPTION; its `draw(studies, title)` returns the figure. If draw also takes
-`grouping`, a scene may choose the parameters of colours, panels and medians. This folder may import all others except
-the command line.
-
-The constants of the modules are read from their text, so that kinds can be listed without importing matplotlib.
+`KINDS` lists the kinds of figures, so that matplotlib is not imported for their captions. `draw(studies, title)` of
+the module of this name returns the figure. This folder may import all others except the command line.
 """
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Collection, Sequence
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -35,12 +30,11 @@ UNGROUPED = (*BOUNDS, "contact_fraction", "contact_edge")
 
 
 class FigureKind(NamedTuple):
-    """A kind of figure, as the constants of its module describe it.
+    """A kind of figure.
 
-    caption : CAPTION, in plain text; {methods} is replaced by the sentence that distinguishes the methods
-    command : COMMAND, for a figure of one file that this measurement writes; empty for a figure of a scene's studies
-    variable : VARIABLE, which the files of that command have
-    needs : NEEDS, a key of the scene that must be true
+    caption : in plain text; {methods} is replaced by the sentence that distinguishes the methods
+    command, variable : for a figure of one file, the measurement that writes it, and a variable that it has
+    needs : a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
     needs_studies : whether it shows studies
     """
@@ -53,30 +47,78 @@ class FigureKind(NamedTuple):
     needs_studies: bool = True
 
 
-def kinds() -> dict[str, FigureKind]:
-    """Return all kinds of figures by the names of their modules."""
-    texts = {path.stem: path.read_text(encoding="utf-8") for folder in __path__ for path in Path(folder).glob("*.py")}
-    return {name: _kind(text) for name, text in sorted(texts.items()) if "\nCAPTION = " in text}
-
-
-@cache  # A scene needs the captions of all its figures.
-def _kind(module: str) -> FigureKind:
-    """Return the kind of figure of a module with this text."""
-    tree, names = ast.parse(module), ("CAPTION", "COMMAND", "VARIABLE", "NEEDS")
-    assigned = {
-        ast.unparse(statement.targets[0]): statement.value
-        for statement in tree.body
-        if isinstance(statement, ast.Assign)
-    }
-    constants: list[Any] = [ast.literal_eval(assigned[name]) if name in assigned else "" for name in names]
-    drawn = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return FigureKind(*constants, *(name in drawn for name in ("grouping", "studies")))
+KINDS = {
+    "borodich_galanov": FigureKind(
+        "Bounds on the stiffness, hence on the conductance, of the self-similar punch of Borodich and Galanov over "
+        "its roughness (Appendix B). They coincide for the smooth punch; the upper one is unbounded.",
+        needs_studies=False,
+    ),
+    "compliance": FigureKind(
+        "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where the "
+        "compliance is the sum of the amplitudes of its waves, or the height of a trace.",
+        grouped=True,
+    ),
+    "contact_fraction": FigureKind(
+        "Contact fraction, the contact area over the nominal area, over mean pressure. {methods}",
+        grouped=True,
+    ),
+    "contact_tree": FigureKind(
+        "The profile and, below it, its contacts over mean pressure. Contacts are born as points, grow, and merge "
+        "until all are one.",
+        needs="contact_edges",
+    ),
+    "convergence": FigureKind(
+        "The infinite series. Bands are bounds for any phases of the unresolved terms; they narrow with the number "
+        "k of resolved terms. The line is the middle of the finest. Below: half-width of the bounds, and distance "
+        "of their middle from that with most terms.",
+        command="convergence",
+        variable="resolved_terms",
+    ),
+    "extremes": FigureKind(
+        "Correct digits of the compliance of one profile by every method over the full range of floating-point "
+        "loads.",
+        command="extremes",
+        variable="compliance_digits",
+    ),
+    "message": FigureKind(
+        "Contact fraction and resistance against the number of terms at three loads. Lines: medians over the "
+        "phases by the most accurate method; bands: 10th to 90th percentile; bars at the right: bounds on the "
+        "resistance of the infinite series (27), from the longest one. Not of the paper: the theory of 2000 "
+        "(dashed, the contact fraction alone) and Persson's theory (dotted).",
+    ),
+    "phases": FigureKind(
+        "The effect of the phase between the waves on the compliance over mean pressure. Dashed lines are single "
+        "phases, from light (in phase) to dark (in antiphase); the solid line is their average. All curves meet at "
+        "full contact.",
+    ),
+    "profiles": FigureKind("The profiles over two of their longest wavelengths."),
+    "resistance": FigureKind(
+        "Contact resistance over mean pressure. {methods} The exact curve drops steeply at the birth of a contact "
+        "and has a kink where two merge.",
+        grouped=True,
+    ),
+    "truncated_compliance": FigureKind(
+        "The effect of additional terms on the compliance, counted for all series from the undeformed infinite "
+        "series whose waves all peak together, since the bounds compare mean gaps. The band contains the infinite "
+        "series for any phases of its further terms (27).",
+    ),
+    "truncated_resistance": FigureKind(
+        "The effect of additional terms on the contact resistance. The band contains the infinite series for any "
+        "phases of its further terms.",
+    ),
+    "work_precision": FigureKind(
+        "The largest error over all loads against the time per load on one core: compliance above, resistance "
+        "below. A line joins the settings of a method, such as its tolerances. Filled symbols are errors, open "
+        "symbols stated errors. The background has the colour of the fastest method that reaches an error.",
+        command="tradeoff",
+        variable="reference_resistance",
+    ),
+}
 
 
 def undrawn(kind: str) -> tuple[str, ...]:
     """Return the variables of curves that figures of a kind do not show."""
-    found = kinds()
-    grouped = kind in found and found[kind].grouped
+    grouped = kind in KINDS and KINDS[kind].grouped
     return UNDRAWN + tuple(name for name in UNGROUPED if grouped and name != kind)
 
 
@@ -91,7 +133,7 @@ def draw(
     Parameters
     ----------
     wanted : weier.scene.Figure
-        Description of the figure, one of `kinds()`. In SI units, curves of a trace have the scale of the trace in
+        Description of the figure, one of `KINDS`. In SI units, curves of a trace have the scale of the trace in
         place of lambda_0 and g_0 of the interface.
     studies : sequence of Dataset
         Data over case, solution_method, mean_pressure and term, in the order of `wanted.all_studies`: normalised, but
@@ -118,10 +160,9 @@ def draw(
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     """Return the figure in the current style; ValueError with the reason if it cannot be drawn."""
-    known = kinds()
-    if wanted.draw not in known:
-        raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(known)}")
-    kind = known[wanted.draw]
+    if wanted.draw not in KINDS:
+        raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(KINDS)}")
+    kind = KINDS[wanted.draw]
     if kind.command and [kind.variable in study for study in studies] != [True]:
         raise ValueError(
             f"the figure {wanted.draw} is drawn from the file of `python -m weier.accuracy {kind.command}`"

@@ -9,12 +9,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from weier.figures import style
+from weier.figures.values import line
 from weier.theory.borodich_galanov import stiffness_bounds
-
-CAPTION = (
-    "Bounds on the stiffness, hence on the conductance, of the self-similar punch of Borodich and Galanov over its "
-    "roughness (Appendix B). They coincide for the smooth punch; the upper one is unbounded."
-)
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -22,8 +18,8 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, (axes,) = style.column(title, [""])
     epsilon = np.linspace(0, 1, 400, endpoint=False) ** 2  # The bounds leave the smooth punch as sqrt(epsilon).
     lower, upper = stiffness_bounds(epsilon)
-    axes.plot(epsilon, upper, label="upper bound", color=style.VERMILLION, linestyle=style.DASHES[0])
-    axes.plot(epsilon, lower, label="lower bound", color=style.BLUE, linestyle=style.DASHES[1])
+    line(axes, "upper bound", epsilon, upper, color=style.VERMILLION, linestyle=style.DASHES[0])
+    line(axes, "lower bound", epsilon, lower, color=style.BLUE, linestyle=style.DASHES[1])
     axes.axhline(1, color=style.BLACK, linewidth=0.5)
     axes.annotate("smooth punch", (0.98, 1), (0, 4), textcoords="offset points", ha="right", fontsize=8)
     axes.set(xlim=(0, 1), ylim=(0, 4))  # The upper bound tends to infinity as epsilon -> 1.

@@ -35,7 +35,7 @@ def caption(scene: Scene, name: str) -> Caption:
     products = [product for study in figure.studies for product in scene.study(study).products]
     methods = {method for product in products for method in product.methods}
     grouping = figure.grouping.of(sum(product.count for product in products))
-    kind = figures.kinds()[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
+    kind = figures.KINDS[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
     name_of_auto = auto.METHOD.name
     chosen = [product.settings.get(name_of_auto, {}) for product in products if name_of_auto in product.methods]
     text = " ".join([kind, *_describe_tolerance(figure.draw, chosen)])

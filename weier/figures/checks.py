@@ -8,7 +8,7 @@ from pathlib import Path
 
 from weier import scene
 from weier.checks import suggestion
-from weier.figures import kinds
+from weier.figures import KINDS
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
 from weier.scene.figure import PHASES
@@ -71,7 +71,7 @@ CHECKS = check_figures, claims.check_names, check_claims
 
 def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     """Yield mistakes of a figure, each with its key, which is empty for the whole figure."""
-    known = {name: kind for name, kind in kinds().items() if not kind.command}
+    known = {name: kind for name, kind in KINDS.items() if not kind.command}
     if figure.draw not in known:
         if figure.draw:  # else that is a mistake of its own
             what = f"there is no figure {figure.draw!r} of studies, only {', '.join(known)}"

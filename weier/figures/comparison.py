@@ -12,6 +12,7 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,11 +23,12 @@ from weier.data import curves
 from weier.data.bodies import Bodies
 from weier.figures import lines, style
 from weier.figures.captions import PLURALS
-from weier.figures.tables import Extent, Table, codes, extent, tables_of
-from weier.kernels.arrays import Array, Indices
+from weier.figures.tables import Extent, Values, extent, table_of, values_of
+from weier.figures.values import band, line
+from weier.kernels.arrays import Array
 from weier.methods.curve import COMPLIANCE, QUANTITIES
 from weier.methods.registry import names, numerical_names
-from weier.scene import Grouping
+from weier.scene import BY_DEFAULT, Grouping
 from weier.scene.figure import EACH_CASE
 from weier.surface.profile import PARAMETERS
 from weier.units import unit_of
@@ -45,89 +47,55 @@ MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 class PlottedCurve(NamedTuple):
     """The curves of one method that look alike, reduced to a line and a band.
 
-    table, row : the first of their cases, and its row
-    method : of all
+    own : the values of the study of the first of them
+    first : the row of the first of them in the table of curves
     loads, values : the line
     band : the low and the high end of the band, shape (2, loads); None for a single curve
     members : number of curves
     points : whether to draw points instead of a line, next to a more accurate curve
-    parameters : those of the first case by name
     differing : the parameters in which the curves differ
     """
 
-    table: Table
-    row: int
-    method: str
+    own: Values
+    first: Mapping[str, Any]
     loads: Array
     values: Array
     band: Array | None
     members: int
     points: bool
-    parameters: Mapping[str, Hashable]
-    differing: Sequence[str]
+    differing: Sequence[str] = ()
+
+    @property
+    def method(self) -> str:
+        """The method of all."""
+        return str(self.first["method"])
 
     @property
     def case(self) -> xr.Dataset:
         """The first of their cases, in the units of the axes."""
-        return self.table.case(self.row)
-
-
-class Members(NamedTuple):
-    """Curves that look alike: their method, and for each study the rows of cases and the column of the method."""
-
-    method: str
-    rows: list[tuple[Table, Indices, int]]
-
-    @property
-    def size(self) -> int:
-        """The number of curves."""
-        return sum(rows.size for _, rows, _ in self.rows)
-
-    def column(self, name: str) -> Array:
-        """Return the codes of a parameter, or another column of the tables, of all curves."""
-        return np.concatenate([table.columns[name][rows] for table, rows, _ in self.rows])
+        return self.own.case(self.first["row"])
 
 
 def compare(
     studies: Sequence[xr.Dataset],
     title: str,
     quantity: str,
-    grouping: Grouping,
+    grouping: Grouping = BY_DEFAULT,
     interface: Bodies | None = None,
     behind: Sequence[xr.Dataset] = (),
 ) -> tuple[Figure, Sequence[Axes], Extent]:
     """Draw a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
 
-    Parameters
-    ----------
-    studies : sequence of Dataset
-        Of one scene, which has one list of loads.
-    title, quantity : str
-    grouping : Grouping
-    interface : Bodies, optional
-    behind : sequence of Dataset
-        Studies whose most accurate curves are a grey band behind those of the same D, gamma and m.
-
-    Returns
-    -------
-    figure : Figure
-    panels : sequence of Axes
-        They have common axes, whose limits and scales the caller sets.
-    extent : Extent
-        The loads and values that are drawn.
-
-    Raises
-    ------
-    ValueError
-        If there are no such curves, or some could not be distinguished.
-
+    The studies are of one scene. The most accurate curves of studies behind them are a grey band behind those of the
+    same D, gamma and m. Returns the figure, its panels, whose common axes the caller sets, and the extent of what is
+    drawn. ValueError is raised if there are no such curves, or some could not be distinguished.
     """
-    tables = tables_of(studies, quantity, interface)
-    cases = sum(int(table.known.any(axis=1).sum()) for table in tables)
-    if not cases:
+    tables = values_of(studies, quantity, interface)
+    table = table_of(tables)
+    if table.empty:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    grouping = grouping.of(cases)
-    drawn = _curves(tables, quantity, grouping)
+    grouping = grouping.of(table["case"].nunique())
+    drawn = _curves(table, tables, quantity, grouping)
     facet_values = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
     title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
@@ -141,11 +109,11 @@ def compare(
         "" if grouping.facet == EACH_CASE.facet else _join(_label(drawn, *parameter) for parameter in alike.items())
     )
     bands: dict[str, Patch] = {}
-    ensembles = tables_of(behind, quantity, interface)
+    ensembles = values_of(behind, quantity, interface)
     for axes in panels:  # else each band would set the limits of all panels
         axes.set_autoscale_on(False)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
-        members = [curve for curve in drawn if tuple(curve.parameters[name] for name in grouping.facet) == value]
+        members = [curve for curve in drawn if tuple(curve.first[name] for name in grouping.facet) == value]
         if band := _draw_behind(axes, ensembles, members, quantity, grouping):
             bands["behind"] = band
         _draw(axes, members, drawn, grouping)
@@ -164,83 +132,64 @@ def compare(
     return figure, panels, extent(tables)
 
 
-def _curves(tables: Sequence[Table], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
+def _curves(table: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> list[PlottedCurve]:
     """Return all lines, in the order in which they are drawn."""
     # The estimates, from the least accurate on, then methods that are not listed, then the numerical ones on top.
     numerical = numerical_names()
-    estimates = [name for name in names() if name not in numerical]
-    order = {name: rank for rank, name in enumerate([*estimates, "", *numerical])}
-    ranked = sorted(
-        _groups(tables, grouping), key=lambda same: (order.get(same.method, order[""]), same.column("case")[0])
-    )
-    return [_reduced(same, quantity, grouping) for same in ranked]
+    order = [*(name for name in names() if name not in numerical), "", *numerical]
+    rank = {name: order.index(name if name in order else "") for name in table["method"].unique()}
+    keys = list(dict.fromkeys([*filter(None, (grouping.colour, *grouping.facet)), "method"]))
+    groups = (same for _, same in table.groupby(keys, sort=False, dropna=False))
+    ranked = sorted(groups, key=lambda same: (rank[same["method"].iloc[0]], same["case"].iloc[0]))
+    return [_reduced(same, tables, quantity, grouping) for same in ranked]
 
 
-def _groups(tables: Sequence[Table], grouping: Grouping) -> list[Members]:
-    """Return the curves that have the same colour, panel and method."""
-    shown = [name for name in (grouping.colour, *grouping.facet) if name not in ("", "method")]
-    found: dict[tuple[Any, ...], Members] = {}
-    for table in tables:
-        keys = [table.columns[name] for name in shown] or [np.zeros(table.size)]
-        code = codes(*keys)
-        for column, method in enumerate(table.methods):
-            rows = np.flatnonzero(table.known[:, column])
-            if not rows.size:
-                continue
-            rows = rows[np.argsort(code[rows], kind="stable")]
-            for part in np.split(rows, np.flatnonzero(np.diff(code[rows])) + 1):
-                value = [values[part[0]] for values in keys]
-                found.setdefault((method, *value), Members(method, [])).rows.append((table, part, column))
-    return list(found.values())
-
-
-def _reduced(same: Members, quantity: str, grouping: Grouping) -> PlottedCurve:
+def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> PlottedCurve:
     """Return the median or mean of curves that look alike, and their band, or the single curve."""
-    table, rows, column = same.rows[0]
-    row = int(rows[0])
+    first = same.iloc[0].to_dict()
+    own = tables[first["study"]]
+    points = bool(first["beside"]) and "method" not in grouping.facet
+    if len(same) == 1:
+        loads, values = own.line(first["row"], first["column"], points)
+        return PlottedCurve(own, first, loads, values, None, 1, points)
     differing = _differing(same)
-    if same.size > 1 and (hidden := grouping.hidden(differing)):
+    if hidden := grouping.hidden(differing):
         raise ValueError(grouping.proposal(hidden))
-    points = bool(table.beside[row, column]) and "method" not in grouping.facet
-    parameters = table.parameters(row) | {"method": same.method}
-    if same.size == 1:
-        loads, values = table.line(row, same.method, points)
-        return PlottedCurve(table, row, same.method, loads, values, None, 1, points, parameters, ())
-    loads, reduced = _reduce(same, quantity, grouping)
-    band = reduced[1:]
-    return PlottedCurve(table, row, same.method, loads, reduced[0], band, same.size, points, parameters, differing)
+    loads, (line, *band) = _reduce(same, tables, quantity, grouping)
+    return PlottedCurve(own, first, loads, line, np.array(band), len(same), points, differing)
 
 
-def _reduce(same: Members, quantity: str, grouping: Grouping) -> tuple[Array, Array]:
+def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
-    loads = same.rows[0][0].loads
-    values = np.concatenate([table.values[rows, column] for table, rows, column in same.rows])
-    slope = np.concatenate([table.slope[rows, column] for table, rows, column in same.rows])
+    parts = [(tables[study], part["row"], part["column"]) for study, part in same.groupby("study", sort=False)]
+    loads = parts[0][0].loads
+    values = np.concatenate([own.values[rows, columns] for own, rows, columns in parts])
+    slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
     if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
         return loads, grouping.reduce(values)
     fine = lines.between(loads)
-    pieces = np.array_split(fine, math.ceil(fine.size * same.size / MAX_VALUES))
+    pieces = np.array_split(fine, math.ceil(fine.size * len(same) / MAX_VALUES))
     reduced = [grouping.reduce(lines.compliance_at(piece, loads, values, slope)) for piece in pieces]
     return fine, np.concatenate(reduced, axis=1)
 
 
 def _values(drawn: Iterable[PlottedCurve], name: str) -> list[Hashable]:
     """Return the distinct values of a parameter: numbers are sorted, others in order of appearance."""
-    values = list(dict.fromkeys(curve.parameters[name] for curve in drawn))
-    return sorted(values) if all(isinstance(value, float) for value in values) else values  # type: ignore[type-var]  # all are floats
+    values = list(dict.fromkeys(curve.first[name] for curve in drawn))
+    return sorted(values) if all(isinstance(value, float) for value in values) else values
 
 
 def _label(drawn: Sequence[PlottedCurve], name: str, value: Hashable) -> str:
     """Return a value of a parameter as a legend writes it."""
-    first = next(curve for curve in drawn if curve.parameters[name] == value)
+    first = next(curve for curve in drawn if curve.first[name] == value)
     if name == "method":
         return str(style.line(first.method)["label"])
     if name in ("case", "trace"):
-        return str(first.parameters["trace"]) or style.describe(first.case)
+        return str(first.first["trace"]) or style.describe(first.case)
     if name in PARAMETERS:
-        return "" if first.parameters["trace"] else style.describe(first.case, name)
+        return "" if first.first["trace"] else style.describe(first.case, name)
     if isinstance(value, float):
-        return rf"$\phi={value:.3g}$" if value == first.parameters["phases"] else f"seed {value:.0f}"
+        return rf"$\phi={value:.3g}$" if value == first.first["phases"] else f"seed {value:.0f}"
     return f"{_values(drawn, name).index(value) + 1}. phases" if value else ""
 
 
@@ -259,7 +208,7 @@ def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping
     if grouping.colour in ("", "method"):
         return look
     values = _values(drawn, grouping.colour)
-    own = style.family(len(values))[values.index(curve.parameters[grouping.colour])]
+    own = style.family(len(values))[values.index(curve.first[grouping.colour])]
     if not _by_dash(drawn, grouping):
         return look | own
     return look | {"color": own["color"]} | (BELOW if look["linestyle"] == "-" else {})
@@ -271,42 +220,35 @@ def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCu
         look = _look(curve, drawn, grouping)
         if curve.method in numerical_names():
             look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
-        name = _join(_label(drawn, part, curve.parameters[part]) for part in (grouping.colour, "method") if part)
-        axes.plot(curve.loads, curve.values, **look | {"label": name})
+        name = _join(_label(drawn, part, curve.first[part]) for part in (grouping.colour, "method") if part)
+        line(axes, name, curve.loads, curve.values, **look | {"label": name})
         if curve.band is not None:
-            label = f"{name}, {grouping.band_name}"
-            axes.fill_between(curve.loads, *curve.band, color=look["color"], label=label, **BAND)
+            band(axes, f"{name}, {grouping.band_name}", curve.loads, *curve.band, color=look["color"], **BAND)
 
 
 def _draw_behind(
-    axes: Axes, ensembles: Sequence[Table], members: Sequence[PlottedCurve], quantity: str, grouping: Grouping
+    axes: Axes, tables: Sequence[Values], members: Sequence[PlottedCurve], quantity: str, grouping: Grouping
 ) -> Patch | None:
     """Draw the band of the most accurate curves of an ensemble behind a panel; returns its legend entry."""
-    drawn = {tuple(curve.parameters[name] for name in PARAMETERS) for curve in members}
-    found: dict[str, Members] = {}
-    for table in ensembles:
-        series = zip(*(table.study[name].values.tolist() for name in PARAMETERS), strict=True)
-        here = np.array([own in drawn for own in series], bool)
-        for column, method in enumerate(table.methods):
-            rows = np.flatnonzero(here & table.known[:, column] & (table.best == column))
-            if rows.size:
-                found.setdefault(method, Members(method, [])).rows.append((table, rows, column))
+    table = table_of(tables)
+    if table.empty:
+        return None
+    drawn = [tuple(curve.first[name] for name in PARAMETERS) for curve in members]
+    here = pd.Series(list(zip(*(table[name] for name in PARAMETERS), strict=True))).isin(drawn)
     entry = None
-    for same in found.values():
-        loads, reduced = _reduce(same, quantity, grouping)
-        label = f"{grouping.band_name} of {same.size} phases"
-        axes.fill_between(loads, *reduced[1:], label=label, **BEHIND)
+    for _, same in table[here & table["best"]].groupby("method", sort=False):
+        loads, reduced = _reduce(same, tables, quantity, grouping)
+        label = f"{grouping.band_name} of {len(same)} phases"
+        band(axes, label, loads, *reduced[1:], **BEHIND)
         entry = Patch(label=label, **BEHIND)
     return entry
 
 
-def _differing(same: Members) -> list[str]:
+def _differing(same: pd.DataFrame) -> list[str]:
     """Return the parameters in which some curves differ; phases where they have several waves, as many each."""
-    differing = [name for name in SURFACES if np.ptp(same.column(name)) > 0]
-    several = same.column("waves") != 1
-    phases = same.column("phases")[several]
-    by_phases = "m" not in differing and phases.size > 0 and np.ptp(phases) > 0
-    return differing + ["seed" if same.column("seeded").all() else "phases"] * bool(by_phases)
+    differing = [name for name in SURFACES if same[name].nunique(dropna=False) > 1]
+    by_phases = "m" not in differing and same["phases"][same["m"] != 1].nunique() > 1
+    return differing + ["seed" if same["seeded"].all() else "phases"] * by_phases
 
 
 def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None:
@@ -322,11 +264,10 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
     wide = width / of >= VISIBLE[quantity]
     if not (wide[1:] & wide[:-1]).any():
         return None
-    line = style.line(curve.method)
-    low = np.maximum(values - width, values * np.finfo(float).eps)  # on a logarithmic axis, too
-    look = STATED | {"color": line["color"], "label": f"error stated by {line['label']}"}
-    axes.fill_between(case["mean_pressure"].values, low, values + width, **look)
-    return Patch(**look)
+    look = style.line(curve.method)
+    name, low = f"error stated by {look['label']}", np.maximum(values - width, values * np.finfo(float).eps)
+    band(axes, name, case["mean_pressure"].values, low, values + width, color=look["color"], **STATED)
+    return Patch(color=look["color"], label=name, **STATED)
 
 
 def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
@@ -338,7 +279,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
     hidden = len(values) - len(shown)
     handles: list[Any] = []
     for value in shown:
-        first = next(curve for curve in drawn if curve.parameters[colour] == value)
+        first = next(curve for curve in drawn if curve.first[colour] == value)
         look = _look(first, drawn, grouping)
         own = {"color": look["color"]} if by_dash else look
         handles.append(Line2D([], [], **{**own, "label": _label(drawn, colour, value), "markevery": None}))

@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier.data.bodies import Bodies
 from weier.figures import style
 from weier.figures.comparison import compare
-from weier.scene import BY_DEFAULT, Grouping
-
-CAPTION = (
-    "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where the compliance "
-    "is the sum of the amplitudes of its waves, or the height of a trace."
-)
 
 
-def draw(
-    studies: Sequence[xr.Dataset],
-    title: str,
-    grouping: Grouping = BY_DEFAULT,
-    interface: Bodies | None = None,
-    behind: Sequence[xr.Dataset] = (),
-) -> Figure:
+def draw(studies: Sequence[xr.Dataset], title: str, **options: Any) -> Figure:
     """Draw compliance over mean pressure by every method, up to full contact, on an axis that shows light loads."""
-    figure, panels, extent = compare(studies, title, "compliance", grouping, interface, behind)
+    figure, panels, extent = compare(studies, title, "compliance", **options)
     style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
     panels[0].set_ylim(bottom=0)
     return figure

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from weier.data.bodies import Bodies
 from weier.figures import style
 from weier.figures.comparison import compare
-from weier.scene import BY_DEFAULT, Grouping
-
-CAPTION = "Contact fraction, the contact area over the nominal area, over mean pressure. {methods}"
 
 
-def draw(
-    studies: Sequence[xr.Dataset],
-    title: str,
-    grouping: Grouping = BY_DEFAULT,
-    interface: Bodies | None = None,
-    behind: Sequence[xr.Dataset] = (),
-) -> Figure:
+def draw(studies: Sequence[xr.Dataset], title: str, **options: Any) -> Figure:
     """Draw contact fraction over mean pressure, on logarithmic axes."""
-    figure, panels, extent = compare(studies, title, "contact_fraction", grouping, interface, behind)
+    figure, panels, extent = compare(studies, title, "contact_fraction", **options)
     style.set_logarithmic_axes(panels[0], *extent)
     return figure

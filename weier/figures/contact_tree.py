@@ -12,14 +12,8 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import style
+from weier.figures.values import keep_band, line
 from weier.kernels.arrays import Array
-
-CAPTION = (
-    "The profile and, below it, its contacts over mean pressure. Contacts are born as points, grow, and "
-    "merge until all are one."
-)
-
-NEEDS = "contact_edges"
 
 SAMPLES = 2000  # points of the profile, more than the print resolves
 
@@ -33,7 +27,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     top, tree = figure.subplots(2, 1, sharex=True, height_ratios=(1, 4))
     profile = curves.profile(case)
     x = np.linspace(0, profile.period, SAMPLES)
-    top.plot(x, profile.height(x), color=style.BLACK, linewidth=0.8)
+    line(top, "profile", x, profile.height(x), color=style.BLACK, linewidth=0.8)
     top.set_ylabel(style.LABELS["height"])
     _draw_tree(tree, case)
     top.set_title(style.describe(case))
@@ -44,10 +38,10 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
 def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     period, loads = curves.profile(case).period, case["mean_pressure"].values
     edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
-    contacts = PolyCollection(
-        _rectangles(edges, loads, period), facecolors=style.BLUE, edgecolors="none", label="contact"
-    )
-    axes.add_collection(contacts)
+    rectangles = _rectangles(edges, loads, period)
+    axes.add_collection(PolyCollection(rectangles, facecolors=style.BLUE, edgecolors="none", label="contact"))
+    for corners in rectangles:
+        keep_band(axes, "contact", corners[:2, 0], corners[:2, 1], corners[2:, 1])
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
     # The legend is above the axes, since contacts may be anywhere within them.

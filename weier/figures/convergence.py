@@ -14,15 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from weier.accuracy.metrics import by_resolved_terms
 from weier.data import curves
 from weier.figures import lines, style
+from weier.figures.values import band, line
 from weier.surface.profile import PARAMETERS
-
-CAPTION = (
-    "The infinite series. Bands are bounds for any phases of the unresolved terms; they narrow with the number k of "
-    "resolved terms. The line is the middle of the finest. Below: half-width of the bounds, and distance of their "
-    "middle from that with most terms."
-)
-COMMAND = "convergence"
-VARIABLE = "resolved_terms"
 
 HEIGHT = 2.1  # inches, of a panel
 # The bounds for these numbers of resolved terms are drawn, from light to dark, and those for the largest number.
@@ -62,8 +55,8 @@ def _draw_bounds(axes: Axes, case: xr.Dataset) -> None:
         lower, upper = (best + np.interp(fine, loads, side[row] - h[last]) for side in (low, high))
         upper = np.minimum(upper, float(case["total_amplitude"]))  # The compliance at full contact is an upper bound.
         look: dict[str, Any] = {"facecolor": str(grey), "edgecolor": "0.35", "linewidth": 0.3}
-        axes.fill_between(fine, lower, upper, label=f"bounds, $k={terms[row]}$", **look)
-    axes.plot(fine, best, label=f"estimate, $k={terms[last]}$", color=style.BLACK, linewidth=1)
+        band(axes, f"bounds, $k={terms[row]}$", fine, lower, upper, **look)
+    line(axes, f"estimate, $k={terms[last]}$", fine, best, color=style.BLACK, linewidth=1)
     axes.set(xscale="log", xlabel=style.LABELS["mean_pressure"], ylabel=style.LABELS["compliance"])
     axes.set_xlim(loads[0], loads[-1])
     axes.legend(loc="lower right", fontsize=7)
@@ -74,6 +67,6 @@ def _draw_convergence(axes: Axes, case: xr.Dataset, color: str) -> None:
     name, terms = style.describe(case, "gamma"), case["resolved_terms"].values
     width, error = by_resolved_terms(case)
     bounded, compared = np.isfinite(width), np.isfinite(error)
-    axes.plot(terms[bounded], width[bounded], label=f"{name}: half-width of bounds", color=color, marker="s")
+    line(axes, f"{name}: half-width of bounds", terms[bounded], width[bounded], color=color, marker="s")
     look: dict[str, Any] = {"color": color, "marker": "o", "markerfacecolor": "white", "linestyle": style.DASHES[1]}
-    axes.plot(terms[compared], error[compared], label=f"{name}: error of estimate", **look)
+    line(axes, f"{name}: error of estimate", terms[compared], error[compared], **look)

@@ -10,14 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.figures import style
+from weier.figures.values import line
 from weier.methods import registry
 from weier.surface.profile import PARAMETERS
-
-CAPTION = (
-    "Correct digits of the compliance of one profile by every method over the full range of floating-point loads."
-)
-COMMAND = "extremes"
-VARIABLE = "compliance_digits"
 
 POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # The labels of the axis of loads are these powers of ten.
 # Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
@@ -50,7 +45,8 @@ def _digits(axes: Axes, case: xr.Dataset) -> None:
         if known.any():
             # Markers on the most accurate method separate coinciding lines.
             marker = {"marker": "o", "markersize": 2} if name == registry.numerical_names()[0] else {}
-            axes.plot(np.log10(case["mean_pressure"].values[known]), row[known], **style.line(name) | marker)
+            look = style.line(name) | marker
+            line(axes, look["label"], np.log10(case["mean_pressure"].values[known]), row[known], **look)
     # The axis is the power of ten: the margin of a logarithmic axis would overflow at 1e300, and most changes would
     # be at one place. The powers up to NEAR are spaced evenly, and larger ones logarithmically.
     axes.set_xscale("symlog", linthresh=NEAR, linscale=LINEAR_SCALE)

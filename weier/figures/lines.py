@@ -6,10 +6,16 @@ not as a polygon. Where a resistance falls to 0 between two loads, the rise of t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 
 from weier.data import curves
+from weier.figures import style
+from weier.figures.values import line as draw_line
 from weier.kernels.arrays import Array, Flags
 from weier.methods.curve import QUANTITIES
 
@@ -81,3 +87,19 @@ def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
 def zero_load(loads: Array, h: Array, slope: Array, last: int) -> float:
     """Return the load at which the resistance is 0, after the load of this number and not after the next."""
     return float(min(loads[last] + 2 * (h[last + 1] - h[last]) / slope[last], loads[last + 1]))
+
+
+def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Dataset, float, style.Color]]) -> None:
+    """Draw a few points of other numerical methods on each of many curves, given as (case, datum, colour).
+
+    The datum is added to the values. The legend has each method once, in black.
+    """
+    drawn: dict[str, dict[str, Any]] = {}
+    for case, datum, color in rows:
+        for method in list(curves.numerical_methods(case))[1:]:
+            if (values := curves.curve(case, quantity, method)) is not None:
+                drawn[method] = look = style.points(method) | style.SPARSE_POINTS
+                own = look | {"color": color, "label": None}
+                draw_line(axes, look["label"], case["mean_pressure"].values, values + datum, **own)
+    for look in drawn.values():
+        axes.plot([], [], **look | {"color": style.BLACK})

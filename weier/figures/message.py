@@ -14,15 +14,10 @@ from matplotlib.patches import Patch
 
 from weier.data import curves
 from weier.figures import style
+from weier.figures.values import band, keep_band, line
 from weier.kernels.arrays import Array
 from weier.methods import cascade, persson
 
-CAPTION = (
-    "Contact fraction and resistance against the number of terms at three loads. Lines: medians over the phases by "
-    "the most accurate method; bands: 10th to 90th percentile; bars at the right: bounds on the resistance of the "
-    "infinite series (27), from the longest one. Not of the paper: the theory of 2000 (dashed, the contact fraction "
-    "alone) and Persson's theory (dotted)."
-)
 SHOWN_LOADS = (0.01, 0.1, 1.0)  # p_0*: light, intermediate and heavy
 BAND = (10, 90)  # percentiles
 QUANTITIES = ("contact_fraction", "resistance")
@@ -99,20 +94,18 @@ def _draw(
     rows = [np.percentile(together[quantity][together["m"] == m], [BAND[0], 50, BAND[1]]) for m in terms]
     low, middle, high = np.where(np.transpose(rows) > 0, np.transpose(rows), np.nan)  # no resistance in full contact
     label = f"p = {load:g}"
-    axes.fill_between(
-        terms, low, high, color=color, alpha=0.18, linewidth=0, label=f"{label}, {BAND[0]} to {BAND[1]} %"
-    )
-    axes.plot(terms, middle, color=color, marker=marker, markersize=3, linestyle="-", label=f"{label}, median")
+    band(axes, f"{label}, {BAND[0]} to {BAND[1]} %", terms, low, high, color=color, alpha=0.18, linewidth=0)
+    line(axes, f"{label}, median", terms, middle, color=color, marker=marker, markersize=3, linestyle="-")
     for theory, name, dashes in THEORIES:
         if function := getattr(theory, quantity, None):
             values = [float(function(load, *series, m)) for m in terms]
-            axes.plot(terms, values, color=color, linestyle=dashes, linewidth=0.9, label=f"{label}, {name}")
+            line(axes, f"{label}, {name}", terms, values, color=color, linestyle=dashes, linewidth=0.9)
     if quantity == "resistance":
         longest = together["m"] == terms[-1]
         lower, upper = (np.median(together[f"resistance_{side}"][longest]) for side in ("lower", "upper"))
         place = terms[-1] + 0.55  # distance of the bounds from the longest series, in terms
         bars: dict[str, Any] = {"color": color, "linewidth": 1.4, "capsize": 3, "fmt": "none"}
-        bars["label"] = f"{label}, bounds for m = inf"
+        keep_band(axes, f"{label}, bounds for m = inf", [place], [lower], [upper])
         axes.errorbar([place], [middle[-1]], [[middle[-1] - lower], [upper - middle[-1]]], **bars)
         axes.set_xlim(terms[0] - 0.3, place + 0.3)
         axes.set_xticks(terms)

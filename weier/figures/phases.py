@@ -13,12 +13,8 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import lines, style
+from weier.figures.values import line
 from weier.surface.profile import PARAMETERS
-
-CAPTION = (
-    "The effect of the phase between the waves on the compliance over mean pressure. Dashed lines are single phases, "
-    "from light (in phase) to dark (in antiphase); the solid line is their average. All curves meet at full contact."
-)
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -37,11 +33,12 @@ def _draw_phases(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
     fine, h = drawn[0][0], np.array([values for _, values in drawn])
     average = f"average of {len(cases)} phase{'s' * (len(cases) > 1)}"
     colors = style.shade(curves.phase_angle(case) / np.pi for case in cases)
-    for row, color in zip(h, colors, strict=True):
-        axes.plot(fine, row, color=color, linewidth=0.7, linestyle=style.DASHES[1])
-    axes.plot(fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, label=average, zorder=3)
+    for case, row, color in zip(cases, h, colors, strict=True):
+        look = {"color": color, "linewidth": 0.7, "linestyle": style.DASHES[1], "label": None}
+        line(axes, f"phase {curves.phase_angle(case):.3g}", fine, row, **look)
+    line(axes, average, fine, h.mean(axis=0), color=style.BLACK, linewidth=1.6, zorder=3)
     axes.plot([], [], color=style.GREY, linewidth=0.7, linestyle=style.DASHES[1], label="one phase")
-    style.draw_sparse_points(axes, "compliance", zip(cases, [0.0] * len(cases), colors, strict=True))
+    lines.draw_sparse_points(axes, "compliance", zip(cases, [0.0] * len(cases), colors, strict=True))
     axes.set_xlim(0, curves.full_contact_load(cases))
     axes.set_ylim(bottom=0)
     axes.legend(loc="lower right")

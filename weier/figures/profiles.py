@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import style
+from weier.figures.values import line
 from weier.surface.profile import Profile
-
-CAPTION = "The profiles over two of their longest wavelengths."
 
 LENGTH = 2  # lambda_0, as in the paper
 SAMPLES_PER_WAVE = 32  # per finest wave, so that the polygon looks smooth
@@ -26,7 +25,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, panels = style.column(title, list(map(style.describe, cases)), 1.35, sharex=True, sharey=True)
     for axes, case in zip(panels, cases, strict=True):
         x, z = _samples(curves.profile(case))
-        axes.plot(x, z, color=style.BLACK, linewidth=0.7)
+        line(axes, "profile", x, z, color=style.BLACK, linewidth=0.7)
         axes.set_ylabel(style.LABELS["height"])
     panels[-1].set_xlabel(style.LABELS["x"])
     panels[-1].set_xlim(0, LENGTH)

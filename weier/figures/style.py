@@ -106,29 +106,6 @@ def _label_and_style(method: str) -> tuple[str, Style]:
     )
 
 
-def draw_sparse_points(axes: Axes, quantity: str, rows: Iterable[tuple[xr.Dataset, float, Color]]) -> None:
-    """Draw a few points of other numerical methods on each of many curves.
-
-    Parameters
-    ----------
-    axes : Axes
-    quantity : str
-    rows : iterable of (case, datum, colour)
-        For each curve, the datum that is added to its values, and its colour. The legend has each method once, in
-        black.
-
-    """
-    drawn: dict[str, None] = {}
-    for case, datum, color in rows:
-        for method in list(curves.numerical_methods(case))[1:]:
-            if (values := curves.curve(case, quantity, method)) is not None:
-                look = points(method) | SPARSE_POINTS | {"color": color, "label": None}
-                axes.plot(case["mean_pressure"].values, values + datum, **look)
-                drawn[method] = None
-    for method in drawn:
-        axes.plot([], [], **points(method) | SPARSE_POINTS | {"color": BLACK})
-
-
 def family(count: int) -> list[dict[str, Any]]:
     """Return keywords of Axes.plot for a family of curves, from light to dark."""
     colors = shade(np.linspace(0, 1, count) if count > 1 else [1.0])

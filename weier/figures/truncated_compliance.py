@@ -12,12 +12,6 @@ from matplotlib.figure import Figure
 from weier.data import curves
 from weier.figures import truncation
 
-CAPTION = (
-    "The effect of additional terms on the compliance, counted for all series from the undeformed infinite series "
-    "whose waves all peak together, since the bounds compare mean gaps. The band contains the infinite series for "
-    "any phases of its further terms (27)."
-)
-
 # The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.
 LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
 # The inset is at this part of the range of loads, where the curves are steep and far from full contact.

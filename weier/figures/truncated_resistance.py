@@ -9,12 +9,7 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import style, truncation
-from weier.figures.tables import extent, tables_of
-
-CAPTION = (
-    "The effect of additional terms on the contact resistance. The band contains the infinite series for any phases "
-    "of its further terms."
-)
+from weier.figures.tables import extent, values_of
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -22,6 +17,6 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     figure, panels = truncation.compare(studies, title, "resistance")
     for axes, cases in panels:
         drawn = curves.as_study(cases[-1]).sel(solution_method=[curves.numerical_method(cases[-1])])
-        style.set_logarithmic_axes(axes, *extent(tables_of([drawn], "resistance")))
+        style.set_logarithmic_axes(axes, *extent(values_of([drawn], "resistance")))
         axes.legend(loc="lower left")
     return figure

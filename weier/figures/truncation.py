@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import lines, style
+from weier.figures.values import band, line
 from weier.surface.profile import PARAMETERS
 
 
@@ -40,12 +41,13 @@ def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
     for look, same in zip(looks, by_terms, strict=True):
         thin = {"linewidth": 0.4, "alpha": style.FAINT_ALPHA} if len(same) > 1 else {}
         for number, case in enumerate(same):
-            label = style.describe(case, "m") if number == 0 else None
+            hidden = {} if number == 0 else {"label": None}
             drawn = lines.line(case, quantity, curves.numerical_method(case))
             if drawn is not None:
-                axes.plot(drawn[0], drawn[1] + datum(case, quantity), label=label, **look | thin)
+                name = style.describe(case, "m")
+                line(axes, name, drawn[0], drawn[1] + datum(case, quantity), **look | thin | hidden)
     alone = [(same[0], look["color"]) for look, same in zip(looks, by_terms, strict=True) if len(same) == 1]
-    style.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
+    lines.draw_sparse_points(axes, quantity, [(case, datum(case, quantity), color) for case, color in alone])
 
 
 def datum(case: xr.Dataset, quantity: str) -> float:
@@ -58,4 +60,4 @@ def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str) -> None:
     low, high = (curves.curve(longest, f"{quantity}_{side}", method) for side in ("lower", "upper"))
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
-        axes.fill_between(longest["mean_pressure"].values, low, high, label=label, **style.BOUND)
+        band(axes, label, longest["mean_pressure"].values, low, high, **style.BOUND)

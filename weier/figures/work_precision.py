@@ -16,16 +16,9 @@ from matplotlib.ticker import LogLocator
 
 from weier.accuracy.metrics import MEASURED, STATED, pareto, seconds_per_load, worst_over_loads
 from weier.figures import style
+from weier.figures.values import line
 from weier.kernels.arrays import Array
 from weier.methods import registry
-
-CAPTION = (
-    "The largest error over all loads against the time per load on one core: compliance above, resistance below. A "
-    "line joins the settings of a method, such as its tolerances. Filled symbols are errors, open symbols stated "
-    "errors. The background has the colour of the fastest method that reaches an error."
-)
-COMMAND = "tradeoff"
-VARIABLE = "reference_resistance"
 
 WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
 FLOOR, CEILING = 1e-15, 10.0  # The range of errors on the axis; smaller ones are drawn at its lower end.
@@ -112,9 +105,10 @@ def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
         if named and high / low >= 300:  # A background over this factor of errors is high enough for a name.
             text = f"fastest:\n{_look(method)['label']}"
             axes.text(0.05, 1.5 * low, text, transform=axes.get_yaxis_transform(), **NAME)
-    for line in lines:
-        axes.plot(line.milliseconds, line.stated, **_look(line.method) | OPEN)
-        axes.plot(line.milliseconds, line.measured, **_look(line.method))
+    for own in lines:
+        look = _look(own.method)
+        line(axes, f"{look['label']}, stated", own.milliseconds, own.stated, **look | OPEN | {"label": None})
+        line(axes, look["label"], own.milliseconds, own.measured, **look)
 
 
 def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
