@@ -74,6 +74,7 @@ def test_quantities_of_the_contact_are_nan_where_terms_are_left_out():
     assert {name for name in found if np.isnan(found[name]).any()} == {
         "indentation",
         "contact_fraction",
+        "elastic_energy",
         "patch_count",
     }
     assert found.sizes["edge"] == 0

@@ -231,6 +231,14 @@ VARIABLES = {
         axis="contact fraction $A$",
         optional=True,
     ),
+    "elastic_energy": Variable(
+        CURVE,
+        "elastic energy per area",
+        "g_0 p_0*",
+        "U",
+        comment="The mean of half the pressure times the displacement, which is p h minus the integral of h over p.",
+        optional=True,
+    ),
     "mean_gap": Variable(CURVE, "mean gap", "g_0", "d", comment="The sum of the amplitudes minus the compliance."),
     "area_coefficient": Variable(
         CURVE,

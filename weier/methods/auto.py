@@ -27,7 +27,7 @@ from weier.theory.bounds import complete_bounds, first_contact, resistance_bound
 
 TOLERANCE = 1e-3
 MAX_LISTED = 5  # loads in a message
-OF_CONTACT = "indentation", "contact_fraction", "patch_count"  # unknown where terms are left out
+OF_CONTACT = "indentation", "contact_fraction", "elastic_energy", "patch_count"  # unknown where terms are left out
 
 
 @dataclass(frozen=True, repr=False)

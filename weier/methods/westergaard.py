@@ -37,6 +37,12 @@ def contact_half_width(xi: ArrayLike) -> Array:
     return np.asarray(np.arcsin(np.sqrt(np.minimum(xi, 1.0))) / np.pi)
 
 
+def elastic_energy(xi: ArrayLike) -> Array:
+    """Return the elastic energy per area, the integral of xi over h: xi^2 (1 - 2 ln xi)/4, in g p*."""
+    xi = np.minimum(xi, 1.0)
+    return np.asarray(xi**2 * (1 - 2 * np.log(xi)) / 4)
+
+
 def pressure(x: ArrayLike, xi: ArrayLike) -> Array:
     """Return pressure at x, in p*; 0 outside the contact (10).
 
@@ -71,7 +77,8 @@ def _wave(x: ArrayLike) -> tuple[Array, Array]:
 
 def curve(profile: Profile, xi: ArrayLike) -> Curve:
     """Return both curves and the contact fraction of the only wave of a series, over loads in p*."""
-    return Curve(compliance(xi), resistance(xi), contact_fraction=2 * contact_half_width(xi))
+    fraction, energy = 2 * contact_half_width(xi), elastic_energy(xi)
+    return Curve(compliance(xi), resistance(xi), contact_fraction=fraction, elastic_energy=energy)
 
 
 def _applies(profile: Profile) -> None:
@@ -84,7 +91,7 @@ METHOD = Method(
     label="Westergaard",
     summary="the closed form for one wave (6)-(14); m = 1",
     solve=curve,
-    returns=("contact_fraction",),
+    returns=("contact_fraction", "elastic_energy"),
     applies=_applies,
     uses_phases=False,
     in_paper=True,

@@ -8,7 +8,7 @@ from tests.hard_series import hard_series
 from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
-from weier.methods import bem, patches
+from weier.methods import bem, patches, westergaard
 from weier.methods.patches import solver, start
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import make_series, surface_of
@@ -132,6 +132,33 @@ def test_compliance_is_concave_and_contact_grows():
     assert np.all((chord < curve.resistance[:-1]) & (chord > curve.resistance[1:]))
     assert curve.residual.max() < 1e-9
     print(f"40 loads: {curve.work.sum()} Newton steps")
+
+
+# Between births and mergers of its contacts, at 0.0767, 0.196, 0.549, 0.891, 1.639 and 2.002 p_0*
+@pytest.mark.parametrize("interval", [(0.01, 0.07), (0.22, 0.5), (0.95, 1.5), (2.1, 2.47)])
+def test_the_elastic_energy_is_the_work_of_the_load_and_that_of_the_fields(interval):
+    """U = p h - int h dp, by Gauss's quadrature in ln p; and <p u>/2 from pressures and displacements."""
+    profile = Profile(1.25, 5, 2, 1.0)
+    node, weight = np.polynomial.legendre.leggauss(20)
+    start, length = np.log(interval[0]), np.log(interval[1] / interval[0])
+    loads = np.exp(start + (node + 1) / 2 * length)
+    ends = patches.curve(profile, interval, 1e-12)
+    h = patches.curve(profile, loads, 1e-12).compliance
+    work = np.diff(interval * ends.compliance)[0] - length / 2 * weight @ (loads * h)
+    assert np.diff(ends.elastic_energy)[0] == pytest.approx(work, rel=1e-10)
+    x = np.linspace(0, 1, 20001)[:-1]
+    for load, energy in zip(interval, ends.elastic_energy, strict=True):
+        found = patches.solve_load(profile, load, 1e-12)
+        assert np.mean(found.pressure(x) * found.displacement(x)) / 2 == pytest.approx(energy, rel=1e-4)
+
+
+def test_the_elastic_energy_of_one_wave_is_westergaards_and_of_full_contact_that_of_the_waves():
+    loads = np.array([1e-100, 1e-8, 0.01, 0.3, 0.7, 0.999, 1.0, 2.0])
+    one = patches.curve(Profile(1.5, 3, 1), loads, 1e-12)
+    np.testing.assert_allclose(one.elastic_energy, westergaard.elastic_energy(loads), rtol=1e-12)
+    full = patches.curve(THREE_WAVES, [100.0])
+    g, k = THREE_WAVES.amplitude, np.array(THREE_WAVES.waves_per_period) / THREE_WAVES.period
+    assert full.elastic_energy[0] == pytest.approx(np.sum(g**2 * k) / 4, rel=1e-14)
 
 
 @pytest.mark.parametrize("load", [1e-6, 0.3, 2.0])

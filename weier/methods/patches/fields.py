@@ -271,7 +271,7 @@ def residuals_by_sums(
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
     kind, density = state.kind, (segments, state.coefficient)
-    at_node, force = _node_forces(*density, kind.dual)
+    at_node, force = node_forces(*density, kind.dual)
     tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
     total, factor = potential(tree, force, make_tree(origin, offset), period, kind.dual), kind.factor(period)
     near = kind.integral_factor(period) / factor
@@ -281,8 +281,8 @@ def residuals_by_sums(
 
 
 @kernel
-def _node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[Array, Array]:
-    """Return the offsets of nodes, and the weight in Gauss's quadrature times the density or the gap."""
+def node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[Array, Array]:
+    """Return the offsets of nodes from centres, and the weight in Gauss's quadrature times the density or the gap."""
     offset, force = np.empty(coefficient.size), np.empty(coefficient.size)
     for j in range(segments.centre.size):
         start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]

@@ -18,7 +18,7 @@ from weier.methods.curve import Curve
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.patches.certificate import resistance_error
-from weier.methods.patches.fields import pressures_or_gaps
+from weier.methods.patches.fields import node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -154,9 +154,28 @@ def _curve_point(surface: Surface, state: ContactState | None, half_width: Array
         "resistance_error": 0.0 if state is None else resistance_error(state, series),
         "indentation": indentation,
         "contact_fraction": 1.0 if full else float(2 * half_width.sum() / series.period),
+        "elastic_energy": _elastic_energy(surface, state),
         "patch_count": half_width.size,
         "residual": 0.0 if state is None else state.residual,
     }
+
+
+def _elastic_energy(surface: Surface, state: ContactState | None) -> float:
+    """Return the elastic energy <p u>/2 per area, in g_0 p_0*, of contacts, gaps, or None, which is full contact.
+
+    The heights on contacts are u plus the mean gap d, so that <p u> = <p z> - p d. The gap g of gaps takes
+    <g (p + T)>/2 from the energy of full contact, where T is the tension and p the mean pressure.
+    """
+    full = float(surface.heights.amplitude**2 @ surface.heights.wavenumber) / (8 * np.pi)
+    if state is None:
+        return full
+    segments, series = state.segments, surface.series(state.dual)
+    offset, force = node_forces(segments, state.coefficient, state.dual)
+    y = np.repeat(segments.centre, segments.node_count) + offset
+    below = evaluate_at(series, np.repeat(segments.crest, segments.node_count), y, 0)
+    if state.dual:
+        return full - 0.5 * float(force @ (state.load + series.maximum + below)) / series.period
+    return 0.5 * (float(force @ below) / series.period + state.load * state.approach)
 
 
 def _rounding(surface: Surface) -> float:
