@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from weier import solve
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 
@@ -255,3 +256,64 @@ def test_a_trace_equals_its_copy_and_no_other():
     assert (copy == trace, hash(copy) == hash(trace), len({trace, copy})) == (True, True, 1)
     for other in (Trace(heights, 1e-3, unit="m", source="b"), Trace(2 * heights, 1e-3, unit="m", source="a"), "a"):
         assert trace != other
+
+
+def test_the_gap_of_two_bodies_is_their_series():
+    """Of every other term of a series on either body: the resistance is that of the series."""
+    profile = Profile(1.5, 5, 4, (0.3, 1.0, 2.0, 0.7))
+    x = np.arange(1000) / 1000
+    parts = [
+        sum(profile.amplitude[n] * np.cos(2 * np.pi * 5**n * x + profile.phase[n]) for n in terms)
+        for terms in ((0, 2), (1, 3))
+    ]
+    shaft, bush = (
+        Trace(z, LENGTH, ends="periodic", height_unit="um", source=name) for z, name in zip(parts, "ab", strict=True)
+    )
+    gap = Trace.between(shaft, bush)
+    unit = gap.g_0 / 1e-6
+    assert gap.waves_per_period == [1, 5, 25, 125]
+    np.testing.assert_allclose(gap.height(x) * unit, sum(parts), atol=1e-13)
+    loads = np.array([0.05, 0.5, 2.0])
+    whole, ours = solve(profile, loads), solve(gap, loads / unit)
+    np.testing.assert_allclose(ours.resistance, whole.resistance, rtol=1e-7)
+    np.testing.assert_allclose(ours.contact_fraction, whole.contact_fraction, rtol=1e-7)
+    assert gap.digest == Trace.between(bush, shaft).digest
+    assert gap.digest not in (shaft.digest, bush.digest, Trace.between(shaft, shaft).digest)
+    assert (gap.source, gap.lambda_0, gap.crest[1]) == ("a on b", LENGTH, pytest.approx(profile.crest[1] / unit))
+
+
+def test_equal_waves_of_two_bodies_add_up_and_those_of_opposite_phase_cancel():
+    """Half the height on either side is Westergaard's problem of one wave of the whole height."""
+    wave = np.cos(2 * np.pi * np.arange(100) / 100)
+    half, down = (
+        Trace(sign * wave / 2, LENGTH, ends="mirrored", height_unit="um", detrend="mean") for sign in (1, -1)
+    )
+    gap = Trace.between(half, half, source="both")
+    assert (gap.g_0, gap.source) == (pytest.approx(2 * half.g_0, rel=1e-14), "both")
+    np.testing.assert_allclose(gap.amplitude, half.amplitude, rtol=1e-13)
+    with pytest.raises(ValueError, match="got heights that cancel: is one of them upside down"):
+        Trace.between(half, down)
+
+
+@pytest.mark.parametrize(
+    ("length", "samples", "more", "says"),
+    [
+        (2 * LENGTH, 64, {}, r"same lambda_0, got 0\.004 and 0\.008: read both"),
+        (LENGTH, 128, {}, "same samples, got 64 and 128"),
+        (LENGTH, 64, {"ends": "tapered"}, "same ends, got mirrored and tapered"),
+        (LENGTH, 64, {"detrend": "form"}, "same detrend, got tilt and form"),
+        (LENGTH, 64, {"shortest": 5e-4}, r"same shortest, got 0\.000125 and 0\.0005"),
+    ],
+)
+def test_traces_of_another_length_step_or_end_have_no_gap(length, samples, more, says):
+    with pytest.raises(ValueError, match=says):
+        Trace.between(Trace(rough(64), LENGTH, unit="m"), Trace(rough(samples, 1), length, unit="m", **more))
+
+
+def test_a_gap_counts_the_filled_heights_of_both():
+    first, second = rough(64), rough(64, 1)
+    first[[5, 6]] = second[9] = np.nan
+    gap = Trace.between(*(Trace(z, LENGTH, unit="m", missing="interpolate") for z in (first, second)))
+    assert tuple(gap.filled) == (3, 2, 0)
+    with pytest.raises(ValueError, match="first and second must be traces, got"):
+        Trace.between(gap, first)

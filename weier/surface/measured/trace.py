@@ -12,7 +12,7 @@ import hashlib
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -39,6 +39,7 @@ TAPER = 0.1  # fraction of the length at each end over which a tapered trace fal
 ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
 # tolerance for wavelengths that are quotients of decimal numbers
 DECIMAL_ROUNDING = 1 + 1e-9
+SAME_LENGTH = 1e-6  # relative difference of the lengths of two traces that are rounded
 MAX_LENGTH = 100.0  # m; a longer trace indicates a wrong unit
 USUAL_LENGTH = 1.0  # m; instruments rarely measure longer lines, which give a warning
 MIN_STEP = 1e-10  # m; atoms are larger
@@ -176,22 +177,34 @@ class Trace(Waves):
         )
         level = _checked_level(z, length / z.size, detrend, ends)
         period, waves, coefficient = _waves(level, ends, length, shortest)
-        g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
         contents = repr([length, shortest, ends, detrend, *filled])
-        # In place of assignments, which a frozen dataclass refuses.
+        self._set(
+            waves,
+            coefficient,
+            {
+                "lambda_0": length,
+                "samples": z.size,
+                "shortest": shortest,
+                "ends": ends,
+                "detrend": detrend,
+                "filled": filled,
+                "source": source,
+                "line": one.number,
+                "left_out": one.left_out,
+                "digest": _digest(contents.encode() + level.tobytes()),
+                "period": period,
+            },
+        )
+
+    def _set(self, waves: Indices, coefficient: Any, fields: Mapping[str, Any]) -> None:
+        """Set the waves of this many in a period and these complex amplitudes, in m, and the other fields.
+
+        In place of assignments, which a frozen dataclass refuses.
+        """
+        g_0 = math.sqrt(float(np.vdot(coefficient, coefficient).real) / 2)
+        vars(self).update(fields)
         vars(self).update(
-            lambda_0=length,
             g_0=g_0,
-            samples=z.size,
-            shortest=shortest,
-            ends=ends,
-            detrend=detrend,
-            filled=filled,
-            source=source,
-            line=one.number,
-            left_out=one.left_out,
-            digest=hashlib.sha256(contents.encode() + level.tobytes()).hexdigest()[:12],
-            period=period,
             m=waves.size,
             _waves=tuple(waves.tolist()),
             _amplitude=np.abs(coefficient) / g_0,
@@ -365,6 +378,76 @@ class Trace(Waves):
         return cls._of_lines(lines, across is not None and line is None, options)
 
     @classmethod
+    def between(cls, first: Trace, second: Trace, source: str = "") -> Trace:
+        """Return the trace of the gap between two rough bodies: the sum of their heights.
+
+        Without friction, two rough bodies touch as a flat one does with a body that has both roughnesses.
+
+        Parameters
+        ----------
+        first, second : Trace
+            Heights of both bodies, each upwards out of its own body, along the same direction in the contact, of the
+            same length, steps, ends, shortest wavelength and detrending.
+        source : str
+            Name of the gap, by default those of the two traces.
+
+        Returns
+        -------
+        Trace
+            The sum of the waves; `filled` counts the filled heights of both.
+
+        Raises
+        ------
+        ValueError
+            If the two differ in what must be the same, or cancel.
+
+        Notes
+        -----
+        This is a plane problem only if the ridges of both bodies are parallel. Ridges that cross touch at spots, as a
+        sum of two profiles along different directions.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import weier
+        >>> x = np.arange(200) / 200
+        >>> shaft = weier.Trace(np.cos(2 * np.pi * x), 2e-3, ends="periodic", height_unit="um")
+        >>> bush = weier.Trace(0.5 * np.cos(10 * np.pi * x), 2e-3, ends="periodic", height_unit="um")
+        >>> gap = weier.Trace.between(shaft, bush)
+        >>> gap.waves_per_period
+        [1, 5]
+        """
+        pair = (first, second)
+        if not all(isinstance(trace, Trace) for trace in pair):
+            raise ValueError(f"first and second must be traces, got {shown(first)} and {shown(second)}")
+        for name in ("lambda_0", "samples", "ends", "detrend", "shortest"):
+            one, other = getattr(first, name), getattr(second, name)
+            if not (math.isclose(one, other, rel_tol=SAME_LENGTH) if isinstance(one, float) else one == other):
+                raise ValueError(
+                    f"both traces must have the same {name}, got {one} and {other}: read both with the same length, "
+                    "shortest, ends and detrend, or interpolate the heights of one at the steps of the other"
+                )
+        waves = np.union1d(first.waves_per_period, second.waves_per_period)
+        coefficient = np.zeros(waves.size, complex)
+        for trace in pair:
+            at = np.searchsorted(waves, trace.waves_per_period)
+            coefficient[at] += trace.g_0 * trace.amplitude * np.exp(1j * trace.phase)
+        rough = np.abs(coefficient) > ROUNDING * max(first.g_0, second.g_0)
+        if not rough.any():
+            raise ValueError("both traces must leave a gap, got heights that cancel: is one of them upside down?")
+        (heights, longest, cut), more = first.filled, second.filled
+        own = {field.name: getattr(first, field.name) for field in fields(cls)} | {
+            "filled": Filled(heights + more.heights, max(longest, more.longest), cut + more.cut),
+            "source": source or " on ".join(filter(None, (first.source, second.source))),
+            "line": None,
+            "left_out": (),
+            "digest": _digest("".join(sorted((first.digest, second.digest))).encode()),
+        }
+        gap = object.__new__(cls)
+        gap._set(waves[rough], coefficient[rough], own)
+        return gap
+
+    @classmethod
     def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
         """Return the trace of one line, or a list for several lines; refused lines are left out of the list."""
         traces: list[Trace] = []
@@ -417,6 +500,10 @@ class Trace(Waves):
         return (
             f"{name} of {self.samples} heights{filled} over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
         )
+
+
+def _digest(contents: bytes) -> str:
+    return hashlib.sha256(contents).hexdigest()[:12]
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:
