@@ -15,6 +15,7 @@ from difflib import get_close_matches
 from numbers import Real
 from os import PathLike
 from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # characters of a value in a message
 MAX_DIGITS = 40  # digits of an integer in a message
+SHORT = Repr()  # which writes some elements only: a text of YAML may have 9^9
+SHORT.maxlevel, SHORT.maxother, SHORT.maxstring, SHORT.maxlong = 2, 2 * MAX_SHOWN, 2 * MAX_SHOWN, 2 * MAX_DIGITS
 ALL_CORES = -1  # value of `workers` for all cores, as in SciPy
 
 Condition = Callable[[Any], Any]
@@ -52,7 +55,7 @@ def checked_number(
     ValueError
         If the value is not a number, has a unit of another quantity, or does not meet the condition.
     """
-    number = _number(units.in_unit(name, value, unit))
+    number = None if isinstance(value, list | tuple) else _number(units.in_unit(name, value, unit))
     if number is None or not holds(number):
         raise ValueError(f"{name} must {condition}, got {_described(value)}")
     return number
@@ -140,7 +143,7 @@ def shown(value: Any) -> str:
     if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has the first alone
         return f"an array of shape {tuple(value.shape)}"
     try:
-        text = " ".join(repr(value).split())
+        text = " ".join(SHORT.repr(value).split())
     except ValueError:  # an integer in it is too long to be written
         text = f"<{type(value).__name__}>"
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."

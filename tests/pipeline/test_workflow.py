@@ -126,7 +126,7 @@ def test_a_wrong_scene_ends_in_one_sentence(folder):
     for function in (lambda: plan().all_files(of()), lambda: plan().solved(of(product="one"))):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
             function()
-    with pytest.raises(SystemExit, match=r"^weier: there is no scene 'tset'.*did you mean 'test'"):
+    with pytest.raises(SystemExit, match=r"^weier: a scene of .* must be one of .*, got 'tset': did you mean 'test'"):
         plan().solved(of(scene="tset", product="one"))
     change(folder, "2.25, gamma", "1.25, gamma")
     with pytest.raises(SystemExit, match=r"^weier: scene test has no figure 'three', only one, two$"):

@@ -199,5 +199,3 @@ def test_the_band_of_fits_is_a_key_of_traces_and_fits_that_fail_say_why(tmp_path
         ensembles = data.weier.ensemble().set_index("study")
     assert ensembles["trace_fits"].to_dict() == {"fine": 1, "long": 0}
     assert ensembles["trace_fit_remarks"].to_dict() == {"fine": "", "long": bad}
-    with pytest.raises(SceneError, match="longest must be positive and at most the length of the trace, 2, got 3"):
-        scene_in(tmp_path, SCENE | {"studies": {"bad": {"trace": options | {"longest": 3}}}, "figures": {}})

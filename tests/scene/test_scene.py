@@ -151,68 +151,53 @@ loads: {from: 1.0e-3, to: 4, n: 30}
 studies:
   one:
     product: &p {D: 2.5, gama: 5, m: 0}
-    settings: {bem: {points_per_wave: many}}
+    settings: {bme: {points_per_wave: many}}
   two:
     product: {<<: *p, gamma: 1}
     methods: [bme]
+settings: {bem: {points_per_wave: many}}
 figures:
   f:
     draw: compliance
-    studies:
-      - two
-      - tow
     colour: gama
+  g: {draw: compliances}
 """
 
 
 def test_all_mistakes_are_reported_together_with_their_lines(tmp_path):
+    """Those of keys and values by pydantic, and in keys without a mistake those of their contents, too."""
     path = tmp_path / "scene.yaml"
     path.write_text(FAULTY)
     with pytest.raises(scene.SceneError) as caught:
-        scene.load(path)
+        load_scene(path)
     head, *listed = str(caught.value).splitlines()
     places = [re.match(r"  line (\d+): ([^:]+): ", line).groups() for line in listed]
     assert head == f"{path} has {len(listed)} mistakes:"
     assert places == [
         ("2", "method"),
-        ("3", "loads.n"),
-        *(("6", f"studies.{study}.product.{key}") for study in ("one", "two") for key in ("D", "gama", "m")),
-        ("7", "studies.one.settings.bem.points_per_wave"),
+        *[("3", "loads.count"), ("3", "loads.n")],
+        *(("6", f"studies.one.product.{key}") for key in ("D", "gama", "gamma", "m")),
+        *(("6", f"studies.two.product.{key}") for key in ("D", "gama", "m")),
+        ("7", "studies.one.settings.bme"),
         ("9", "studies.two.product.gamma"),
         ("10", "studies.two.methods.0"),
-        ("16", "figures.f.studies.1"),
-        ("17", "figures.f.colour"),
+        ("11", "settings.bem.points_per_wave"),
+        ("15", "figures.f.colour"),
     ]
 
 
-BELOW_MISSPELT_KEYS = """titel: test
-loads: {start: 1, to: 2, n: 1}
-method: [demelio]
-setings: {bme: {tolerence: 1}, bem: {tolerance: 2}}
-studys:
-  one: {produkt: {D: 1.5, gama: 5, m: 0}}
-figures: {f: {drew: "../f", facets: [D, D], studies: [two]}}
-"""
-
-
-def test_what_stands_below_a_misspelt_key_is_checked_too(tmp_path):
-    """As what the key means, which is not said to be missing."""
-    path = tmp_path / "scene.yaml"
-    path.write_text(BELOW_MISSPELT_KEYS)
+def test_what_a_sound_part_holds_is_checked_beside_a_mistake(tmp_path):
+    """In one go: the figure that does not exist, the trace that is not there, and the misspelt key."""
+    studies = MINIMAL["studies"] | {"two": {"trace": {"file": "none.csv"}, "methods": ["bem"]}}
+    path = write(tmp_path, titel="t", studies=studies, figures={"f": {"draw": "compliances", "studies": ["one"]}})
     with pytest.raises(scene.SceneError) as caught:
-        scene.load(path)
-    found = {
-        tuple(re.match(r"  line (\d+): ([^:]+): ", line).groups()) for line in str(caught.value).splitlines()[1:]
-    }
-    assert found == {
-        ("1", "titel"),
-        *(("2", place) for place in ("loads.start", "loads.n")),
-        ("3", "method"),
-        *(("4", f"setings{place}") for place in ("", ".bme", ".bme.tolerence", ".bem.tolerance")),
-        ("5", "studys"),
-        *(("6", f"studys.one.{place}") for place in ("produkt", "produkt.gama", "produkt.m")),
-        *(("7", f"figures.f.{place}") for place in ("drew", "facets", "studies.0")),
-    }
+        load_scene(path)
+    _, *listed = str(caught.value).splitlines()
+    assert [re.match(r"  line \d+: ([^:]+): ", line)[1] for line in listed] == [
+        "figures.f.draw",
+        "studies.two.trace.file",
+        "titel",
+    ]
 
 
 def test_a_long_list_of_mistakes_is_cut_short(tmp_path):

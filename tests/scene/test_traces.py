@@ -186,6 +186,19 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
         assert data.weier.cases(trace="shaft.csv").sizes["case"] == 1
 
 
+def test_methods_of_the_series_alone_have_no_curve_of_a_trace(folder):
+    """In a study with methods for both, and with loads in Pa, too."""
+    for changes in ({}, {"loads": ["5 MPa"], "interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}):
+        loaded = load(folder, **{"figures": {}, "studies": {"mine": {"trace": OPTIONS}}}, **changes)
+        write_data(solve_scene(loaded, folder / "curves"), folder / "contact.nc")
+        with open_dataset(folder / "contact.nc") as data:
+            assert data["status"].values.tolist() == [[Status.solved, Status.not_applicable]]
+            assert np.isfinite(data["compliance"].values[0]).tolist() == [
+                [True] * len(loaded.loads),
+                [False] * len(loaded.loads),
+            ]
+
+
 def test_results_report_missing_heights_and_a_form(folder):
     heights = HEIGHTS + 1e-4 * (X / X[-1] - 0.5) ** 2
     heights[[20, 21]] = -9999
@@ -313,15 +326,9 @@ def drawn(kind, **options):
         (mine(file="none.csv"), r"studies\.mine\.trace\.file: there is no file .*none\.csv"),
         (mine(file=["shaft.csv", "none.csv"]), r"studies\.mine\.trace\.file\.1: there is no file .*none\.csv"),
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
-        (mine(file=5), r"studies\.mine\.trace\.file: this must be the name of a file"),
         (mine(shortest=1.0), r"studies\.mine\.trace\.file: shortest must lie between"),
-        (mine(ends="round"), r"studies\.mine\.trace\.ends: this must be one of mirrored"),
-        (mine(D=1.5), r"studies\.mine\.trace\.D: there is no such key"),
-        (mine(["bem", "demelio"]), r"studies\.mine\.methods: methods of a trace .* got demelio: .*weier\.fit"),
-        (
-            {"studies": {"mine": {"trace": {}, "methods": ["bem"]}}, "figures": {}},
-            r"studies\.mine\.trace\.file: this key is missing",
-        ),
+        (mine(ends="round"), r"studies\.mine\.trace\.ends: Input should be 'mirrored'"),
+        (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
         (
             {"studies": {"mine": SCENE["studies"]["mine"] | SCENE["studies"]["series"]}, "figures": {}},
             r"studies\.mine: one of product, cases, trace must be given, and not product and trace",

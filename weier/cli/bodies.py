@@ -34,7 +34,7 @@ def read_bodies(path: Path) -> Interface:
 
     from weier.api.interface import Interface
     from weier.scene.models import InterfaceKeys
-    from weier.scene.part import mistakes_of
+    from weier.scene.sections import mistakes_of
 
     given = _given(path)
     try:

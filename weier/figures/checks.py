@@ -79,7 +79,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         return
     kind = known[figure.draw]
     if kind.needs_studies and not figure.studies:
-        yield "studies", "this key is missing: the studies that the figure shows"
+        yield "studies", "Field required: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
         yield "draw", f"{figure.draw} needs {kind.needs}: true in the scene"
     products = [

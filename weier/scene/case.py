@@ -16,21 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from weier.checks import checked_file, checked_number, readable
+from weier.checks import checked_file, readable
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
 from weier.surface.limits import check_resolvable
-from weier.surface.measured.trace import DECIMAL_ROUNDING, Trace
+from weier.surface.measured.trace import Trace
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 
 # Limit of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
-# The parameters of a trace that are numbers.
-NUMBERS_OF_TRACE = ("shortest", "longest", "length")
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
 # Copies and locks that editors and office programs leave beside a file.
@@ -118,7 +116,8 @@ def identity(name: str, value: Any) -> Any:
     A trace is its name and its content, not the location of its file.
     """
     if name == "trace":
-        return [value.get("name", value["file"]), value["digest"], *_given(value, "longest")]
+        named = [value.get("name", value["file"]), value["digest"]]
+        return [*named, value["longest"]] if "longest" in value else named
     if name == "gamma":
         return str(checked_ratio(value))
     if name == "seed":
@@ -183,34 +182,15 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
 
 
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
-    numbers: dict[str, Any] = {name: number(name, values[name]) for name in NUMBERS_OF_TRACE if name in values}
-    if "missing_value" in values:
-        given = values["missing_value"]
-        numbers["missing_value"] = list(map(_number_or_word, given if isinstance(given, list) else [given]))
     source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
-    parameters = {"source": readable(source)} | dict(values) | numbers | {"file": str(folder / values["file"])}
+    parameters: dict[str, Any] = {"source": readable(source), **values, "file": str(folder / values["file"])}
     found = Trace.read(**_arguments(parameters))
     traces = [found] if isinstance(found, Trace) else found
-    if "longest" in numbers:
-        parameters["longest"] = _in_metres(numbers["longest"], parameters, min(trace.lambda_0 for trace in traces))
+    if "longest" in values:  # in m
+        parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
     names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
     return [parameters | line | name for line, name in zip(lines, names, strict=True)]
-
-
-def _in_metres(longest: Any, parameters: Mapping[str, Any], length: float) -> float:
-    """Return the longest wavelength of the fits, in m, from one in the unit of positions."""
-    unit = UNITS[next((parameters[name] for name in ("unit", "x_unit") if name in parameters), "m")]
-    return unit * checked_number(
-        "longest",
-        longest,
-        f"be positive and at most the length of the trace, {length / unit:.6g}",
-        lambda x: 0 < x * unit <= length * DECIMAL_ROUNDING,
-    )
-
-
-def _given(values: Mapping[str, Any], name: str) -> list[Any]:
-    return [values[name]] if name in values else []
 
 
 def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -218,15 +198,6 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
     others = ("file", "name", "digest", "longest")
     given = {name: value for name, value in parameters.items() if name not in others}
     return {"path": parameters["file"], **given}
-
-
-def _number_or_word(value: Any) -> Any:
-    """Return a number or word for missing heights, also if YAML reads the number as text."""
-    try:
-        found = number("missing_value", value)
-    except ValueError:
-        return value
-    return found if math.isfinite(found) else value
 
 
 @lru_cache(maxsize=KEPT_TRACES)

@@ -23,10 +23,7 @@ from weier.units import NORMALISED_PRESSURE
 Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
 MAX_NAME = 64
-NAME, NAME_IN_WORDS = (
-    rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}",
-    f"letters, digits, _ and -, at most {MAX_NAME}",
-)
+NAME = rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}"
 
 
 @dataclass(frozen=True)

@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weier.checks import checked_file, suggestion
-from weier.methods import auto
-from weier.methods.registry import METHODS, find_method
-from weier.methods.settings import checked_settings, with_tolerance
-from weier.scene.case import trace_files, trace_parameters
-from weier.scene.cases import NAME, NAME_IN_WORDS, Scene
+from weier.checks import checked_file, checked_word, shown, suggestion
+from weier.methods.registry import default_method, find_method
+from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
+from weier.scene.case import trace_parameters
+from weier.scene.cases import NAME, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
-from weier.scene.study import CaseProduct, Study, check_number
-from weier.scene.yaml import read_yaml
+from weier.scene.study import MAX_CASES, CaseProduct, Study, check_number
+from weier.scene.yaml import number, read_yaml
 from weier.surface.profile import PARAMETERS
-from weier.units import NORMALISED_PRESSURE, PASCAL
+from weier.units import PASCAL
 
 if TYPE_CHECKING:
-    from weier.scene.models import Loads, SceneKeys, StudyKeys
-
-# Parts with a mistake are left out by themselves down to this depth below these keys, and others whole.
-DEPTHS = {"studies": 1, "figures": 2, "claims": 1}
+    from weier.scene.models import SceneKeys, StudyKeys
 
 Check = Callable[[Scene], Iterable[Mistake]]
+Settings = Mapping[str, Mapping[str, Any]]
 
 
 def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
@@ -49,9 +46,6 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     """
     try:
         path = checked_file(path)
-    except (OSError, ValueError) as error:
-        raise SceneError(str(error)) from None
-    try:
         text = path.read_text(encoding="utf-8")
         document = read_yaml(text)
     except TimeoutError:  # of a program with a time limit
@@ -59,10 +53,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()
-    keys = _validated(document.values, mistakes)
-    if not isinstance(document.values, dict):
-        raise mistakes.error(path, document)
-    scene = _scene(keys, text, path, mistakes)
+    scene = _scene(_valid_keys(document.values, mistakes), text, path, mistakes)
     for check in checks:
         mistakes.add(check(scene))
     if mistakes:
@@ -71,115 +62,112 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
 
 def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequence[Check] = ()) -> Scene:
-    """Return the scene of this name in a folder of scenes; a SceneError if there is none."""
-    if not re.fullmatch(NAME, name):
-        raise SceneError(f"a scene's name must be {NAME_IN_WORDS}, got {name!r:.80}")
-    known = sorted(path.stem for path in Path(folder).glob("*.yaml"))
-    if known and name not in known:
-        raise SceneError(
-            f"there is no scene {name!r} in {folder}, only {', '.join(known)}{suggestion(name, known)}; "
-            f"a scene of your own is a file {Path(folder, name)}.yaml"
-        )
-    return load(Path(folder, f"{name}.yaml"), checks)
+    """Return the scene of this name in a folder of scenes; a ValueError if there is none."""
+    known = sorted(path.stem for path in Path(folder).glob("*.yaml") if re.fullmatch(NAME, path.stem))
+    return load(Path(folder, f"{checked_word(f'a scene of {folder}', name, known)}.yaml"), checks)
 
 
-def _validated(raw: Any, mistakes: Mistakes) -> SceneKeys:
-    """Return the keys of a file, without those that have mistakes."""
+def _valid_keys(raw: Any, mistakes: Mistakes) -> SceneKeys:
+    """Return the keys of a file whose values are valid, and the others at their defaults."""
     # Pydantic and the models take longer to import than the rest of a scene, and a job that solves needs neither.
     from pydantic import ValidationError
 
-    from weier.scene.models import SceneKeys, SoundKeys
-    from weier.scene.part import mistakes_of
+    from weier.scene.models import Pressures, SceneKeys
+    from weier.scene.sections import mistakes_of
 
+    valid: dict[str, Any] = {"title": "", "loads": Pressures(), "studies": {}}
     most = raw.get("max_cases") if isinstance(raw, dict) else None
-    context = {"max_cases": most} if isinstance(most, int) else {}
+    most = most if isinstance(most, int | float) and most == most // 1 else MAX_CASES  # which inf is not
     try:
-        return SceneKeys.model_validate(raw, context=context)
+        SceneKeys.model_validate(raw, context={"valid": valid, "max_cases": most})
     except ValidationError as error:
         mistakes.add(mistakes_of(error, raw))
-    sound = _without_mistakes(raw, (), mistakes) if isinstance(raw, dict) else {}
-    return SoundKeys.model_validate(sound, context=context)
-
-
-def _without_mistakes(values: Mapping[str, Any], keys: Keys, mistakes: Mistakes) -> dict[str, Any]:
-    """Return the parts of a file at these keys that have no mistake."""
-    kept = {}
-    for key, value in values.items():
-        place = (*keys, key)
-        if not mistakes.within(*place):
-            kept[key] = value
-        elif place not in mistakes and len(place) <= DEPTHS.get(str(place[0]), 0):
-            kept[key] = _without_mistakes(value, place, mistakes)
-    if keys == ("figures",):
-        return {name: figure for name, figure in kept.items() if "draw" in figure}
-    return kept
+    return SceneKeys.model_construct(**valid)
 
 
 def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
-    """Return the scene without the parts that have mistakes."""
+    """Return the scene of valid keys, without the studies that have mistakes."""
+    settings = _settings(("settings",), keys.settings, mistakes)
     count = sum(study.count for study in keys.studies.values())
     mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
     wanted = {} if mistakes.within("max_cases") else keys.studies
-    loads = cast("Loads", keys.loads)
-    read = {name: _study(name, study, keys, path.parent, mistakes) for name, study in wanted.items()}
+    read = {name: _study(name, study, keys, settings, path.parent, mistakes) for name, study in wanted.items()}
     lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
     mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
+    mistakes.add(_mistakes_of_scene(keys, mistakes))
     bodies = keys.interface.bodies() if keys.interface else None
-    in_si = bool(loads) and loads.in_si
-    if in_si and bodies is None and not mistakes.within("interface"):
-        mistakes.add(
-            [Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")]
-        )
-    if in_si and keys.claims:
-        mistakes.add(
-            [Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")]
-        )
     scene = Scene(
         name=path.stem,
         title=keys.title,
-        load_unit=loads.unit if loads else NORMALISED_PRESSURE,
+        load_unit=keys.loads.unit,
         studies={name: study for name, study in read.items() if study is not None},
-        figures={name: figure.figure(bodies if in_si else None) for name, figure in keys.figures.items()},
+        figures={name: figure.figure(bodies if keys.loads.in_si else None) for name, figure in keys.figures.items()},
         interface=bodies,
         claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
         max_seconds=keys.max_seconds,
         contact_edges=keys.contact_edges,
         text=text,
     )
-    if mistakes:
-        return scene
-    mistakes.attempt(("loads",), scene.check_loads, None)
+    if not mistakes:
+        mistakes.attempt(("loads",), scene.check_loads, None)
     return scene
 
 
-def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes: Mistakes) -> Study | None:
+def _mistakes_of_scene(keys: SceneKeys, mistakes: Mistakes) -> Iterator[Mistake]:
+    """Yield mistakes in keys that go together, and names of studies that the scene does not have."""
+    if keys.loads.in_si and not keys.interface and not mistakes.within("interface"):
+        yield Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")
+    if keys.loads.in_si and keys.claims:
+        yield Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")
+    if mistakes.within("studies"):
+        return
+    if keys.interface and not keys.interface.lambda_0 and not all(study.trace for study in keys.studies.values()):
+        yield Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
+    lists: dict[Keys, list[str]] = {("claims", name): studies for name, studies in keys.claims.items()}
+    for name, figure in keys.figures.items():
+        lists |= {("figures", name, "studies"): figure.studies, ("figures", name, "behind"): figure.behind}
+    for place, listed in lists.items():
+        for position, study in enumerate(listed):
+            if study not in keys.studies:
+                what = f"there is no study {shown(study)}, only {', '.join(keys.studies):.300}"
+                yield Mistake((*place, position), f"{what}{suggestion(study, keys.studies)}")
+
+
+def _settings(place: Keys, settings: Settings, mistakes: Mistakes) -> dict[str, dict[str, Any]]:
+    """Return the settings of methods, each checked for its range."""
+
+    def checked(method: str, name: str, value: Any) -> dict[str, Any]:
+        check = partial(checked_settings, find_method(method), {name: value})
+        return mistakes.attempt((*place, method, name), check, {})
+
+    return {
+        method: {key: found for name, value in own.items() for key, found in checked(method, name, value).items()}
+        for method, own in settings.items()
+    }
+
+
+def _study(
+    name: str, study: StudyKeys, scene: SceneKeys, settings: Settings, folder: Path, mistakes: Mistakes
+) -> Study | None:
     """Return the cases of a study; None if it has mistakes, or if its methods do."""
     keys: Keys = ("studies", name)
     methods = scene.methods if study.methods is None else study.methods
-    tolerance = None if scene.tolerance is None else float(scene.tolerance)
-    if not methods and tolerance is not None:
-        methods = [auto.METHOD.name]
-    if study.trace and not mistakes.within("methods"):
-        mistakes.attempt((*keys, "methods"), partial(_check_methods_of_trace, methods), None)
+    if not methods and scene.tolerance is not None:
+        methods = [default_method(within_tolerance=True)]
+    if not methods and not mistakes.within("methods"):
+        mistakes.add([Mistake(("methods",), "Field required, or tolerance, or methods of each study")])
     made = [(place, _axes((*keys, *place), product, folder, mistakes)) for place, product in study.products]
-    if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), ("tolerance",))):
+    if study.settings is not None:
+        settings = _settings((*keys, "settings"), study.settings, mistakes)
+    settings = mistakes.attempt((TOLERANCE,), partial(_with_tolerance, methods, settings, scene.tolerance), settings)
+    loads = study.loads or scene.loads
+    if scene.loads.values and loads.in_si != scene.loads.in_si:
+        what = f"loads of a study must be in the unit of the scene's loads, got {loads.unit}"
+        mistakes.add([Mistake((*keys, "loads"), what)])
+    if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), (TOLERANCE,))):
         return None
-    settings: Mapping[str, Mapping[str, Any]] = scene.settings if study.settings is None else study.settings
-    if not methods:  # which is a mistake of its own
-        return None
-    settings = mistakes.attempt(keys, partial(with_tolerance, methods, settings, tolerance), settings)
-    checked = {method: checked_settings(find_method(method), settings.get(method, {})) for method in methods}
-    own = {method: values for method, values in checked.items() if method in settings}
-    loads = cast("Loads", study.loads or scene.loads)
-    if scene.loads and loads.in_si != cast("Loads", scene.loads).in_si:
-        mistakes.add(
-            [
-                Mistake(
-                    (*keys, "loads"), f"loads of a study must be in the unit of the scene's loads, got {loads.unit}"
-                )
-            ]
-        )
-    pressures = np.array(loads.values if loads else [], float)
+    own = {method: values for method, values in settings.items() if method in methods}
+    pressures = np.array(loads.values, np.float64)
     products = [CaseProduct(axes, tuple(methods), own, pressures) for _, axes in made]
     for (place, _), product in zip(made, products, strict=True):
         mistakes.attempt((*keys, *place), product.check, None)
@@ -187,36 +175,21 @@ def _study(name: str, study: StudyKeys, scene: SceneKeys, folder: Path, mistakes
     return None if mistakes.within(*keys) else Study(products)
 
 
-def _check_methods_of_trace(methods: Sequence[str]) -> None:
-    """Refuse methods that apply to the Weierstrass series only."""
-    others = [name for name in methods if not find_method(name).takes_traces]
-    if others or not methods:
-        takers = ", ".join(method.name for method in METHODS if method.takes_traces)
-        raise ValueError(
-            f"methods of a trace must be some of {takers}, got {', '.join(others) or 'none'}: give its study methods "
-            "of its own, or solve the series that weier.fit finds for it"
-        )
+def _with_tolerance(methods: Sequence[str], settings: Settings, tolerance: Any) -> Settings:
+    """Return settings with a tolerance for all methods that take one, which is checked."""
+    given = with_tolerance(methods, settings, None if tolerance is None else number(TOLERANCE, tolerance))
+    return {name: checked_settings(find_method(name), own) for name, own in given.items()}
 
 
 def _check_methods(products: Sequence[CaseProduct]) -> None:
-    """Refuse a study in which no method applies to any profile."""
-    reasons: dict[str, str] = {}
-    for product in products:
-        for case in product.of_all_kinds(*PARAMETERS):
-            for method in map(find_method, product.methods):
-                try:
-                    return method.check_applies(case.profile)
-                except ValueError as error:
-                    reasons.setdefault(method.name, str(error))
-    listed = "; ".join(f'"{name}": {reason}' for name, reason in reasons.items())
-    raise ValueError(f"no method applies to any of these profiles: {listed}")
+    """Refuse a study in which no method applies to any profile, with the reason of the first."""
+    cases = [case for product in products for case in product.of_all_kinds(*PARAMETERS)]
+    if not any(find_method(method).takes(case.profile) for case in cases for method in case.methods):
+        find_method(cases[0].methods[0]).check_applies(cases[0].profile)
 
 
-def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> dict[str, list[Any]]:
-    """Return the values of each parameter; a trace is read if its study has no mistake, but must exist anyway."""
+def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> Mapping[str, list[Any]]:
+    """Return the values of each parameter; a trace is read."""
     if "trace" not in product:
-        return dict(product)
-    trace = product["trace"]
-    mistakes.attempt(keys, lambda: trace_files(trace["file"], folder), None)
-    wrong = mistakes.within(*keys[:2])  # in its study
-    return {"trace": [] if wrong else mistakes.attempt(keys, partial(trace_parameters, trace, folder), [])}
+        return product
+    return {"trace": mistakes.attempt(keys, partial(trace_parameters, product["trace"], folder), [])}

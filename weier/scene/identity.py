@@ -45,6 +45,4 @@ def distinct(keys: Keys) -> tuple[Indices, Indices]:
     """Return the first position of each distinct key, increasing, and the number of its own for every key."""
     _, first, number = np.unique(keys, return_index=True, return_inverse=True)
     order = np.argsort(first)
-    rank = np.empty(len(first), int)
-    rank[order] = np.arange(len(first))
-    return first[order], rank[number]
+    return first[order], np.argsort(order)[number]

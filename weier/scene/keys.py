@@ -8,8 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
-from pydantic_core import core_schema
+from pydantic.json_schema import GenerateJsonSchema
 
 from weier.data.markdown import plain, table
 from weier.scene.models import (
@@ -26,27 +25,15 @@ from weier.scene.models import (
 
 # The parts of a scene, in the order of their tables.
 PARTS = SceneKeys, StudyKeys, ProfileKeys, TraceKeys, FigureKeys, InterfaceKeys, Range, LoadRange, AxisKeys
-# The types of JSON schema in plain words.
-KINDS = {
-    "string": "a text",
-    "object": "a mapping",
-    "integer": "a whole number",
-    "number": "a number",
-    "boolean": "true or false",
-}
 HEAD = "key", "what it says", "value"
 GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
 class _Schema(GenerateJsonSchema):
-    """The JSON schema without the titles and defaults that pydantic makes up."""
+    """The JSON schema without the titles that pydantic makes up."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
-
-    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
-        made = super().default_schema(schema)
-        return {key: value for key, value in made.items() if key != "default" or value is not None}
 
 
 def schema() -> dict[str, Any]:
@@ -81,8 +68,8 @@ def _kind(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
     if alternatives := part.get("anyOf", part.get("oneOf")):
         return " or ".join(dict.fromkeys(_kind(alternative, known) for alternative in alternatives))
     if part["type"] == "array":
-        return "a list of " + re.sub(r"^a (\w+)$", r"\1s", _kind(part["items"], known))
-    return KINDS[part["type"]]
+        return f"a list of {_kind(part['items'], known)}"
+    return "mapping" if part["type"] == "object" else str(part["type"])
 
 
 def write(folder: Path) -> None:

@@ -36,10 +36,6 @@ class Mistakes(dict[Keys, str]):
             if not self.within(*keys):
                 self[keys] = text
 
-    def listed(self) -> list[Mistake]:
-        """Return the mistakes in the order in which they were found."""
-        return [Mistake(keys, text) for keys, text in self.items()]
-
     def within(self, *keys: str | int) -> bool:
         """Return whether there are mistakes in the part of the file at these keys."""
         return any(place[: len(keys)] == keys for place in self)

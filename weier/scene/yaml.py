@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from io import StringIO
 from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
-from ruamel.yaml.composer import MaxDepthExceededError
-from ruamel.yaml.constructor import ConstructorError, SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, StringMark, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
@@ -16,19 +15,6 @@ from weier.checks import checked_number
 from weier.units import NONE, parsed
 
 MAX_DEPTH = 50  # Deeper nesting is refused: a scene has ten levels, and Python's recursion has a limit.
-# The only kinds of keys are texts and the merge key "<<".
-KEY_TAGS = "tag:yaml.org,2002:str", "tag:yaml.org,2002:merge"
-
-
-class WordsAsKeys(SafeConstructor):
-    """Makes plain values of mappings whose keys are texts."""
-
-    def construct_mapping(self, node: Any, deep: bool = False) -> Any:
-        """Return the plain values of a mapping; ConstructorError if a key is another kind of value."""
-        for key, _ in node.value:
-            if str(key.tag) not in KEY_TAGS:
-                raise ConstructorError(None, None, "a key must be a word", key.start_mark)
-        return super().construct_mapping(node, deep)
 
 
 class Document(NamedTuple):
@@ -49,19 +35,17 @@ class Document(NamedTuple):
 
 
 def parse_yaml(text: str) -> Any:
-    """Return a YAML text as plain values; objects, duplicate keys and keys that are no texts are refused."""
+    """Return a YAML text as plain values; objects and duplicate keys are refused."""
     return read_yaml(text).values
 
 
 def read_yaml(text: str) -> Document:
     """Return the values of a YAML text as `parse_yaml` does, with their lines."""
     yaml = YAML(typ="safe", pure=True)
-    yaml.Constructor, yaml.max_depth = WordsAsKeys, MAX_DEPTH
+    yaml.max_depth = MAX_DEPTH
     try:
         root = yaml.compose(text)
         return Document(yaml.constructor.construct_document(root) if root else None, root)
-    except MaxDepthExceededError:
-        raise ValueError(f"the values are nested too deep, in more than {MAX_DEPTH} levels") from None
     except MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise ValueError(f"{line}{error.problem or error}") from None
@@ -82,9 +66,18 @@ def number(name: str, value: Any, unit: str = NONE) -> float:
     return checked_number(name, parsed(name, value, unit))
 
 
+def number_or_word(value: Any) -> Any:
+    """Return a finite number, which may be given as text, and any other value as it is."""
+    try:
+        found = number("this", value)
+    except ValueError:
+        return value
+    return found if math.isfinite(found) else value
+
+
 def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:
     """Return the position of a key of a mapping or an item of a list, and its value; merged keys come first."""
     if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
     pairs = node.value if isinstance(node, MappingNode) else []
-    return {name.value: (name.start_mark, value) for name, value in pairs}.get(key)
+    return {str(name.value): (name.start_mark, value) for name, value in pairs}.get(str(key))

@@ -1,0 +1,89 @@
+"""Sections of scene files as models of pydantic: their base, kinds of values, and the words for their mistakes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
+from pydantic_core import ErrorDetails
+from pydantic_core.core_schema import CoreSchema, literal_schema, no_info_before_validator_function
+
+from weier.checks import shown, suggestion
+from weier.scene.mistakes import Mistake
+
+
+class Section(BaseModel):
+    """A mapping in a scene file, with these keys and no others."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The values of the keys in the file, in the order of the model."""
+        return {name: value for name, value in self if name in self.model_fields_set}
+
+    @classmethod
+    def keys(cls) -> dict[str, str]:
+        """Return the description of each key, by its name in files."""
+        return {of.alias or name: of.description or "" for name, of in cls.model_fields.items()}
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """One of some words."""
+
+    choices: Collection[str]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return literal_schema(list(self.choices))
+
+
+class OneOrMore:
+    """A list, in place of which a single entry may stand; equal entries count once."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(as_list, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        listed = handler(schema)
+        return {"anyOf": [listed["items"], listed]}
+
+
+def as_list(value: Any) -> Any:
+    """Return a list as it is, and another value as a list of one."""
+    return value if isinstance(value, list) else [value]
+
+
+def distinct(values: list[Any]) -> list[Any]:
+    """Return each of some plain values once."""
+    return list({json.dumps(value): value for value in values}.values())
+
+
+def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
+    """Yield the mistakes of the plain values of a file, with their keys in the file.
+
+    The locations of pydantic also have marks of keys, and positions in lists for which a single value stands.
+    """
+    for found in error.errors():
+        keys, value = list[str | int](), raw
+        for key in found["loc"]:
+            if isinstance(value, list) and isinstance(key, int):
+                keys, value = [*keys, key], value[key]
+            elif isinstance(value, dict) and key != "[key]":
+                keys, value = [*keys, key], value.get(key)
+        yield Mistake(tuple(keys), _words(found))
+
+
+def _words(error: ErrorDetails) -> str:
+    """Return the words of pydantic, and the given value; validators of weier have words of their own."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    if error["type"] == "missing":
+        return error["msg"]
+    if error["type"] == "extra_forbidden":
+        known = {key for section in Section.__subclasses__() for key in section.keys()}  # noqa: SIM118
+        return f"{error['msg']}{suggestion(error['loc'][-1], known - {error['loc'][-1]})}"
+    return f"{error['msg']}, got {shown(error['input'])}"

@@ -1,0 +1,58 @@
+"""The keys of measured heights: keywords of `weier.Trace.read`, in scenes and on the command line."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
+from weier.surface.measured.instruments import AXES
+from weier.surface.measured.text import SEPARATORS
+from weier.surface.measured.trace import ENDS, MIRRORED
+from weier.surface.measured.units import UNITS
+
+
+class TraceKey(NamedTuple):
+    """A key: its type (object: a number or a text) or its words, its description, and whether it takes a list."""
+
+    kind: Any
+    says: str
+    several: bool = False
+
+
+TRACE_KEYS = {
+    "shortest": TraceKey(
+        float,
+        "Shortest wavelength, in m or in x_unit or unit; two steps by default. Several make one case each per file.",
+        several=True,
+    ),
+    "longest": TraceKey(
+        float,
+        "Longest wavelength of the series that is fitted to the spectrum, in m or in x_unit or unit; by default a "
+        "quarter of the length, or less where the spectrum rolls off.",
+    ),
+    "length": TraceKey(float, "Length of the trace if the file does not give it, in m or in x_unit or unit."),
+    "ends": TraceKey(ENDS, f"Extension of the trace beyond its ends; {MIRRORED} by default."),
+    "unit": TraceKey((*UNITS,), "Unit of positions, length, shortest and heights, overriding the file."),
+    "x_unit": TraceKey((*UNITS,), "Unit of positions, length and shortest."),
+    "height_unit": TraceKey((*UNITS,), "Unit of heights."),
+    "skip": TraceKey(int, "Number of lines above the table of a text file."),
+    "rows": TraceKey(int, "Number of rows of the table."),
+    "columns": TraceKey(int, "Column of heights, from 0, or columns of positions and heights.", several=True),
+    "delimiter": TraceKey(str, 'Column separator; " " stands for blanks.'),
+    "decimal": TraceKey((".", ","), "Decimal mark."),
+    "thousands": TraceKey((*SEPARATORS,), "Thousands separator."),
+    "encoding": TraceKey(str, "Encoding of a text file, by its Python name."),
+    "comment": TraceKey(str, 'Prefixes of lines to skip; "" stands for empty lines.', several=True),
+    "detrend": TraceKey(
+        DETREND,
+        "Component removed from the heights: mean, tilt (a straight line, the default) or form (a parabola).",
+    ),
+    "missing": TraceKey(MISSING, f"Treatment of missing heights; {REFUSE} by default."),
+    "max_gap": TraceKey(int, f"Longest run of missing heights that is interpolated; {MAX_GAP} by default."),
+    "missing_value": TraceKey(
+        object, "Numbers, in the unit of the heights, and words for missing heights.", several=True
+    ),
+    "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
+    "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),
+    "channel": TraceKey(object, "Channel of the file, by name or number from 0."),
+}
