@@ -106,7 +106,9 @@ def test_a_study_has_its_own_loads(tmp_path):
         "lambda_0": 1e-3,
         "g_0": 1e-6,
     }
-    with pytest.raises(scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of .* Pa"):
+    with pytest.raises(
+        scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of .* MPa"
+    ):
         load(tmp_path, interface=bodies, studies=studies | {"own": {"product": product, "loads": ["1 MPa"]}})
     with pytest.raises(scene.SceneError, match=r"studies\.own\.loads: loads of a study must be in the unit of "):
         load(tmp_path, interface=bodies, loads=["2 MPa"], studies=studies)

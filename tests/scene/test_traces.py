@@ -277,7 +277,7 @@ def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
     assert not axes.collections
     write_data(solutions, folder / "contact.nc")
-    with dataset.reading(folder / "contact.nc") as data:
+    with open_dataset(folder / "contact.nc") as data:
         labels = [label.partition(": no fit, since longest must")[0] for label in explorer._labels(data, "trace")]
         assert sorted(labels) == sorted(texts)
 
