@@ -12,7 +12,7 @@ import numpy as np
 from weier.data.files import replacing, write_text
 from weier.data.provenance import origin
 from weier.data.variables import VARIABLES
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 from weier.pipeline.curves import SURFACE, Curves, Part
 from weier.pipeline.jobs import solve
 from weier.pipeline.store import ORIGIN, SUFFIX, Store
