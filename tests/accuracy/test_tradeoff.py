@@ -13,8 +13,8 @@ from weier.accuracy.metrics import MEASURED, STATED, seconds_per_load, worst_ove
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.methods import bem, registry
+from weier.methods.curve import QUANTITIES
 from weier.methods.errors import ConvergenceError
-from weier.methods.method import QUANTITIES
 from weier.methods.registry import find_method
 from weier.methods.settings import check_names
 from weier.scene import Figure

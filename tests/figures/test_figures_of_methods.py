@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 
 from weier.figures import extremes, work_precision
-from weier.methods.method import QUANTITIES
+from weier.methods.curve import QUANTITIES
 
 LOADS = np.geomspace(1e-3, 10, 6)
 TERMS = np.array([1, 2, 4, 8])

@@ -72,7 +72,7 @@ def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
         for key in found["loc"]:
             if isinstance(value, list) and isinstance(key, int):
                 keys, value = [*keys, key], value[key]
-            elif isinstance(value, dict) and key != "[key]":
+            elif isinstance(value, dict) and key != "[key]" and (isinstance(key, str) or key in value):
                 keys, value = [*keys, key], value.get(key)
         yield Mistake(tuple(keys), _words(found))
 
