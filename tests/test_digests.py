@@ -126,7 +126,9 @@ LEFT_OUT = {
     **dict.fromkeys(("scene/models.py", "scene/sections.py", "scene/trace_keys.py"), "keys of a scene"),
     **dict.fromkeys(("scene/mistakes.py", "scene/file.py"), "read a scene"),
     **dict.fromkeys(("scene/cases.py", "scene/figure.py"), "which cases there are, and what is drawn of them"),
-    **dict.fromkeys(("data/bodies.py", "data/si.py"), "loads and modulus are in the name of the kind"),
+    **dict.fromkeys(
+        ("data/bodies.py", "data/curves.py", "data/si.py"), "loads and modulus are in the name of the kind"
+    ),
     "data/variables.py": "words about variables; the numbers of Status are tested below",
     **dict.fromkeys(("data/files.py", "data/provenance.py", "data/markdown.py"), "how and when files are written"),
     "api/progress.py": "what is said meanwhile",
