@@ -6,9 +6,10 @@ from scipy.optimize import minimize_scalar
 
 from tests.reference import REFERENCES
 from weier import Profile
-from weier.methods import westergaard
+from weier.accuracy.cosines import Cosines
+from weier.methods import patches, westergaard
 from weier.surface.series import amplitude, tail_amplitude
-from weier.theory.bounds import compliance_bounds, resistance_bounds
+from weier.theory.bounds import complete_bounds, compliance_bounds, infinite_series_bounds, resistance_bounds
 
 D, GAMMA = 1.25, 5
 
@@ -33,6 +34,47 @@ def test_compliance_bounds_lie_one_amplitude_to_either_side():
     lower, upper = compliance_bounds([[0.1, 0.2], [0.3, 0.4]], [0.5, 0.01])
     np.testing.assert_allclose(lower, [[-0.4, -0.3], [0.29, 0.39]], rtol=1e-15)
     np.testing.assert_allclose(upper, [[0.6, 0.7], [0.31, 0.41]], rtol=1e-15)
+
+
+@pytest.mark.parametrize("G", [0.03, 0.2])
+def test_both_sides_of_27_are_attained(G):
+    """cos x +- G cos 2x under light loads: the wave left out has a crest or a trough where contact begins."""
+    p = np.geomspace(1e-9, 1.5, 40)
+    h = westergaard.compliance(p)
+    sides = complete_bounds(h, G, 1 + G), compliance_bounds(h, G)
+    for phase, side, full in ((0.0, 0, 1 + G), (np.pi, 1, 1 + G)):
+        surface = Cosines(np.array([1.0, G]), [1, 2], np.array([0.0, phase]))
+        H, top = patches.curve(surface, p).compliance, np.minimum(h + 2 * G, full)
+        for (lower, upper), exact in zip(sides, (H, H - G), strict=True):
+            assert np.all((lower - 1e-9 <= exact) & (exact <= upper + 1e-9))
+            assert (lower, upper)[side][:10] == pytest.approx(exact[:10], abs=1e-3 * G)
+        assert complete_bounds(h, G, full)[1] == pytest.approx(top, rel=1e-15)
+
+
+def test_an_error_of_the_compliance_widens_27():
+    lower, upper = complete_bounds([0.05, 0.5, 1.1], 0.1, 1.2, [0.1, 0.02, 0.02])
+    np.testing.assert_allclose(lower, [0.0, 0.48, 1.08], rtol=1e-15)
+    np.testing.assert_allclose(upper, [0.35, 0.72, 1.2], rtol=1e-15)
+
+
+def test_bounds_of_the_infinite_series_hold_and_are_nearly_attained_by_longer_series():
+    """Three further terms, of 0.7 of what is left out; phases that leave crests of fine waves to either side."""
+    p, nearest = np.geomspace(1e-4, 1.5, 60), np.ones(2)
+    for phases in ((0.0,) * 5, (np.pi,) * 5, *np.random.default_rng(1).uniform(0, 2 * np.pi, (6, 5))):
+        short, longer = (Profile(1.25, 2, m, tuple(phases[:m])) for m in (2, 5))
+        found, exact = patches.curve(short, p), patches.curve(longer, p)
+        bounds = infinite_series_bounds(short, p, found.compliance, found.compliance_error)
+        rest = longer.tail_amplitude  # of the terms beyond, whose own datum is higher
+        low, high = bounds["compliance_lower"], bounds["compliance_upper"]
+        assert np.all(low <= exact.compliance + 2 * rest)
+        assert np.all(exact.compliance <= high)
+        assert np.all(bounds["resistance_lower"] <= exact.resistance * (1 + 1e-9))
+        steepest = exact.resistance <= bounds["resistance_upper"]
+        assert steepest.mean() > 0.95  # the terms beyond smooth the drops at births
+        width = 2 * short.tail_amplitude
+        distances = (exact.compliance - low).min() / width, (high - exact.compliance).min() / width
+        nearest = np.minimum(nearest, distances)
+    assert np.all(nearest < 0.67)
 
 
 @pytest.mark.parametrize(("m", "longer"), [(2, 3), (2, 4), (3, 4)])

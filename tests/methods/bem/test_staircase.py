@@ -131,6 +131,20 @@ def test_a_contact_of_one_node_is_hertzs(fraction, shift):
     assert 0.5 * (right + left) == pytest.approx(shift, abs=0.01)
 
 
+@pytest.mark.parametrize("width", [0.3, 0.4, 0.5])
+@pytest.mark.parametrize("shift", [0.0, 0.2, 0.4, -0.4])
+def test_a_gap_of_one_node_is_a_crack(width, shift):
+    """Half-width and middle, in nodes, of the last gap of one wave, whose trough is beside a node."""
+    points = 64
+    profile = Profile(1.25, 5, 1, (np.pi - 2 * np.pi * shift / points,))
+    grid = NestedSolver(profile, points, 1e-12)
+    point = staircase.remove_staircase(grid.solve_discrete(np.cos(np.pi * width / points) ** 2, True))
+    assert (point.first - point.last).tolist() == [2 - points]
+    left, right = point.edge - [0, points]
+    assert 0.5 * (left - right) == pytest.approx(width, abs=0.01)
+    assert 0.5 * (left + right) == pytest.approx(shift, abs=1e-3)
+
+
 def test_in_full_contact_all_is_known():
     found = curve(Profile(1.25, 5, 2, 1.0), [0.01, 0.3, 10.0])
     assert np.all(found.compliance_error[:2] > 1e-6)

@@ -1,0 +1,157 @@
+"""Random one-place changes of the numerical code, each judged by the tests of its module.
+
+    python -m tests.mutants 300 --seed 1                     # of all modules
+    python -m tests.mutants 20 theory methods/bem/staircase  # of those whose paths begin so
+
+A mutant is planted in the memory of a child process: files, and compiled kernels of other modules, stay as they are.
+Kernels that depend on the module run as plain Python in the tests that are quick so; a survivor is then compiled, and
+judged by all tests of its module. mutmut chooses a mutant as a function runs, which numba cannot compile, and skips
+constants; cosmic-ray changes files, on which all kernels depend, and has one command for all tests.
+"""
+
+import argparse
+import ast
+import importlib
+import os
+import random
+import resource
+import signal
+import tempfile
+from collections import Counter
+from functools import cache, cached_property
+from importlib.machinery import SourceFileLoader
+from itertools import accumulate
+from pathlib import Path
+
+import pytest
+
+PACKAGE, TESTS = Path(__file__).parents[1] / "weier", Path(__file__).parent
+PATHS = [path for room in ("theory", "methods", "surface") for path in sorted((PACKAGE / room).rglob("[!_]*.py"))]
+SOURCE = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in PATHS}
+OTHER = {"+": "-", "-": "+", "*": "/", "/": "*", "**": "*", "==": "!=", "!=": "=="}
+OTHER |= {"<": ">=", ">=": "<", "<=": ">", ">": "<="}
+
+
+class Clock:
+    """Let tests fail that take more than 2 s of the processor."""
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self):  # noqa: D102
+        signal.signal(signal.SIGPROF, lambda *_: pytest.fail("slow"))
+        signal.setitimer(signal.ITIMER_PROF, 2)
+        yield
+        signal.setitimer(signal.ITIMER_PROF, 0)
+
+    pytest_runtest_setup = pytest_runtest_call
+
+
+def mutants(text):
+    """Yield start, end and replacement of each operator, comparison and number other than 0 and 1 in a module."""
+    starts = [0, *accumulate(map(len, text.splitlines(keepends=True)))]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float) and node.value not in (0, 1):
+            start, end = (starts[node.lineno - 1] + at for at in (node.col_offset, node.end_col_offset))
+            yield start, end, repr(1.5 * node.value if isinstance(node.value, float) else node.value + 1)
+        elif isinstance(node, ast.BinOp | ast.Compare):
+            left, right = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.left, node.comparators[0])
+            start = starts[left.end_lineno - 1] + left.end_col_offset
+            between = text[start : starts[right.lineno - 1] + right.col_offset]
+            if (operator := between.strip(" ()\n")) in OTHER:
+                start += between.index(operator)
+                yield start, start + len(operator), OTHER[operator]
+
+
+@cache
+def dependents(module):
+    """Return the dotted names of a module and of all that import it, at any depth."""
+    imports = {m: {getattr(n, "module", "") for n in ast.walk(ast.parse(SOURCE[m]))} for m in SOURCE}
+    found, before = {"weier." + module.replace("/", ".")}, set()
+    while found != before:
+        before, found = found, found | {"weier." + m.replace("/", ".") for m in imports if imports[m] & found}
+    return found
+
+
+def plant(module, text, is_plain):
+    """Let the module be imported with this text, and no dependent kernel be taken from the cache."""
+    get_code, path = SourceFileLoader.get_code, str(PACKAGE / f"{module}.py")
+    SourceFileLoader.get_code = lambda it, name: (
+        compile(text, path, "exec") if it.path == path else get_code(it, name)
+    )
+    jit = importlib.import_module("weier.kernels.jit")
+    cached = jit.Kernel.compiled.func
+
+    def compiled(self):
+        if self.function.__module__ not in dependents(module):
+            return cached(self)
+        return self.function if is_plain else jit._numba()[0].njit(**self.options)(self.function)
+
+    jit.Kernel.compiled = cached_property(compiled)
+    jit.Kernel.compiled.__set_name__(jit.Kernel, "compiled")
+
+
+def run(module, text, is_plain, limit, arguments, plugins=()):
+    """Run tests in a child where the module has this text; return exit code, output and processor seconds."""
+    with tempfile.TemporaryFile("w+") as output:
+        if not (child := os.fork()):
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+            os.dup2(output.fileno(), 1), os.dup2(output.fileno(), 2)
+            plant(module, text, is_plain)
+            os._exit(pytest.main(["-q", "-p", "no:cacheprovider", *arguments], plugins))
+        _, status, usage = os.wait4(child, 0)
+        output.seek(0)
+        return os.waitstatus_to_exitcode(status), output.read(), usage.ru_utime + usage.ru_stime
+
+
+@cache
+def control(module, is_plain):
+    """Return the tests that pass without a change, a limit of processor seconds, and whether they are all."""
+    own = (TESTS / module).with_name(f"test_{Path(module).name}.py")
+    files = map(str, [own] if own.exists() else sorted(own.parent.glob("test_*.py")))
+    arguments = module, SOURCE[module], is_plain, 3600, ["-rp", *files], [Clock()] * is_plain
+    run(*arguments)  # which compiles other kernels
+    code, output, seconds = run(*arguments)
+    passed = [line[7:] for line in output.splitlines() if line.startswith("PASSED ")]
+    print(f"{module} unchanged{' and plain' * is_plain}: {len(passed)} tests in {seconds:.0f} s", flush=True)
+    if code and not is_plain:
+        raise SystemExit(output)
+    return passed, 60 + int(4 * seconds), code == 0
+
+
+def judge(module, text):
+    """Return how a mutant ends: "failed", "endless" or "SURVIVES"."""
+    for is_plain in (True, False):
+        tests, limit, are_all = control(module, is_plain)
+        if code := run(module, text, is_plain, limit, ["-x", *tests])[0] if tests else 0:
+            return "failed" if code > 0 else "endless"
+        if are_all:
+            return "SURVIVES"
+
+
+def main():
+    """Sample, judge, and print a table by room."""
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants")
+    parser.add_argument("count", type=int)
+    parser.add_argument("paths", nargs="*", default=[""])
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
+    for name in ("numba", "rocket_fft", "scipy.special", "scipy.optimize", "mpmath", "hypothesis"):
+        importlib.import_module(name)
+    listed = (TESTS / "equivalent_mutants.txt").read_text(encoding="utf-8").splitlines()
+    known = {line.rpartition(" | ")[0] for line in listed}  # module | line of code | change | reason
+    chosen = [m for m in SOURCE if m.startswith(tuple(options.paths)) and not m.startswith("surface/measured")]
+    every = [(module, *mutant) for module in chosen for mutant in mutants(SOURCE[module])]
+    table, verdicts = Counter(), ("failed", "endless", "SURVIVES", "equivalent")
+    for module, start, end, new in random.Random(options.seed).sample(every, min(options.count, len(every))):
+        text, line = SOURCE[module], SOURCE[module].count("\n", 0, start)
+        what = f"{module} | {text.splitlines()[line].strip()} | {text[start:end]} -> {new}"
+        verdict = "equivalent" if what in known else judge(module, text[:start] + new + text[end:])
+        print(f"{verdict:10} {line + 1:4} {what}", flush=True)
+        table[module.rpartition("/")[0], verdict] += 1
+    print(("\n{:24}" + 4 * "{:>12}").format("", *verdicts))
+    for room in sorted({room for room, _ in table}):
+        print(f"{room:24}" + "".join(f"{table[room, verdict]:12}" for verdict in verdicts))
+
+
+if __name__ == "__main__":
+    main()
