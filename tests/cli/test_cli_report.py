@@ -71,6 +71,18 @@ def test_one_line_has_no_scatter_and_all_columns_are_there(run, lines):
     assert {"mean_pressure (MPa)", "resistance_numerical_error (ohm m^2)", "patch_count"} <= {*table}
 
 
+def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
+    heat = {name: value for name, value in BODIES.items() if not name.startswith("rho")} | {"k_1": 40, "k_2": 40}
+    (tmp_path / "heat.yaml").write_text("\n".join(f"{name}: {value}" for name, value in heat.items()))
+    options = ["--si", "heat.yaml", "--pressures", "1,10MPa", "-o", "heat.csv", "-o", "heat.tex", "-o", "heat.svg"]
+    assert run("report", *FILES, *options)[0] == 0
+    name = "resistance, median (K m^2/W)"
+    electric = weier.Interface(**BODIES).solve(lines, [1e6, 1e7]).resistance.values[:, 0] / 4e-7
+    assert pd.read_csv("heat.csv")[name].to_numpy() == pytest.approx(np.median(electric, axis=0) / 20, rel=6e-5)
+    assert "resistance, median (K m$^2$/W)" in (tmp_path / "heat.tex").read_text()
+    assert "thermal resistance" in (tmp_path / "heat.svg").read_text()
+
+
 def test_a_workbook_has_numbers(run, lines):
     openpyxl = pytest.importorskip("openpyxl", reason="the extra of workbooks is not installed")
     assert run("report", *FILES, *PRESSURES, "-o", "report.xlsx", "-o", "report.csv")[0] == 0

@@ -56,6 +56,22 @@ def test_results_in_si_units_follow_westergaard_in_si_units():
     assert bodies.resistance(westergaard.resistance(0.3)) == pytest.approx(M * 1.57e-7 * slope, rel=1e-9)
 
 
+def test_heat_is_conducted_as_current_with_conductivities():
+    """Of strips that touch on a share e of a width, 1/h_c = (1/k_1 + 1/k_2) lambda/pi ln(1/sin(pi e/2)) (Mikic)."""
+    heat = {"k_1": 16.0, "k_2": 390.0}
+    bodies = Interface(mu_1=80e9, nu_1=0.3, mu_2=45e9, nu_2=0.34, **heat, **ROUGH)
+    curve = bodies.in_si(solve(Profile(1.5, 3, 1), [0.01, 0.5], "westergaard"))
+    share = curve.contact_fraction.values
+    expected = (1 / 16 + 1 / 390) * 1e-4 / np.pi * np.log(1 / np.sin(np.pi * share / 2))
+    assert curve.resistance.values == pytest.approx(expected, rel=1e-12)
+    assert (curve.resistance.units, curve.resistance.symbol) == ("K m^2/W", "M (1/k_1 + 1/k_2) dh/dp")
+    assert curve.resistance.long_name == "specific thermal contact resistance"
+    assert {name: curve.attrs[name] for name in heat} == heat
+    assert "rho_1" not in curve.attrs
+    found = bodies.find_pressure(Profile(1.5, 3, 1), resistance=curve.resistance[1])
+    assert found.mean_pressure.item() == pytest.approx(bodies.pressure(0.5), rel=1e-9)
+
+
 def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
     """Of one wave, A = 2/pi asin(sqrt(p/p*)) (Johnson 1985, 13.7): p/A grows from 0 to p*."""
     loads = np.array([0.01, 0.1, 0.5, 1.0, 2.0])
@@ -83,6 +99,8 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
         ({"mu_2": -3.0}, "mu_2 must be positive .*, got -3.0"),
         ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
         ({"rho_1": -1e-9}, "rho_1 must be finite and not negative, got -1e-09"),
+        ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
+        ({"rho_2": None}, "got rho_1$"),
         ({"rho_2": np.inf}, "rho_2 must be finite and not negative, got inf"),
         ({"lambda_0": 0.0}, "lambda_0 must be positive and finite, got 0.0"),
         ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
@@ -98,6 +116,7 @@ def test_interface_refuses_what_cannot_be(changed, message):
     ("changed", "message"),
     [
         ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
+        ({"rho_1": None, "rho_2": None, "k_1": 16.0, "k_2": 39e3}, r"k_2 = 39000 W/\(m K\) is above 10000 W/\(m K\)"),
         (
             {"hardness_1": 150},
             r"hardness_1 = 150 Pa is below .* is it in MPa, or a Vickers number\? 1 HV is 9.8e6 Pa",

@@ -37,6 +37,9 @@ class Interface(Bodies):
         Poisson's ratios, in (-1, 0.5].
     rho_1, rho_2 : float
         Resistivities, in ohm m; 0 for a perfect conductor.
+    k_1, k_2 : float
+        Instead of both, thermal conductivities, in W/(m K): resistance is that of heat, in K m^2/W, and 1/resistance
+        the contact conductance.
     lambda_0, g_0 : float, optional
         Wavelength and amplitude of the coarsest wave of a series, in m. Curves of a `Trace` have their own.
     hardness_1, hardness_2 : float, optional
@@ -46,8 +49,9 @@ class Interface(Bodies):
     Raises
     ------
     ValueError
-        If a value is out of range or has a unit of another quantity, if both or neither of mu and E are given, if
-        both bodies are rigid, or if the coarsest wave is longer or steeper than any measured surface.
+        If a value is out of range or has a unit of another quantity, if both or neither of mu and E, or of
+        resistivities and conductivities, are given, if both bodies are rigid, or if the coarsest wave is longer or
+        steeper than any measured surface.
 
     Warns
     -----
@@ -139,7 +143,8 @@ class Interface(Bodies):
         surface : Profile or Trace
             A series needs lambda_0 and g_0 of this interface; a trace has its own.
         **wanted : array_like
-            One of resistance, in ohm m^2, compliance, in m, and contact_fraction: the wanted value, or several.
+            One of resistance, in ohm m^2 or K m^2/W, compliance, in m, and contact_fraction: the wanted value, or
+            several.
 
         Returns
         -------

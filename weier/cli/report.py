@@ -231,7 +231,7 @@ def _formula(cell: str) -> str:
     """Return a cell in LaTeX: powers of ten and the unit of resistance as formulas."""
     if EXPONENT.search(cell):
         return "$" + EXPONENT.sub(r"\\times 10^{\1\2}", cell) + "$"
-    return cell.translate(LATEX).replace(r"ohm m\^{}2", r"$\Omega\,$m$^2$")
+    return cell.translate(LATEX).replace("ohm m", r"$\Omega\,$m").replace(r"m\^{}2", "m$^2$")
 
 
 def _cells(table: pd.DataFrame) -> list[list[str]]:

@@ -1,7 +1,7 @@
 """Two bodies in contact, which convert normalised results to SI units and pressures back.
 
 By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rho_1 + rho_2) g_0/p_0* =
-(rho_1 + rho_2) lambda_0/(2 pi).
+(rho_1 + rho_2) lambda_0/(2 pi). For heat, 1/k replaces rho.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.checks import checked_number, checked_numbers
 from weier.data.curves import contact_pressure
-from weier.data.si import BODIES, OF_DATASETS, check_normalised, converted, scaled
+from weier.data.si import OF_DATASETS, check_normalised, converted, scaled
 from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
 from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
@@ -34,6 +34,8 @@ from weier.theory.conduction import (
 if TYPE_CHECKING:
     import xarray as xr
 
+CURRENT, HEAT = ("rho_1", "rho_2"), ("k_1", "k_2")
+CONDUCTORS = "give rho_1 and rho_2, the resistivities, or k_1 and k_2, the thermal conductivities"
 # ranges outside which a warning names the likely mistake
 MODULUS = (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa")
 RESISTIVITY = (
@@ -43,7 +45,8 @@ RESISTIVITY = (
     "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
 )
 HARDNESS = (1e6, 2e11, "Pa", "is it in MPa, or a Vickers number? 1 HV is 9.8e6 Pa")
-USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY, "hardness": HARDNESS}
+OF_HEAT = (0.01, 1e4, units.CONDUCTIVITY, "solids have 0.02 to 4000 W/(m K)")
+USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY, "k": OF_HEAT, "hardness": HARDNESS}
 # Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
 YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
@@ -88,8 +91,10 @@ class Bodies:
     mu_2: float = None  # type: ignore[assignment]  # until E_2 gives it
     nu_1: float
     nu_2: float
-    rho_1: float
-    rho_2: float
+    rho_1: float | None = None
+    rho_2: float | None = None
+    k_1: float | None = None
+    k_2: float | None = None
     lambda_0: float | None = None
     g_0: float | None = None
     hardness_1: float | None = None
@@ -103,7 +108,9 @@ class Bodies:
             "mu_2": shear_modulus(2, self.mu_2, E_2, self.nu_2),
         }
         # Scalars of NumPy would overflow, and a float32 would reduce all results to single precision.
-        given = {name: value for name, value in (vars(self) | moduli).items() if name in BODIES or value is not None}
+        given = {name: value for name, value in (vars(self) | moduli).items() if value is not None}
+        if (conducting := given.keys() & {*CURRENT, *HEAT}) not in (set(CURRENT), set(HEAT)):
+            raise ValueError(f"{CONDUCTORS}, got {', '.join(sorted(conducting)) or 'none'}")
         vars(self).update({name: checked_number(name, value, *RANGES[name]) for name, value in given.items()})
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
@@ -129,6 +136,18 @@ class Bodies:
     def composite_modulus(self) -> float:
         """Composite modulus M, in Pa (3)."""
         return float(composite_modulus(mu_1=self.mu_1, nu_1=self.nu_1, mu_2=self.mu_2, nu_2=self.nu_2))
+
+    @property
+    def resistivities(self) -> tuple[float, float]:
+        """The resistivities of both bodies, in ohm m, or the inverses of the thermal conductivities."""
+        if self.rho_1 is not None and self.rho_2 is not None:
+            return self.rho_1, self.rho_2
+        return 1 / cast("float", self.k_1), 1 / cast("float", self.k_2)
+
+    @property
+    def resistance_unit(self) -> str:
+        """The unit of resistance times nominal area, ohm m^2, or K m^2/W for heat."""
+        return units.OF_CURRENT if self.k_1 is None else units.OF_HEAT
 
     @property
     def full_contact_pressure(self) -> float:
@@ -168,7 +187,7 @@ class Bodies:
         return self._of_unit("g_0", normalised)
 
     def resistance(self, normalised: ArrayLike) -> Array:
-        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2)."""
+        """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2), or to K m^2/W for heat."""
         return self._of_unit("g_0/p_0*", normalised)
 
     def in_si(self, data: xr.Dataset) -> xr.Dataset:
@@ -263,11 +282,12 @@ class Bodies:
     def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
         """Return the value of each normalised unit in SI units at these lengths and heights."""
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
-        slope = specific_resistance(g_0 / p, self.composite_modulus, self.rho_1, self.rho_2)
+        slope = specific_resistance(g_0 / p, self.composite_modulus, *self.resistivities)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
         values |= {"g_0 p_0*": g_0 * p, "g_0/lambda_0": g_0 / lambda_0, "g_0/lambda_0^2": g_0 / lambda_0**2}
         values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(lambda_0)
-        return {name: (value, units.IN_SI[name]) for name, value in values.items()}
+        of_resistance = {"g_0/p_0*": self.resistance_unit}
+        return {name: (value, (units.IN_SI | of_resistance)[name]) for name, value in values.items()}
 
     def _of_unit(self, unit: str, normalised: Any) -> Array:
         """Return values of one unit; those that say they are of another one are refused."""

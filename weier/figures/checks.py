@@ -92,7 +92,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
     if figure.interface and not kind.grouped:
         yield "draw", f"{figure.draw} has no SI units: give loads in p_0*, or draw {others}"
-    if (bodies := figure.interface) and figure.draw == "resistance" and not bodies.rho_1 + bodies.rho_2:
+    if (bodies := figure.interface) and figure.draw == "resistance" and not sum(bodies.resistivities):
         yield "draw", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
     if not kind.grouped and (figure.grouping != BY_DEFAULT or figure.behind):
         keys = "colour, facet, median over, band or behind"

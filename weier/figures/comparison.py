@@ -99,7 +99,7 @@ def compare(
     facet_values = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
     title, shown = style.limit_panels(title, list(itertools.product(*facet_values)), noun, style.MAX_GRID)
-    labels = style.labels_of(unit_of(studies[0]["mean_pressure"]))
+    labels = style.labels_of(interface, unit_of(studies[0]["mean_pressure"]))
     figure, panels = style.grid(len(shown), labels["mean_pressure"], labels[quantity], *map(len, facet_values[1:]))
     differing = {{"phases": "seed"}.get(name, name) for curve in drawn for name in curve.differing}
     names = [name for name in ("method", *SURFACES, "seed") if name not in (*grouping.facet, *differing)]

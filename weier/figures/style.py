@@ -14,13 +14,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data import curves
+from weier.data.bodies import Bodies
 from weier.data.variables import VARIABLES
 from weier.methods import registry
 from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
-from weier.units import NORMALISED, PASCAL
+from weier.units import OF_HEAT, PASCAL
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -54,6 +55,8 @@ SI_LABELS = {
     "contact_fraction": VARIABLES["contact_fraction"].axis,
 }
 
+THERMAL = r"thermal resistance $\times$ nominal area (K$\,$m$^2$/W)"
+
 # Okabe and Ito's colours, which colour-blind readers distinguish; dashes distinguish them in grey.
 BLACK, VERMILLION, BLUE, GREEN = "#000000", "#D55E00", "#0072B2", "#009E73"
 PURPLE, ORANGE = "#CC79A7", "#E69F00"
@@ -76,11 +79,12 @@ SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markered
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
-def labels_of(unit: str) -> dict[str, str]:
-    """Return the labels of axes for loads in this unit."""
-    if unit in NORMALISED:
+def labels_of(interface: Bodies | None, unit: str) -> dict[str, str]:
+    """Return the labels of axes, for two bodies in SI units and for loads in this unit."""
+    if interface is None:
         return LABELS
-    return SI_LABELS | {"mean_pressure": SI_LABELS["mean_pressure"].replace(PASCAL, unit)}
+    own = {"resistance": THERMAL} if interface.resistance_unit == OF_HEAT else {}
+    return SI_LABELS | own | {"mean_pressure": SI_LABELS["mean_pressure"].replace(PASCAL, unit)}
 
 
 def line(method: str) -> dict[str, Any]:

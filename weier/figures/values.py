@@ -10,14 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data.variables import VARIABLES
-from weier.figures.style import LABELS, SI_LABELS
-from weier.units import IN_SI, PASCAL
+from weier.figures.style import LABELS, SI_LABELS, THERMAL
+from weier.units import IN_SI, OF_HEAT, PASCAL
 
 # Headings of the axes that show variables.
 UNITS = {"x": "lambda_0", "height": "g_0"} | {name: entry.unit for name, entry in VARIABLES.items()}
 HEADINGS = {label: f"{name} ({UNITS[name]})" for name, label in LABELS.items()}
 HEADINGS |= {label: f"{name} ({IN_SI.get(UNITS[name], UNITS[name])})" for name, label in SI_LABELS.items()}
 PRESSURE = SI_LABELS["mean_pressure"].removesuffix(f"({PASCAL})")
+HEADINGS[THERMAL] = f"resistance ({OF_HEAT})"
 # Formulas of matplotlib in plain text, between signs of dollars that stand for themselves behind a backslash.
 DOLLAR = re.compile(r"(?<!\\)\$")
 SIGNS = (

@@ -269,8 +269,12 @@ class InterfaceKeys(Section):
     E_2: Number = Field(ABSENT, description="Young's modulus of the second body, instead of mu_2.")
     nu_1: Number = Field(description="Poisson's ratio of the first body, in (-1, 0.5].")
     nu_2: Number = Field(description="Poisson's ratio of the second body.")
-    rho_1: Number = Field(description="Resistivity of the first body, in ohm m.")
-    rho_2: Number = Field(description="Resistivity of the second body.")
+    rho_1: Number = Field(ABSENT, description="Resistivity of the first body, in ohm m.")
+    rho_2: Number = Field(ABSENT, description="Resistivity of the second body.")
+    k_1: Number = Field(
+        ABSENT, description="Thermal conductivity of the first body, in W/(m K): with k_2 instead of resistivities."
+    )
+    k_2: Number = Field(ABSENT, description="Thermal conductivity of the second body.")
     hardness_1: Number = Field(
         ABSENT, description="Hardness of the first body, in Pa: results say where contacts come near the lower one."
     )

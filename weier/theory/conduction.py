@@ -29,6 +29,9 @@ RANGES: dict[str, tuple[str, Condition, str]] = {
     **dict.fromkeys(
         ("hardness_1", "hardness_2"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.PASCAL)
     ),
+    **dict.fromkeys(
+        ("k_1", "k_2"), ("be positive and finite", lambda k: (k > 0) & (k < math.inf), units.CONDUCTIVITY)
+    ),
     **dict.fromkeys(("lambda_0", "g_0"), ("be positive and finite", lambda x: (x > 0) & (x < math.inf), units.METRE)),
 }
 
@@ -94,7 +97,8 @@ def shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: Arra
 def specific_resistance(compliance_slope: ArrayLike, modulus: ArrayLike, rho_1: ArrayLike, rho_2: ArrayLike) -> Array:
     """Return resistance times nominal area, M (rho_1 + rho_2) dh/dp, in ohm m^2 (2).
 
-    dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m. Broadcasts.
+    dh/dp is in m/Pa, M in Pa, the resistivities are in ohm m; 1/k of thermal conductivities k give K m^2/W.
+    Broadcasts.
     """
     slope = checked_numbers("compliance_slope", compliance_slope, unit="m/Pa")
     return np.asarray(_checked("modulus", modulus) * (_checked("rho_1", rho_1) + _checked("rho_2", rho_2)) * slope)

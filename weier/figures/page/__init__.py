@@ -29,7 +29,7 @@ from weier.units import unit_of
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 EXPLORER_ID = ID("curves-explorer")
-IN_SI = "Pressures are in {}, compliance in m and resistance in ohm m^2, for the two bodies of the scene."
+IN_SI = "Pressures are in {}, compliance in m and resistance in {}, for the two bodies of the scene."
 
 
 def write(curves: Curves, path: Path) -> None:
@@ -55,5 +55,9 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases, IN_SI.format(unit_of(data["mean_pressure"])) if interface else provenance.NORMALISED],
+        texts=[cases, _in_si(data, interface) if interface else provenance.NORMALISED],
     )
+
+
+def _in_si(data: xr.Dataset, interface: Bodies) -> str:
+    return IN_SI.format(unit_of(data["mean_pressure"]), interface.resistance_unit)

@@ -32,7 +32,7 @@ from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
-from weier.units import unit_of
+from weier.units import OF_HEAT, unit_of
 
 LABELS = ("trace", *PARAMETERS, "phase", "case")  # select a case; the last one tells studies and settings apart
 NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
@@ -47,6 +47,7 @@ SI_AXES = {
     "compliance": "compliance h, m",
     "resistance": "resistance times nominal area, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
 }
+OF_HEAT_AXES = {"resistance": "thermal resistance times nominal area, K m\N{SUPERSCRIPT TWO}/W"}
 QUANTITIES = [name for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE]
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 MAX_POINTS = 30  # More points of a curve would hide the line below them.
@@ -87,7 +88,8 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     # All numerical methods but the most accurate one are drawn as points.
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
     pressure = {"mean_pressure": f"mean pressure, {unit_of(curves['mean_pressure'])}"}
-    axes = NORMALISED_AXES if interface is None else SI_AXES | pressure
+    thermal = interface is not None and interface.resistance_unit == OF_HEAT
+    axes = NORMALISED_AXES if interface is None else SI_AXES | pressure | (OF_HEAT_AXES if thermal else {})
     plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][first]) for name in LABELS]
     boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
