@@ -152,8 +152,8 @@ def test_a_compliance_has_its_slope_between_the_loads(solved):
     own = weier.Interface(**BODIES).at(trace)
     alone = weier.solve([trace], own.normalised_pressure(loaded.loads), ["patches"])
     loads, values = lines.line(alone.isel(case=0), "compliance", "patches")
-    (table,) = tables.tables_of([read_study(solutions, "lines")], "compliance", loaded.interface)
-    found_loads, found = table.line(1, "patches")
+    (study,) = tables.values_of([read_study(solutions, "lines")], "compliance", loaded.interface)
+    found_loads, found = study.line(1, 0)
     assert found_loads == pytest.approx(own.pressure(loads) / 1e6, rel=1e-12)
     assert found == pytest.approx(own.compliance(values), rel=1e-12)
 
