@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,13 +16,9 @@ from weier.kernels.arrays import Array
 from weier.methods.patches import TOLERANCE_RANGE
 from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
 from weier.methods.settings import defaults, described
-from weier.scene.yaml import parse_yaml
+from weier.scene.trace_keys import TRACE_KEYS, TraceKey
+from weier.scene.yaml import number_or_word, parse_yaml
 from weier.surface.loads import positive_loads
-from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING
-from weier.surface.measured.instruments import AXES
-from weier.surface.measured.text import SEPARATORS
-from weier.surface.measured.trace import ENDS
-from weier.surface.measured.units import UNITS
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
@@ -212,64 +208,35 @@ class SolvingCommand(click.Command):
             formatter.write_dl(described(METHODS))
 
 
-UNIT = click.Choice(list(UNITS))
+def _of_trace(name: str, key: TraceKey) -> click.Option:
+    """Return the option of a key of measured heights; several numbers are separated by commas."""
+    numbers = key.several and key.kind in (int, float)
+
+    def read(text: Any) -> Any:
+        if not numbers:
+            return [number_or_word(one) for one in text] if key.kind is object and key.several else text
+        try:
+            return [key.kind(one) for one in text.split(",")]
+        except ValueError:
+            raise ValueError(f"{name} must be numbers, as in 0,2, got {text!r:.80}") from None
+
+    return click.Option(
+        [f"--{name.replace('_', '-')}"],
+        type=click.Choice(key.kind) if isinstance(key.kind, tuple) else str if numbers else KINDS[key.kind],
+        multiple=key.several and not numbers,
+        callback=_read(read),
+        help=f"{key.says} Repeatable." if key.several and not numbers else key.says,
+    )
 
 
-def _columns(text: str) -> list[int]:
-    """Return the numbers of columns in a text."""
-    try:
-        return [int(column) for column in text.split(",")]
-    except ValueError:
-        raise ValueError(f"columns are whole numbers, as in 0,2, got {text!r}") from None
-
-
+KINDS = {int: int, float: float, str: str, object: str}
 OF_TRACE = (
     click.Option(
         ["--trace", "trace_file"],
         type=FILE,
         help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
     ),
-    click.Option(
-        ["--shortest"],
-        type=float,
-        help="Shortest wavelength of the trace, in m or in --x-unit or --unit  [default: two steps].",
-    ),
-    click.Option(
-        ["--length"],
-        type=float,
-        help="Length of the trace if the file does not give it, in m or in --x-unit or --unit.",
-    ),
-    click.Option(
-        ["--ends"], type=click.Choice(ENDS), help=f"Extension of the trace beyond its ends  [default: {ENDS[0]}]."
-    ),
-    click.Option(["--unit"], type=UNIT, help="Unit of positions, lengths and heights, overriding the file."),
-    click.Option(["--x-unit"], type=UNIT, help="Unit of positions and lengths only."),
-    click.Option(["--height-unit"], type=UNIT, help="Unit of heights only."),
-    click.Option(
-        ["--detrend"], type=click.Choice(DETREND), help="Component removed from the heights  [default: tilt]."
-    ),
-    click.Option(
-        ["--missing"], type=click.Choice(MISSING), help=f"Treatment of missing heights  [default: {MISSING[0]}]."
-    ),
-    click.Option(
-        ["--max-gap"],
-        type=int,
-        help=f"Largest number of adjacent missing heights that are interpolated  [default: {MAX_GAP}].",
-    ),
-    click.Option(["--missing-value"], multiple=True, help="Number or word for missing heights; repeatable."),
-    click.Option(["--skip"], type=int, help="Number of lines above the table of a text file."),
-    click.Option(["--rows"], type=int, help="Number of rows of the table."),
-    click.Option(
-        ["--columns"], callback=_read(_columns), help='Column of heights, from 0, or "0,2" for positions and heights.'
-    ),
-    click.Option(["--delimiter"], help='Column separator; " " stands for blanks.'),
-    click.Option(["--decimal"], type=click.Choice([".", ","]), help="Decimal mark."),
-    click.Option(["--thousands"], type=click.Choice(list(SEPARATORS)), help="Thousands separator."),
-    click.Option(["--encoding"], help="Encoding of a text file, by its Python name."),
-    click.Option(["--comment"], multiple=True, help="Prefix of lines to skip; repeatable."),
-    click.Option(["--line"], type=int, help="Index of the line of a map, from 0."),
-    click.Option(["--across"], type=click.Choice(AXES), help="Axis of the line of a map  [default: x]."),
-    click.Option(["--channel"], help="Channel of the file, by name."),
+    *(_of_trace(name, key) for name, key in TRACE_KEYS.items() if name != "longest"),
 )
 
 
@@ -298,28 +265,18 @@ def of_one_profile(default_loads: str) -> list[click.Parameter]:
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
     """Return the parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
-    series = {name: options.pop(name) for name in SERIES}
-    given = {name: list(v) if isinstance(v, tuple) else v for name, v in options.items() if v not in (None, ())}
-    if trace_file is None and given:
-        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
+    given = {name: value for name, value in options.items() if value not in (None, (), [])}
+    series = {name: given.pop(name) for name in SERIES if name in given}
     if trace_file is not None:
         if "across" in given and "line" not in given:
             raise click.UsageError("--across names the axis of a line: give its number by --line")
-        if foreign := [name for name, value in series.items() if value is not None]:
-            raise click.UsageError(f"a trace has no {', '.join(foreign)}: take --trace or a series")
+        if series:
+            raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
         return {"trace": {"file": str(trace_file), **given}}
-    return parameters(series, instead=", or --trace")
-
-
-def parameters(series: Mapping[str, Any], instead: str = "") -> dict[str, Any]:
-    """Return the parameters of a profile, as in a scene, from its options.
-
-    A message about missing options adds `instead`, which names alternative options.
-    """
-    if missing := [option for option, name in NEEDED.items() if series[name] is None]:
-        raise click.UsageError(f"a profile takes -D, --gamma and -m{instead}; missing: {', '.join(missing)}")
-    given = {name: value for name, value in series.items() if value is not None}
-    if {"phases", "seed"} <= given.keys():
+    if given:
+        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
+    if missing := [option for option, name in NEEDED.items() if name not in series]:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
+    if {"phases", "seed"} <= series.keys():
         raise click.UsageError("a profile takes --phases or --seed, got both")
-    m = given["m"]
-    return given | {"m": int(m) if m.is_integer() else m}
+    return series | {"m": int(series["m"]) if series["m"].is_integer() else series["m"]}

@@ -28,14 +28,13 @@ from weier.cli.options import (
     output,
     profile_or_trace,
 )
-from weier.data.bodies import to_normalised
-from weier.data.si import marked, with_pressures_in
+from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
 from weier.methods.progress import STOPS
 from weier.methods.registry import PLOTTED
-from weier.methods.settings import with_tolerance
+from weier.methods.settings import TOLERANCE
 from weier.scene import Figure
 
 if TYPE_CHECKING:
@@ -47,68 +46,65 @@ ERROR = "mean_pressure_error"
 
 
 class Request(NamedTuple):
-    """One profile and its loads in p_0*, in the order given, with the bodies for SI units.
+    """One profile and its loads in p_0*, in the order given.
 
-    pressures : the loads in Pa, and the unit in which they were given; None if they were in p_0*
-    found : the loads for values of a quantity, by `weier.find_load`; None if loads were given
+    bodies : both bodies, for results in SI units
+    unit : the unit in which pressures were given
+    given : the loads as they were given in Pa, or with their errors by `weier.find_load`; None if in p_0*
     """
 
     profile: Mapping[str, Any]
     loads: Array
-    bodies: Interface | None
-    pressures: Pressures | None
-    found: xr.Dataset | None
+    bodies: Interface | None = None
+    unit: str = ""
+    given: xr.Dataset | None = None
 
     def with_units(self, data: xr.Dataset) -> xr.Dataset:
         """Return the curves of some or all of the loads, in SI units where there are bodies."""
-        if self.found is not None:
-            errors = dict(zip(self.loads.tolist(), self.found[ERROR].values.tolist(), strict=True))
-            own = [errors[load] for load in data["mean_pressure"].values.tolist()]
-            data = marked(data.assign({ERROR: (("case", "mean_pressure"), [own], self.found[ERROR].attrs)}))
-        if self.bodies is None:
-            return data
-        curves = self.bodies.in_si(data)
-        if self.pressures is None:
-            return curves
-        exact = dict(zip(self.loads.tolist(), self.pressures.values.tolist(), strict=True))
-        given = [exact[load] for load in data["mean_pressure"].values.tolist()]
-        curves = curves.assign_coords(mean_pressure=("mean_pressure", given, curves["mean_pressure"].attrs))
-        return with_pressures_in(curves, self.pressures.unit)
+        loads = self.loads.tolist()
+        at = [loads.index(load) for load in data["mean_pressure"].values.tolist()]
+        data = data if self.bodies is None else self.bodies.in_si(data)
+        if self.given is not None:
+            own = self.given.isel(mean_pressure=at)
+            exact = ("mean_pressure", own["mean_pressure"].values, data["mean_pressure"].attrs)
+            data = data.assign_coords(mean_pressure=exact)
+            if ERROR in own:
+                data[ERROR] = (("case", "mean_pressure"), [own[ERROR].values], own[ERROR].attrs)
+        return with_pressures_in(data, self.unit) if self.unit else data
 
 
 def _request(
-    loads: Array, bodies: Path | None, pressures: Pressures | None, wanted: Mapping[str, Any], **series: Any
+    loads: Array, bodies: Path | None, pressures: Pressures | None, wanted: Mapping[str, str | None], **series: Any
 ) -> Request:
     """Return the profile and its loads, by the options of a command."""
-    from weier.api import inverse  # xarray, as in `solve`
-    from weier.pipeline import single
+    import xarray as xr
 
-    profile, given = profile_or_trace(**series), click.get_current_context().get_parameter_source
-    wanted = {name: text for name, text in wanted.items() if text is not None}
-    options = ["pressures"] * (pressures is not None) + ["loads"] * (given("loads") is ParameterSource.COMMANDLINE)
-    options += list(wanted)
+    from weier.api.inverse import find_load
+    from weier.pipeline.single import surface_of
+
+    profile = profile_or_trace(**series)
+    asked = {name: text for name, text in wanted.items() if text is not None}
+    from_shell = click.get_current_context().get_parameter_source("loads") is ParameterSource.COMMANDLINE
+    options = ["pressures"] * (pressures is not None) + ["loads"] * from_shell + list(asked)
     if len(options) > 1:
         raise click.UsageError(f"loads are given once, got --{' and --'.join(options)}".replace("_", "-"))
     if pressures is not None and bodies is None:
         raise click.UsageError("--pressures are in Pa: name the two bodies by --si, or take --loads, in p_0*")
     both = None if bodies is None else read_bodies(bodies)
-    if not wanted and both is None:
-        return Request(profile, loads, None, None, None)
-    surface = single.surface_of(profile)
+    if both is None and not asked:
+        return Request(profile, loads)
+    surface = surface_of(profile)
     own = both and both.at(surface)
     if pressures is not None and own:
-        loads = own.normalised_pressure(pressures.values)
-    if not wanted:
-        return Request(profile, loads, both, pressures, None)
-    ((name, text),) = wanted.items()
-    unit = VARIABLES[name].unit
-    if own and unit in own.scales:
-        values: Any = listed_in_si(name, text, own.scales[unit][1])
-    else:
-        values = units.listed(name, text, unit)
-    normalised = to_normalised(own, name, unit, values) if own else values
-    found = inverse.loads_for(surface, name, normalised, own.scales if own else None)
-    return Request(profile, found["mean_pressure"].values, both, None, found)
+        given = xr.Dataset(coords={"mean_pressure": pressures.values})
+        return Request(profile, own.normalised_pressure(pressures.values), both, pressures.unit, given)
+    for name, text in asked.items():
+        unit, in_si = VARIABLES[name].unit, own.scales if own else {}
+        values = listed_in_si(name, text, in_si[unit][1]) if unit in in_si else units.listed(name, text, unit)
+        given = both.find_pressure(surface, **{name: values}) if both else find_load(surface, **{name: values})
+        found = given["mean_pressure"].values
+        return Request(profile, own.normalised_pressure(found) if own else found, both, given=given)
+    return Request(profile, loads, both)
 
 
 def _solve(
@@ -116,7 +112,7 @@ def _solve(
     request: Request,
     methods: Sequence[str],
     tolerance: float | None,
-    settings: Mapping[str, Any],
+    settings: dict[str, Any],
     workers: int,
     max_seconds: float | None = None,
 ) -> xr.Dataset:
@@ -126,7 +122,7 @@ def _solve(
         methods, refusals = single.applicable(request.profile, default, tolerance is not None)
         for refusal in refusals:
             click.echo(refusal, err=True)
-    settings = with_tolerance(methods, settings, tolerance)
+    settings = settings if tolerance is None else settings | {TOLERANCE: tolerance}
     return single.solve_one(request.profile, np.unique(request.loads), methods, settings, workers, max_seconds)
 
 
@@ -144,7 +140,7 @@ def solve(
     force: bool,
     methods: Sequence[str],
     tolerance: float | None,
-    settings: Mapping[str, Any],
+    settings: dict[str, Any],
     workers: int,
     max_seconds: float | None,
     resistance: str | None,
@@ -213,7 +209,7 @@ def plot(
     quantity: str,
     methods: Sequence[str],
     tolerance: float | None,
-    settings: Mapping[str, Any],
+    settings: dict[str, Any],
     workers: int,
     **options: Any,
 ) -> None:

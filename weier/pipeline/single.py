@@ -34,7 +34,7 @@ def solve_one(
     profile: Mapping[str, Any],
     loads: Array,
     methods: Sequence[str],
-    settings: Mapping[str, Mapping[str, Any]],
+    settings: Mapping[str, Any],
     workers: int = 1,
     max_seconds: float | None = None,
 ) -> xr.Dataset:
@@ -51,7 +51,7 @@ def solve_one(
     methods : sequence of str
         As in `solve`.
     settings : mapping
-        Settings by method.
+        As of `weier.solve` for several methods.
     workers : int
         Number of processes.
     max_seconds : float, optional
