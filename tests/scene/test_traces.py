@@ -72,6 +72,24 @@ def test_several_files_are_several_cases(folder):
     assert len(loaded.distinct) == 3  # one of them is in `mine`, too
 
 
+def test_a_file_is_read_once_for_all_that_ask_for_its_trace(folder, monkeypatch):
+    names = [f"line {number}.csv" for number in range(30)]
+    for number, name in enumerate(names):
+        write_heights(folder / name, HEIGHTS + 1e-9 * number * np.sin(2 * np.pi * X / 32e-6))
+    reads = []
+    read = Trace.read
+    monkeypatch.setattr(Trace, "read", lambda **options: reads.append(options["path"]) or read(**options))
+    study = {"trace": OPTIONS | {"file": names}, "methods": ["bem"]}
+    for _ in range(2):
+        cases = load(folder, studies={"batch": study}, figures={}).studies["batch"]
+        assert len({case.profile.digest for case in cases}) == 30
+    assert len(reads) == len(set(reads)) == 30
+    write_heights(folder / names[0], 1.01 * HEIGHTS)
+    with pytest.raises(ValueError, match="has changed since its scene was read"):
+        _ = Case(cases[0].parameters, ("bem",), {}).profile
+    assert len(reads) == 31
+
+
 def sources(study):
     return [case.profile.source for case in study]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 import math
@@ -33,7 +34,7 @@ MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with th
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
-KEPT_TRACES = 16  # traces kept in memory, since each method of a case reads its trace
+KEPT_TRACES = 100  # traces kept in memory, since each method of a case reads its trace: of 5 MB at most
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Case:
             return self.surface
         p = self.parameters
         if "trace" in p:
-            return _kept_trace(json.dumps(p["trace"]))
+            return _trace(p["trace"])
         phases = p.get("phases", 0.0)
         if "seed" in p:
             phases = random_phases(p["seed"])
@@ -184,7 +185,7 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
     parameters: dict[str, Any] = {"source": readable(source), **values, "file": str(folder / values["file"])}
-    found = Trace.read(**_arguments(parameters))
+    found = _read(parameters)
     traces = [found] if isinstance(found, Trace) else found
     if "longest" in values:  # in m
         parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
@@ -200,11 +201,21 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return {"path": parameters["file"], **given}
 
 
-@lru_cache(maxsize=KEPT_TRACES)
-def _kept_trace(parameters: str) -> Trace:
+def _trace(parameters: Mapping[str, Any]) -> Trace:
     """Return the trace of a file; ValueError if the file has changed since its digest was computed."""
-    known = json.loads(parameters)
-    trace: Trace = Trace.read(**_arguments(known))
-    if known["digest"] != trace.digest:
-        raise ValueError(f"{known['file']} has changed since its scene was read: run snakemake again")
+    trace: Trace = _read(parameters)
+    if parameters["digest"] != trace.digest:
+        raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")
     return trace
+
+
+def _read(parameters: Mapping[str, Any]) -> Any:
+    """Return the trace, or the traces, of a file, which are kept by the digest of its content."""
+    with checked_file(parameters["file"]).open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return _read_once(json.dumps(_arguments(parameters)), digest)
+
+
+@lru_cache(maxsize=KEPT_TRACES)
+def _read_once(arguments: str, digest: str) -> Any:
+    return Trace.read(**json.loads(arguments))

@@ -39,7 +39,7 @@ PRINTED = {  # signs of typesetting, as those that numbers are written with
 PREFIXES = "#%!/*; \t"  # in front of remarks and headings
 MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
 APART = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
-SAMPLE = 500  # lines that tell the signs of a table, about
+SAMPLE = 200  # lines that tell the signs of a table, about
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
 # Numbers of which all digits are in groups of three, and a single group.
 GROUPED, GROUP = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII), re.compile(r"[+-]?\d{1,3}", re.ASCII)
@@ -147,7 +147,7 @@ class _Signs(NamedTuple):
             (fields,) = csv.reader([line], delimiter=self.delimiter, skipinitialspace=True)
         else:
             fields = line.split(self.delimiter)
-        return [field.strip(" \t") for field in fields]
+        return [field.strip(" \t") for field in fields] if " " in line or "\t" in line else fields
 
     def is_number(self, field: str) -> bool:
         return self.number.fullmatch(field) is not None
@@ -317,11 +317,12 @@ class _Table:
         import pandas as pd  # which takes half a second
 
         table = "\n".join("\t".join(row) or "nan" for row in texts)
-        sign = re.escape(self.layout.thousands or "\0")
-        if re.search(rf"\d{{4}}{sign}|(?<!\d)0*{sign}|{sign}(?!\d{{3}}(?!\d))", table):
-            raise ValueError("separators of thousands must stand between groups of three digits")
+        if self.layout.thousands:
+            sign = re.escape(self.layout.thousands)
+            if re.search(rf"\d{{4}}{sign}|(?<!\d)0*{sign}|{sign}(?!\d{{3}}(?!\d))", table):
+                raise ValueError("separators of thousands must stand between groups of three digits")
         values: Array = pd.read_csv(
-            StringIO(re.sub(r"(?<=[\d.,])[dD](?=[+-]?\d)", "e", table)),  # exponents of Fortran
+            StringIO(re.sub(r"[dD](?<=[\d.,].)(?=[+-]?\d)", "e", table)),  # exponents of Fortran
             sep="\t",
             header=None,
             dtype=float,
@@ -357,11 +358,13 @@ class _Table:
         """
         if self.layout.decimal or self.layout.thousands:
             return
-        columns = list(zip(*texts, strict=True))
+        columns = [[row[at] for row in texts] for at in range(len(self.columns))]
         has_decimals = [any(map(self._has_decimals, column)) for column in columns]
         for column, clear in zip(columns, has_decimals, strict=True):
+            if clear or (any(has_decimals) and not any(map(GROUP.fullmatch, column))):
+                continue
             row = next((row for row, text in enumerate(column) if GROUPED.fullmatch(text)), None)
-            if row is not None and not clear and (not any(has_decimals) or any(map(GROUP.fullmatch, column))):
+            if row is not None:
                 problem = f"has a sign of decimals or between thousands in {column[row]!r}"
                 sign = self.signs.decimal
                 self._refuse(self.block[row], problem, f"say decimal={sign!r} or thousands={sign!r}")
