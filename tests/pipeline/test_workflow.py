@@ -1,6 +1,7 @@
 """The plan of a run: what is missing, who solves it, and messages that end a run. Planning writes nothing."""
 
 import re
+import signal
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +12,7 @@ from tests.scenes import solve_scene
 from weier.figures.checks import load_by_name
 from weier.pipeline import workflow
 from weier.pipeline.curves import CLOSED
-from weier.pipeline.workflow import Plan, kernels_file
+from weier.pipeline.workflow import Plan, ending_in_one_sentence, kernels_file
 
 SCENE = """
 title: test
@@ -166,3 +167,16 @@ def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypat
     assert kernels_file("{method}") == "results/compiled/{method}"  # the name of an output all the same
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     assert kernels(of(group="bem")) == []
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_ends_the_run_whatever_an_event_loop_makes_of_it():
+    noted = []
+    signal.signal(signal.SIGINT, lambda *_: noted.append("later"))
+    with pytest.raises(SystemExit, match=r"^weier: stopped by Ctrl-C$"), ending_in_one_sentence():
+        signal.raise_signal(signal.SIGINT)
+    signal.raise_signal(signal.SIGINT)
+    assert noted == ["later"]
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with ending_in_one_sentence():
+        signal.raise_signal(signal.SIGINT)

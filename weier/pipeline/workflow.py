@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -213,8 +214,18 @@ def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
 
 @contextmanager
 def ending_in_one_sentence() -> Iterator[None]:
-    """End the run with a message if a scene or a folder is invalid."""
+    """End the run with a message if a scene or a folder is invalid, and at once by Ctrl-C.
+
+    The event loop of Snakemake would handle Ctrl-C only after its planning, with a traceback.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.SIG_IGN:  # as in the background of a script
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         yield
+    except KeyboardInterrupt:
+        raise SystemExit("weier: stopped by Ctrl-C") from None
     except (ValueError, OSError) as error:
         raise SystemExit(f"weier: {error}") from None
+    finally:
+        signal.signal(signal.SIGINT, before)
