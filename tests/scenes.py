@@ -28,7 +28,7 @@ def scene_in(folder: Path, content: str | Mapping[str, Any], load: Callable[[Pat
 
 def curves_in(scene: Scene, folder: Path) -> Curves:
     """The curves of a scene in a store."""
-    return Curves(scene, Store(folder, numerics().name))
+    return Curves(scene, Store(folder, numerics()))
 
 
 def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:

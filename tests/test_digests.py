@@ -8,7 +8,7 @@ import pytest
 
 from weier import digests
 from weier.data.variables import Status
-from weier.digests import CURVES, digest_of_kernels, digest_of_modules, is_in, numerics
+from weier.digests import CURVES, digest_of_modules, is_in, numerics
 
 MODULES = {
     "kernels/sums": '''
@@ -71,22 +71,22 @@ def test_numerics_change_with_code_of_curves_and_not_with_words(package, module,
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    assert (numerics().name != before.name) == changes
+    assert (numerics() != before) == changes
     path.write_text(text)
     assert numerics() == before
 
 
 def test_numerics_change_with_new_lost_and_renamed_modules_and_with_versions(package, monkeypatch):
-    found = {numerics().name}
+    found = {numerics()}
     (package / "theory").mkdir()
     (package / "theory/new.py").touch()
-    found.add(numerics().name)
+    found.add(numerics())
     (package / "theory/new.py").rename(package / "theory/newer.py")
-    found.add(numerics().name)
+    found.add(numerics())
     (package / "methods/bem.py").unlink()
-    found.add(numerics().name)
+    found.add(numerics())
     monkeypatch.setattr(digests, "versions", lambda: "numpy 9.9.9")
-    found.add(numerics().name)
+    found.add(numerics())
     assert len(found) == 5
 
 
@@ -100,11 +100,11 @@ def test_texts_count_where_they_are_asked_for(package):
 
 
 def test_where_nothing_can_be_kept_the_digest_is_the_same(package, tmp_path, monkeypatch):
-    before = digest_of_kernels()
+    before = digest_of_modules(*CURVES)
     assert len(list((tmp_path / "cache/digests").iterdir())) == 1
     (closed := tmp_path / "closed").touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(closed))
-    assert digest_of_kernels() == before
+    assert digest_of_modules(*CURVES) == before
 
 
 @pytest.mark.parametrize("name", ["read_text", "write_text"])
@@ -118,7 +118,7 @@ def test_an_alarm_while_a_digest_is_read_or_kept_is_no_error_of_a_disk(package, 
 
     monkeypatch.setattr(Path, name, alarmed)
     with pytest.raises(TimeoutError, match=r"^after 10 s$"):
-        digest_of_kernels()
+        digest_of_modules(*CURVES)
 
 
 # Modules that solving curves imports and numerics leave out, each with the reason why no number changes with it.
@@ -153,7 +153,7 @@ def of_weier(files):
     return sorted({path.relative_to(PACKAGE).as_posix() for path in map(Path, files) if PACKAGE in path.parents})
 
 folder = Path(sys.argv[1])
-curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics().name))
+curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics()))
 lacking = curves.store.lacking(curves.of_studies())
 sys.setprofile(noted)
 solve(lacking, curves.store, "test", lambda line: None)

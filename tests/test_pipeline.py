@@ -76,32 +76,6 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new))
 
 
-def test_results_that_cannot_be_written_to_are_one_sentence(checkout, tmp_path):
-    copy = tmp_path / "copy"
-    shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake", "results"))
-    (copy / "results").mkdir()
-    (copy / "results/test").touch()  # a file where a folder should be stops root, too
-    done = call(copy)
-    assert done.returncode == 1
-    lines = [line for line in done.stderr.splitlines() if line]
-    assert lines[-1].startswith("weier: results/test"), done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_only_the_mistakes_of_a_faulty_scene_are_reported(checkout):
-    """By the jobs of its scene, and by those of one file; other rules run."""
-    path = checkout / "config/scenes/faulty.yaml"
-    path.write_text(SCENE.replace("methods", "method").replace("1.25", "2.25"))
-    for target in ((), ("results/faulty/contact.nc",)):
-        done = call(checkout, *target, scene="test" if target else "faulty")
-        lines = done.stderr.partition("weier: ")[2].splitlines()
-        assert done.returncode == 1
-        assert lines[0].endswith("faulty.yaml has 3 mistakes:")
-        assert len(lines) == 4
-    assert planned(checkout, "convergence", scene="faulty") == {"convergence": 1, "measure": 1, "draw": 1}
-    path.unlink()  # later tests look at all scenes
-
-
 def test_what_runs_no_job_needs_no_number_of_cores_and_writes_nothing(checkout, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake", "results"))
@@ -117,7 +91,6 @@ EVERY = ["contact.nc", "one", "page.html", "two"]
 
 @pytest.fixture(scope="module")
 def finished(checkout):
-    shutil.rmtree(checkout / "results/curves/.solved", ignore_errors=True)  # of runs that were stopped by tests above
     assert made(run(checkout))[0] == EVERY
     return checkout
 

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 PACKAGE = Path(__file__).parent
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
@@ -42,35 +42,17 @@ KEPT = ("__init__.py", "trace.py")
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
-class Numerics(NamedTuple):
-    """What the numbers of a curve depend on besides its surface, its method and its loads.
-
-    code : digest of the modules in CURVES
-    packages : versions of PACKAGES
-    """
-
-    code: str
-    packages: str
-
-    @property
-    def name(self) -> str:
-        """A digest of both."""
-        return digest(list(self))[:DIGITS]
-
-
 def digest(values: Any) -> str:
     """Return a digest of plain values."""
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
-def numerics() -> Numerics:
-    """Return the numerics of the code that is on disk now."""
-    return Numerics(digest_of_modules(*CURVES)[:DIGITS], versions())
+def numerics() -> str:
+    """Return a digest of the code that is on disk now and of the versions of packages.
 
-
-def digest_of_kernels() -> str:
-    """Return a digest of all modules that kernels are in."""
-    return digest_of_modules(*KERNELS)
+    The numbers of a curve depend on it besides the surface, the method and the loads.
+    """
+    return digest([digest_of_modules(*CURVES)[:DIGITS], versions()])[:DIGITS]
 
 
 def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:

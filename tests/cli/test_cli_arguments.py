@@ -32,7 +32,7 @@ REQUIRED = {
     "group": "closed_form",
     "number": "0",
     "count": "1",
-    "numerics": numerics().name,
+    "numerics": numerics(),
     "folder": "curves",
     "scenes": "scene.yaml",
     "contact": "contact.nc",

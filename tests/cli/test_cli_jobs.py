@@ -46,12 +46,12 @@ def scene_file(tmp_path):
 
 def curves(scene_file, plan=None, group=CLOSED):
     """The arguments of the job of all curves of a group."""
-    return ["curves", "all", group, 0, 1, plan or numerics().name, scene_file.parent / "curves", scene_file]
+    return ["curves", "all", group, 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
 
 
 def stamp_of(scene_file, product):
     """An empty stamp, as the rules make it when the curves are there."""
-    made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics().name)), product)
+    made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics())), product)
     stamp = scene_file.parent / "results" / ".made_of" / product / made
     stamp.parent.mkdir(parents=True)
     stamp.touch()
@@ -106,7 +106,7 @@ def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
         path.rename(path.with_name("old"))
     code, out, _ = run("adopt", scene_file, "--curves", folder)
     assert (code, out.count("the same bits: adopted")) == (0, 2)
-    assert out.splitlines()[-1] == f"2 kinds of curves of other code were compared with that of {numerics().name}"
+    assert out.splitlines()[-1] == f"2 kinds of curves of other code were compared with that of {numerics()}"
 
 
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])

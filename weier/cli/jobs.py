@@ -92,7 +92,7 @@ def product(scene_file: Path, stamp: Path, folder: Path) -> None:
     from weier.pipeline.curves import Curves
 
     with job("make", scene_file.stem, stamp.parent.name):
-        make_product(Curves(weier.load_scene(scene_file), Store(folder, numerics().name)), stamp)
+        make_product(Curves(weier.load_scene(scene_file), Store(folder, numerics())), stamp)
 
 
 @click.command()
@@ -110,7 +110,7 @@ def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
     from weier.pipeline.adopt import adopt as adopt_curves
     from weier.pipeline.curves import Curves
 
-    store = Store(folder, numerics().name)
+    store = Store(folder, numerics())
     wanted = [Curves(weier.load_scene(path), store) for path in scenes]
     compared = adopt_curves(wanted, store, within_errors, click.echo)
     click.echo(f"{compared} kinds of curves of other code were compared with that of {store.numerics}")

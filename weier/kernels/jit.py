@@ -15,7 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar, cast
 
-from weier.digests import cache_root, digest, digest_of_kernels
+from weier.digests import KERNELS, cache_root, digest, digest_of_modules
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 # without a wrapper for callers in C, of which there are none
@@ -37,7 +37,7 @@ def cache_folder() -> Path:
     """
     from importlib.metadata import version  # which takes longer than all that is imported above
 
-    made_of = digest_of_kernels(), OPTIONS, version("numba"), version("rocket-fft")
+    made_of = digest_of_modules(*KERNELS), OPTIONS, version("numba"), version("rocket-fft")
     return cache_root() / f"weier-{digest(made_of)[:16]}"
 
 

@@ -68,7 +68,7 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
 
 def check_code(store: Store, since: str) -> None:
     """Refuse code on disk that has other numerics than the store."""
-    if numerics().name != store.numerics:
+    if numerics() != store.numerics:
         raise ValueError(CHANGED.format(since))
 
 

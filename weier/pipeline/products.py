@@ -50,7 +50,7 @@ def made_of(curves: Curves, product: str) -> str:
     scene = curves.scene
     studies = studies_of(scene, product)
     cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]
-    common: list[Any] = [scene.name, product, numerics().name, cases, curves.digest(studies), repr(scene.interface)]
+    common: list[Any] = [scene.name, product, numerics(), cases, curves.digest(studies), repr(scene.interface)]
     common.append(scene.load_unit)
     if product == DATA:  # with SOURCE_DATE_EPOCH, it has neither the date of the run nor seconds
         own = [scene.text, source_date(), digest_of_modules(*OF_DATA)]

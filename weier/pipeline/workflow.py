@@ -71,7 +71,7 @@ class Plan:
     @cached_property
     def numerics(self) -> str:
         """The name of the numerics of the code that plans."""
-        return numerics().name
+        return numerics()
 
     @cached_property
     def store(self) -> Store:
