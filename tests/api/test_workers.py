@@ -103,6 +103,7 @@ def test_a_script_without_a_guard_gives_a_message(tmp_path):
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == f"ChildProcessError: {LOST}"
+    assert done.stderr.count("Traceback") == 1  # none of the processes
 
 
 @pytest.mark.usefixtures("ctrl_c")

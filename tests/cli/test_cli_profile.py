@@ -325,6 +325,14 @@ def test_a_file_that_exists_is_only_overwritten_by_force(run, tmp_path):
     assert path.read_bytes() == b"notes"
     assert run(*own, "--force")[0] == 0
     assert json.loads(path.read_text())["mean_pressure"] == [0.1]
+    for name, taken in (("curve.png", "curve.png"), ("figure", "figure.svg")):  # the latter in all formats
+        (tmp_path / taken).write_bytes(b"notes")
+        own = ["plot", *SERIES, "--method", "demelio", "--loads", "0.1,1", str(tmp_path / name)]
+        code, _, err = run(*own)
+        assert (code, f"{taken} exists: name another file" in err) == (1, True)
+        assert (tmp_path / taken).read_bytes() == b"notes"
+        assert run(*own, "--force")[0] == 0
+        assert (tmp_path / taken).read_bytes() != b"notes"
 
 
 @contextmanager

@@ -84,7 +84,7 @@ def test_the_page_needs_no_network(text):
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
     assert re.findall(r"(?:src|href)=\"(?!data:)([^\"]*)", markup) == []
-    assert "<p>All 4 cases</p>" in markup
+    assert "<p>This page has all 4 cases.</p>" in markup
 
 
 def test_text_of_a_scene_stays_text(text):
@@ -129,13 +129,13 @@ def test_a_page_of_many_cases_has_evenly_spread_ones_and_says_so(tmp_path, monke
     loaded = scene_in(tmp_path, SCENE | {"studies": {"many": many}})
     solutions = solve_scene(loaded, tmp_path / "curves")
     page.write(solutions, tmp_path / "page.html")
-    assert "<p>All 20 cases</p>" in (tmp_path / "page.html").read_text()
+    assert "<p>This page has all 20 cases.</p>" in (tmp_path / "page.html").read_text()
     monkeypatch.setattr(page, "MAX_CASES", 8)
     read = []
     monkeypatch.setattr(page, "read_cases", lambda *given: read.append(given[1]) or read_cases(*given))
     page.write(solutions, tmp_path / "page.html")
     assert read[0].tolist() == [0, 3, 5, 8, 11, 14, 16, 19]
-    assert "<p>8 of 20 cases, evenly spread" in (tmp_path / "page.html").read_text()
+    assert "<p>This page has 8 of 20 cases, evenly spread" in (tmp_path / "page.html").read_text()
 
 
 def test_the_explorer_lists_parameters_in_order_and_phases_with_their_seed():

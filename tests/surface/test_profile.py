@@ -21,6 +21,11 @@ EXAMPLES = [
 ]
 
 
+@pytest.mark.parametrize("profile", [*EXAMPLES, Profile(1.1, math.pi, 2, 1 / 3), Profile(1.5, 5, math.inf)])
+def test_the_repr_of_a_profile_makes_it(profile):
+    assert eval(repr(profile), {"Profile": Profile}) == profile
+
+
 def test_phases_that_look_like_degrees_are_doubted_once():
     with pytest.warns(UserWarning, match="in radians"):
         profile = Profile(1.25, 5, 3, (0, 90, 180))

@@ -93,6 +93,10 @@ def _side_by_side(curves: Sequence[CurveTask], loads: int, workers: int, progres
                 yield outcome
     except BrokenProcessPool:
         raise ChildProcessError(LOST) from None
+    except RuntimeError as error:
+        if "bootstrapping" not in str(error):
+            raise
+        raise SystemExit(1) from None  # in a process that imports a script without the guard: its parent says so
 
 
 def _begin(loads: int) -> None:

@@ -203,9 +203,11 @@ def _part_beside(path: Path) -> Path:
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
+@FORCE
 @output("path", "", ".pdf", ".svg", ".png", required=False)
 def plot(
     path: Path | None,
+    force: bool,
     quantity: str,
     methods: Sequence[str],
     tolerance: float | None,
@@ -227,6 +229,10 @@ def plot(
     from weier.cli import result
     from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
 
+    path = path or Path(f"{quantity}.png")
+    formats = [path.suffix[1:]] if path.suffix else list(METADATA)
+    for suffix in formats:
+        check_free(path.with_suffix(f".{suffix}"), force)
     request = _request(wanted={}, **options)
     if (count := np.unique(request.loads).size) < MIN_LOADS:
         raise click.BadParameter(
@@ -237,7 +243,6 @@ def plot(
     if request.bodies:
         data = data.assign_coords(mean_pressure=request.with_units(data)["mean_pressure"])
     figure = Figure(quantity, interface=request.bodies)
-    path = path or Path(f"{quantity}.png")
-    draw(figure, [data], path, formats=[path.suffix[1:]] if path.suffix else tuple(METADATA))
+    draw(figure, [data], path, formats)
     click.echo(f"the figure is in {path}" + ("" if path.suffix else f".{{{','.join(METADATA)}}}"), err=True)
     result.check_solved(data)

@@ -10,13 +10,13 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_number, checked_numbers
+from weier.checks import checked_number, checked_numbers, suggestion
 from weier.data.curves import contact_pressure
 from weier.data.si import OF_DATASETS, check_normalised, converted, scaled
 from weier.data.variables import LOADS
@@ -101,6 +101,13 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
+
+    def __new__(cls, **given: Any) -> Self:
+        """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
+        known = cls.__dataclass_fields__
+        for name in given.keys() - known.keys():
+            raise TypeError(f"{cls.__name__} takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
+        return super().__new__(cls)
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
         moduli = {

@@ -203,7 +203,7 @@ def profile_of(data: xr.Dataset) -> Profile:
     >>> import weier
     >>> curve = weier.solve(weier.Profile(D=1.5, gamma="5/2", m=2, phases=1.0), [0.1, 1.0], "demelio")
     >>> weier.profile_of(curve)
-    Profile(D=1.5, gamma=Fraction(5, 2), m=2, phases=(0.0, 1.0))
+    Profile(D=1.5, gamma='5/2', m=2, phases=(0.0, 1.0))
     """
     if not hasattr(data, "data_vars"):
         raise ValueError(f"data must be a Dataset of curves, got {shown(data)}")

@@ -42,9 +42,9 @@ def write(curves: Curves, path: Path) -> None:
 def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = None) -> str:
     """Return the explorer of some of this number of cases as HTML."""
     shown = data.sizes["case"]
-    cases = f"All {count} cases" if count > 1 else "One case"
+    cases = f"This page has all {count} cases." if count > 1 else "This page has one case."
     if shown < count:
-        cases = f"{shown} of {count} cases, evenly spread; the figures and contact.nc have all."
+        cases = f"This page has {shown} of {count} cases, evenly spread; the figures and contact.nc have all."
     # Only the components of the explorer: the others would double the size of the file.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(curve_explorer(data, interface), EXPLORER_ID))

@@ -39,7 +39,7 @@ NONE = "-"  # Stands for a label that a case does not have; a list with no other
 # Titles of lists that differ from their names.
 TITLES = {
     "gamma": "\N{GREEK SMALL LETTER GAMMA}",
-    "phase": "phases, rad (one: of all n \N{GREATER-THAN OR EQUAL TO} 1)",
+    "phase": "phases, in rad (a single one is of all terms but the first)",
 }
 MIN_WIDTHS = dict.fromkeys(LABELS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of lists, in rem
 NORMALISED_AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items()}
