@@ -4,7 +4,6 @@ const state = () => {
   return {
     compliance: Array.from(model("curve bem").data.compliance),
     resistance: Array.from(model("curve bem").data.resistance),
-    visible: model("compliance").renderers.map((line) => line.visible),
     named: model("legend of resistance").items.map((item) => item.visible),
     chosen: ["D", "gamma", "m", "phase", "case"].map((name) => model(name).value),
     keyed: model("case").visible,
@@ -22,8 +21,6 @@ const drive = async () => {
   await choose(1, "1.5"); steps.push(state())
   await choose(2, "3"); steps.push(state())
   await choose(3, "3"); steps.push(state())
-  await choose(3, "2")
-  find(document, "input[type=checkbox]")[0].click(); await pause(); steps.push(state())
   const result = document.createElement("pre"); result.id = "result"
   result.textContent = JSON.stringify(steps); document.body.append(result)
 }

@@ -43,8 +43,6 @@ MISTAKES = [
         {"draw": "profiles", "colour": "gamma"},
         "f: profiles takes no colour.*or draw compliance or contact_fraction or r",
     ),
-    ({"title": r"$\gama$"}, r"f.title: the formula cannot be typeset: .*Unknown symbol: \\gama"),
-    ({"title": r"$\frac{1}$"}, "f.title: the formula cannot be typeset"),
     # A figure with two D, coloured by gamma, would draw two lines of each colour.
     ({"product": SWEEP, "colour": "gamma", "facet": "m"}, r"f: D and seed vary .*: add `facet: \[m, D\]` or `median"),
     ({"product": SWEEP, "colour": "gamma", "facet": ["m", "D"]}, "f: seed varies .*: add `median over: seed`, or"),

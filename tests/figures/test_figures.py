@@ -246,12 +246,6 @@ figures:
 """
 
 
-def test_captions_say_what_numbers_are_within(tmp_path: Path) -> None:
-    loaded = scene_in(tmp_path, WITHIN)
-    assert caption(loaded, "h").text.endswith("The tolerance of the compliance is 0.01 g_0.")
-    assert "The tolerance" not in caption(loaded, "R").text
-
-
 def test_captions_name_the_methods_that_are_not_of_the_paper(tmp_path: Path) -> None:
     text = WITHIN.replace("tolerance: 1.0e-2", "methods: [archard, persson, layer, bem, patches]")
     loaded = scene_in(tmp_path, text)

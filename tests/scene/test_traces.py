@@ -316,7 +316,11 @@ def test_traces_are_named_by_as_little_as_tells_them_apart():
     names = traces.names_of_traces
     one = {"": ["a/p.csv", "b/p.csv", "b/q.csv"], "digest": ["1", "2", "3"], "ends": ["tapered"] * 3}
     assert names(named(**one)) == ["a/p.csv", "b/p.csv", "b/q.csv"]
-    assert names(named(**{"": ["a/p.csv", "b/q.csv"], "digest": ["1", "2"]})) == ["p.csv", "q.csv"]
+    assert names(named(**{"": ["a/p.csv", "b/q.csv"], "digest": ["1", "2"]})) == ["a/p.csv", "b/q.csv"]
+    assert names(named(**{"": ["a/line_1.csv", "a/line_2.csv"], "digest": ["1", "2"]})) == [
+        "line_1.csv",
+        "line_2.csv",
+    ]
     same = {"": ["p"] * 3, "digest": ["1", "2", "3"], "ends": ["tapered", "tapered", "mirrored"]}
     assert names(named(**same)) == ["p, tapered, 1", "p, tapered, 2", "p, mirrored"]
     assert names(named(**{"": ["$p$", ""], "digest": ["1", ""]})) == [r"\$p\$", ""]

@@ -123,31 +123,12 @@ def undrawn(kind: str) -> tuple[str, ...]:
 
 
 def draw(
-    wanted: Figure,
-    studies: Sequence[xr.Dataset],
-    path: str | Path,
-    formats: Collection[str] = tuple(METADATA),
+    wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(METADATA)
 ) -> None:
-    """Draw one figure, in several formats.
+    """Draw one figure in several formats, each with its suffix in place of that of the path; csv is its values.
 
-    Parameters
-    ----------
-    wanted : weier.scene.Figure
-        Description of the figure, one of `KINDS`. In SI units, curves of a trace have the scale of the trace in
-        place of lambda_0 and g_0 of the interface.
-    studies : sequence of Dataset
-        Data over case, solution_method, mean_pressure and term, in the order of `wanted.all_studies`: normalised, but
-        for the loads, which are in Pa if the figure has an interface.
-    path : path
-        Path of the files; its suffix is replaced by those of the formats.
-    formats : collection of str
-        Some of pdf, svg, png, and csv for the values.
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind, or the studies do not contain what it shows.
-
+    The studies are in the order of `wanted.all_studies`, in memory: normalised, but for the loads, which have a unit
+    of pressure if the figure has an interface. ValueError is raised if they do not contain what it shows.
     """
     import matplotlib.style
 
@@ -169,13 +150,11 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
         )
     from weier.figures.style import set_axes
 
-    options: dict[str, Any] = {} if wanted.grouping == BY_DEFAULT else {"grouping": wanted.grouping}
-    options |= {"interface": wanted.interface} if wanted.interface else {}
     shown = len(studies) - len(wanted.behind)
-    options |= {"behind": studies[shown:]} if wanted.behind else {}
-    drawn: figure.Figure = import_module(f"weier.figures.{wanted.draw}").draw(
-        studies[:shown], wanted.title, **options
-    )
+    chosen = {"grouping": wanted.grouping, "interface": wanted.interface, "behind": studies[shown:]}
+    options = {name: value for name, value in chosen.items() if value and value != BY_DEFAULT}
+    module = import_module(f"weier.figures.{wanted.draw}")
+    drawn: figure.Figure = module.draw(studies[:shown], wanted.title, **options)
     set_axes(drawn, wanted.x, wanted.y)
     if wanted.size:
         drawn.set_size_inches(*wanted.size)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Collection
+from typing import NamedTuple
 
 from weier import figures
-from weier.methods import auto
-from weier.methods.curve import COMPLIANCE
 from weier.methods.registry import METHODS, find_method, numerical_names
-from weier.methods.settings import all_settings
 from weier.scene import Grouping, Scene
 from weier.surface.profile import PARAMETERS
 
@@ -35,21 +32,10 @@ def caption(scene: Scene, name: str) -> Caption:
     products = [product for study in figure.studies for product in scene.study(study).products]
     methods = {method for product in products for method in product.methods}
     grouping = figure.grouping.of(sum(product.count for product in products))
-    kind = figures.KINDS[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
-    name_of_auto = auto.METHOD.name
-    chosen = [product.settings.get(name_of_auto, {}) for product in products if name_of_auto in product.methods]
-    text = " ".join([kind, *_describe_tolerance(figure.draw, chosen)])
+    text = figures.KINDS[figure.draw].caption.format(methods=_describe_curves(grouping, methods))
     title = name.replace("_", " ").capitalize()
     subject, *_ = re.split(r"[:.;] ?", text)
     return Caption(title, " ".join(filter(None, [figure.title and f"{figure.title}.", text])), f"{title}: {subject}")
-
-
-def _describe_tolerance(drawn: str, chosen: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a sentence with the tolerance of a quantity, by the settings of "auto"; none without it."""
-    settings = [all_settings(auto.METHOD, own) for own in chosen]
-    tolerances = [own["tolerance"] for own in settings if own["quantity"] == drawn]
-    unit = "g_0" if drawn == COMPLIANCE else "of the larger of itself and 1 g_0/p_0*"
-    return [f"The tolerance of the {drawn} is {max(tolerances):g} {unit}."] if tolerances else []
 
 
 def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:

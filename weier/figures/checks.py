@@ -53,7 +53,7 @@ def load_by_name(name: str, folder: str | Path = "config/scenes") -> Scene:
 def check_figures(loaded: Scene) -> Iterator[Mistake]:
     """Yield mistakes in the figures of a scene, including curves that could not be distinguished."""
     for name, figure in loaded.figures.items():
-        for key, text in [*_wrong_keys(figure, loaded), *_wrong_formula(figure.title)]:
+        for key, text in _wrong_keys(figure, loaded):
             yield Mistake(("figures", name, *([key] if key else [])), text)
 
 
@@ -127,15 +127,3 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
     several = [name for name, values in found.items() if len(values) > 1]
     by_seed = any("seed" in product.axes for product in products)
     return several + [PHASES[by_seed]] * any(len(values) > 1 for values in phases.values())
-
-
-def _wrong_formula(title: str) -> Iterator[tuple[str, str]]:
-    """Yield the reason why matplotlib cannot typeset a title, if there is one."""
-    if "$" in title:
-        # The import takes as long as all other checks, and few titles need it.
-        from matplotlib.mathtext import MathTextParser
-
-        try:
-            MathTextParser("path").parse(title)
-        except ValueError as error:
-            yield "title", f"the formula cannot be typeset: {str(error).strip().splitlines()[-1]}"

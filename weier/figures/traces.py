@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -21,19 +22,19 @@ DIFFERENCES: dict[str, Callable[[Any], str]] = {
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
     """Return a name for the trace of each case, empty for a series: each trace has one of its own.
 
-    It is the path of the file, without folders that all have in common, and the differences between traces of this
-    path: the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
+    It is the path of the file in the folder that all have in common, and the differences between traces of this path:
+    the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
     """
     traces = [
         {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
         for case in cases
     ]
     known = list({trace["trace_digest"]: trace for trace in traces if trace["trace_digest"]}.values())
-    short = _shortened(trace["trace"] for trace in known)
+    folder = os.path.commonprefix([trace["trace"] for trace in known]).rfind("/") + 1  # noqa: RUF071 - of names, not of folders
     names = {}
     for trace in known:
         alike = [other for other in known if other["trace"] == trace["trace"]]
-        names[trace["trace_digest"]] = ", ".join([short[trace["trace"]] or "trace", *_differences(trace, alike)])
+        names[trace["trace_digest"]] = ", ".join([trace["trace"][folder:] or "trace", *_differences(trace, alike)])
     shown = (names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces)
     return [f" {name}" if name.startswith("_") else name for name in shown]  # else matplotlib hides it
 
@@ -46,13 +47,3 @@ def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str
             found.append(text(trace[name]))
             alike = [other for other in alike if other[name] == trace[name]]
     return found
-
-
-def _shortened(paths: Iterable[str]) -> dict[str, str]:
-    """Return each path with as few folders as distinguish all paths."""
-    known = list(dict.fromkeys(paths))
-    for kept in range(1, max((path.count("/") for path in known), default=0) + 1):
-        short = ["/".join(path.split("/")[-kept:]) for path in known]
-        if len({*short}) == len(known):
-            return dict(zip(known, short, strict=True))
-    return {path: path for path in known}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,18 +30,9 @@ SIGNS = (
 )
 
 
-class Curve(NamedTuple):
-    """A line or a band of a panel: its name, loads or other abscissae, and values by the ends of headings."""
-
-    axes: Axes
-    name: str
-    x: Any
-    values: dict[str, Any]
-
-
 def line(axes: Axes, name: str, x: Any, y: Any, **look: Any) -> None:
     """Draw a line, and keep its values; the look may have another label for the legend."""
-    _curves(axes).append(Curve(axes, name, x, {"": y}))
+    _keep(axes, name, x, {"": y})
     axes.plot(x, y, **{"label": name} | look)
 
 
@@ -53,12 +44,12 @@ def band(axes: Axes, name: str, x: Any, low: Any, high: Any, **look: Any) -> Non
 
 def keep_band(axes: Axes, name: str, x: Any, low: Any, high: Any) -> None:
     """Keep the ends of what is drawn otherwise."""
-    _curves(axes).append(Curve(axes, name, x, {", low": low, ", high": high}))
+    _keep(axes, name, x, {", low": low, ", high": high})
 
 
-def _curves(axes: Axes) -> list[Curve]:
-    curves: list[Curve] = vars(axes.figure).setdefault("curves", [])
-    return curves
+def _keep(axes: Axes, name: str, x: Any, values: dict[str, Any]) -> None:
+    """Keep the values of a curve, by the ends of their headings."""
+    vars(axes.figure).setdefault("curves", []).append((axes, name, x, values))
 
 
 def as_csv(figure: Figure) -> str:

@@ -30,12 +30,7 @@ NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "b
 
 
 class Line(NamedTuple):
-    """The settings of a method on some profiles; arrays over the settings.
-
-    method : its name
-    milliseconds : for one load, the mean over the profiles
-    measured, stated : the largest errors over loads and profiles; NaN where none are stated
-    """
+    """Milliseconds for a load, the mean over some profiles, and the largest errors, by the settings of a method."""
 
     method: str
     milliseconds: Array

@@ -29,6 +29,7 @@ from weier.units import unit_of
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
 EXPLORER_ID = ID("curves-explorer")
+HIDING = "A click on a name in a legend hides its curve."
 IN_SI = "Pressures are in {}, compliance in m and resistance in {}, for the two bodies of the scene."
 
 
@@ -55,7 +56,7 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases, _in_si(data, interface) if interface else provenance.NORMALISED],
+        texts=[cases, _in_si(data, interface) if interface else provenance.NORMALISED, HIDING],
     )
 
 

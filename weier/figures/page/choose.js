@@ -9,17 +9,12 @@ for (const select of selects) {
   if (!options.includes(select.value)) select.value = options[0]
   rows = rows.filter((row) => values[row] === select.value)
 }
-// A method has a box if it has a curve of this case, and is drawn and named in the legends if its box is ticked.
+// A method is named in the legends if it has a curve of this case.
 const start = rows[0] * loads
 sources.forEach((source, number) => {
   const slice = (name) => Array.from(allCurves.data[name].slice(start, start + loads))
   const curve = { ...source.data, mean_pressure: slice("mean_pressure") }
   for (const name of shown) curve[name] = slice(`${name} ${methods[number]}`)
   source.data = curve
-  boxes[number].visible = curve.compliance.some(Number.isFinite)
-  const drawn = boxes[number].visible && boxes[number].active
-  for (const legend of legends) {
-    const item = legend.items[number]
-    item.visible = item.renderers[0].visible = drawn
-  }
+  for (const legend of legends) legend.items[number].visible = curve.compliance.some(Number.isFinite)
 })

@@ -1,4 +1,4 @@
-"""The explorer of curves: the reader chooses a case and methods, and reads values under the pointer."""
+"""The explorer of curves: the reader chooses a case, hides methods, and reads values under the pointer."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from bokeh.models import (
     IndexFilter,
     LogAxis,
     NoOverlap,
+    PrintfTickFormatter,
 )
-from bokeh.models.widgets import Checkbox, Select
+from bokeh.models.widgets import Select
 from bokeh.plotting import figure
 
 from weier.data.bodies import Bodies
@@ -92,7 +93,6 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     axes = NORMALISED_AXES if interface is None else SI_AXES | pressure | (OF_HEAT_AXES if thermal else {})
     plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][first]) for name in LABELS]
-    boxes = [Checkbox(label=style.line(method)["label"], active=True) for method in methods]
     choose = CustomJS(
         args={
             "selects": selects,
@@ -102,14 +102,13 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
             "sources": sources,
             "loads": count,
             "shown": [name for name in SHOWN if name in values],
-            "boxes": boxes,
             "legends": [plot.legend[0] for plot in plots],
         },
         code=files("weier.figures.page").joinpath("choose.js").read_text(encoding="utf-8"),
     )
-    for control in (*selects, *boxes):
-        control.js_on_change("value" if control in selects else "active", choose)
-    parts = column(row(*selects, **WRAPPED), row(*boxes, **WRAPPED), row(*plots, **WRAPPED), **STRETCHED)
+    for select in selects:
+        select.js_on_change("value", choose)
+    parts = column(row(*selects, **WRAPPED), row(*plots, **WRAPPED), **STRETCHED)
     document = Document()
     document.add_root(parts)
     document.js_on_event("document_ready", choose)
@@ -181,9 +180,10 @@ def _plot(
     plot.y_range = DataRange1d(renderers=counting or "auto", **start)
     for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
         axis.update(ticker=FixedTicker(ticks=TICKS, minor_ticks=MINOR_TICKS), major_label_policy=NoOverlap())
+        axis.formatter = PrintfTickFormatter(format="%g")
     plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve is
     plot.legend.name = f"legend of {quantity}"
-    plot.legend[0].update(**SMALL_LEGEND)
+    plot.legend[0].update(click_policy="hide", **SMALL_LEGEND)
     return plot
 
 
