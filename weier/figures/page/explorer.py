@@ -179,8 +179,8 @@ def _plot(
     start: dict[str, Any] = {"start": 0} if quantity == "compliance" else {}
     plot.y_range = DataRange1d(renderers=counting or "auto", **start)
     for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
-        axis.update(ticker=FixedTicker(ticks=TICKS, minor_ticks=MINOR_TICKS), major_label_policy=NoOverlap())
-        axis.formatter = PrintfTickFormatter(format="%g")
+        ticker, formatter = FixedTicker(ticks=TICKS, minor_ticks=MINOR_TICKS), PrintfTickFormatter(format="%g")
+        axis.update(ticker=ticker, formatter=formatter, major_label_policy=NoOverlap())
     plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve is
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(click_policy="hide", **SMALL_LEGEND)
