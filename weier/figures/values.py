@@ -63,7 +63,8 @@ def as_csv(figure: Figure) -> str:
         headings = [_heading(_label(axes, name)) for name in "xy"]
         columns = {headings[0]: x} | {f"{headings[1]}{end}": own for end, own in values.items()}
         numbers = {heading: np.asarray(own, float) for heading, own in columns.items()}
-        parts.append(pd.DataFrame({"panel": plain(_title(axes)), "curve": plain(name)} | numbers))
+        part = pd.DataFrame({"panel": plain(_title(axes)), "curve": plain(name)} | numbers)
+        parts.append(part.dropna(subset=list(numbers)[1:], how="all"))
     return pd.concat(parts).to_csv(index=False, lineterminator="\n")
 
 
