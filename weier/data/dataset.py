@@ -43,9 +43,11 @@ def curve(
     }
     coordinates["term"] = ("term", np.arange(len(labels["phases"]), dtype="i4"), variables.attributes("term"))
     coordinates["mean_pressure"] = ("mean_pressure", loads, variables.attributes("mean_pressure"))
-    known = {name: value for name, value in {**settings, **scalars}.items() if value is not None}
     # netCDF has no booleans.
-    plain = {name: json.dumps(value) if isinstance(value, bool) else value for name, value in known.items()}
+    plain = {
+        name: json.dumps(value) if isinstance(value, bool) else value
+        for name, value in {**settings, **scalars}.items()
+    }
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
     return marked(xr.Dataset(data, coordinates, provenance.of_results() | plain))
 

@@ -74,6 +74,8 @@ class Method:
         The quantities of this Curve other than compliance and resistance.
     settings : mapping of str
         Meaning and unit of each of these keywords, for help texts.
+    chosen : callable
+        From given settings to the values of settings whose default None stands for a value.
     applies : callable
         Raises NotApplicableError, with the reason, for a profile to which the method does not apply.
     check : callable
@@ -100,6 +102,7 @@ class Method:
     solve: Callable[..., Curve]
     returns: tuple[str, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
+    chosen: Callable[[Settings], Settings] = lambda given: {}
     applies: Callable[..., None] = lambda profile: None
     check: Callable[..., None] = lambda profile, **settings: None
     numerical: bool = False

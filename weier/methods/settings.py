@@ -106,8 +106,10 @@ def with_tolerance(
 
 
 def all_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings of a method: those given, and the others at their defaults."""
-    return defaults(method) | dict(settings)
+    """Return the settings that a method uses: those given, and the others at their defaults, without None."""
+    given = {name: value for name, value in settings.items() if value is not None}
+    used = {**defaults(method), **method.chosen(given), **given}
+    return {name: value for name, value in used.items() if value is not None}
 
 
 def defaults(method: Method) -> dict[str, Any]:

@@ -231,7 +231,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
         method, run = find_method(name), [name in product.methods for product in scene.products]
         own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
         for setting in defaults(method):
-            values = [settings[setting] for settings in own]
+            values = [settings.get(setting) for settings in own]
             if len(set(map(json.dumps, compress(values, run)))) > 1:
                 column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
                 columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"

@@ -111,6 +111,7 @@ METHOD = Method(
         "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
         "staircase": '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',
     },
+    chosen=lambda given: {} if given.get("tolerance") else {"points_per_wave": POINTS_PER_WAVE},
     applies=applies_to_resolvable,
     numerical=True,
     in_paper=True,
