@@ -65,13 +65,8 @@ def blank(
 
     It has those optional variables whose names the methods return. `unit` is that of the loads, p_0* or Pa.
     """
-    sizes = {
-        "case": cases,
-        "solution_method": len(methods),
-        "mean_pressure": loads.size,
-        "term": terms,
-        "edge": edges,
-    }
+    dims = "case", "solution_method", "mean_pressure", "term", "edge"
+    sizes = dict(zip(dims, (cases, len(methods), loads.size, terms, edges), strict=True))
     values = {name: variables.blank(name, sizes)[1] for name in variables.of_curves(returned, edges > 0)}
     values["status"][:] = Status.not_requested
     return over_cases(values, methods, loads, unit)
@@ -90,21 +85,7 @@ def over_cases(values: Mapping[str, Any], methods: Sequence[str], loads: Array, 
 
 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
-    """Write a netCDF file atomically: under a temporary name in the same folder, then renamed.
-
-    Parameters
-    ----------
-    data : Dataset
-        Data to write.
-    path : path
-        The file; its folder is made.
-    title : str
-        Title in one line.
-    step : str
-        The step that made the data, for the history of the file.
-    scene : str
-        The scene file as text.
-    """
+    """Write a netCDF file atomically, with its title, the step that made the data and the text of its scene."""
     data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
     with replacing(path) as beside:
         netcdf.write(data, beside)

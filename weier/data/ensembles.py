@@ -26,17 +26,8 @@ CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed
 CLOSE_CUTOFFS = 0.01
 CUTOFF = "trace_shortest"
 # Labels that may differ within an ensemble: phases, and properties of a file.
-WITHIN = (
-    "case",
-    "key",
-    "surface_key",
-    "seed",
-    "trace",
-    "trace_digest",
-    "trace_length",
-    "trace_height",
-    "trace_filled",
-)
+OF_FILES = ("trace", "trace_digest", "trace_length", "trace_height", "trace_filled")
+WITHIN = ("case", "key", "surface_key", "seed", *OF_FILES)
 COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
     "weier.Interface(...).solve([trace, ...], pressures in Pa)"
@@ -44,17 +35,9 @@ COMMON_PRESSURES = (
 
 
 def means(data: xr.Dataset) -> pd.DataFrame:
-    """Return the mean and median curves of each ensemble, one row for each ensemble, method and load.
+    """Return mean and median curves, one row for each ensemble, method and load, of curves as of `as_cases`.
 
-    Parameters
-    ----------
-    data : Dataset
-        Curves with the dimensions of the table of variables: see `selection.as_cases`.
-
-    Raises
-    ------
-    ValueError
-        If the cases of an ensemble have no common pressures.
+    ValueError is raised if the cases of an ensemble have no common pressures.
     """
     import pandas as pd
 

@@ -53,21 +53,17 @@ def check_target(path: str | Path) -> None:
     path = Path(path)
     try:
         folder = next(parent for parent in path.absolute().parents if parent.exists())
-        if path.is_dir():
-            wrong = "it is a folder"
-        elif path.exists() and not path.is_file():
-            wrong = "it is a device"  # which a file would replace
-        elif not folder.is_dir():
-            wrong = f"{folder} is not a folder"
-        elif path.suffix == ".nc" and readable(str(path)) != str(path):
-            wrong = "netCDF needs a path in UTF-8"
-        elif not os.access(folder, os.W_OK):
-            wrong = f"{folder} is closed to writing"
-        else:
-            return
+        reasons = {
+            "it is a folder": path.is_dir(),
+            "it is a device": path.exists() and not path.is_file(),  # which a file would replace
+            f"{folder} is not a folder": not folder.is_dir(),
+            "netCDF needs a path in UTF-8": path.suffix == ".nc" and readable(str(path)) != str(path),
+            f"{folder} is closed to writing": not os.access(folder, os.W_OK),
+        }
     except OSError as error:  # such as a name that is too long
-        wrong = f"{error.strerror}"
-    raise OSError(f"{path} cannot be written ({wrong}): name another file, in a folder that you can write to")
+        reasons = {str(error.strerror): True}
+    for reason in (reason for reason, holds in reasons.items() if holds):
+        raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
 
 
 def check_writable(folder: str | Path) -> None:

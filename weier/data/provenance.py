@@ -26,7 +26,6 @@ PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
     "Weierstrass profile, J. Mech. Phys. Solids 52 (2004) 1247-1265, doi:10.1016/j.jmps.2003.12.002"
 )
-DOI = "https://doi.org/10.1016/j.jmps.2003.12.002"
 SUMMARY = (
     "Elastic compliance and electrical contact resistance against mean pressure of Weierstrass or measured profiles "
     "pressed on a plane: closed-form estimates, numerical solutions, and bounds on the infinite series, by method."
@@ -47,38 +46,25 @@ FIXED = {
     "creator_name": DEVELOPERS,
     "creator_type": "group",
     "program": "weier",
-    "product_version": VERSION,
-    "metadata_link": DOI,
+    "metadata_link": "https://doi.org/10.1016/j.jmps.2003.12.002",
 }
 
 
 def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> dict[str, str]:
-    """Return global attributes of a file.
-
-    Parameters
-    ----------
-    title : str
-        Title in one line.
-    step : str
-        The step that made the file, for its history.
-    scene : str
-        The scene file as text.
-    in_si : bool
-        Whether the values are in SI units, not normalised.
-    """
-    made, (date, dating) = commit(), run_date()
-    software = f"weier {VERSION}" + (f", commit {made}" if made else "")
+    """Return global attributes of a file by its title, the step that made it, the text of its scene and its units."""
+    (date, dating), software = run_date(), _program()
     changing = {
         "title": title,
         "source": f"numerical model: {software}",
         "history": f"{step} by {software}",
         "processing_level": step,
         "comment": f"{IN_SI if in_si else NORMALISED} {dating}",
-        "git_commit": made or "unknown: not run from a checkout",
+        "git_commit": commit() or "unknown: not run from a checkout",
+        "date_created": date,
+        "date_modified": date,
     }
-    dates = {"date_created": date, "date_modified": date}
     units = {} if in_si else {"normalisation": NORMALISED}
-    return FIXED | units | versions() | changing | dates | ({"scene": scene} if scene else {})
+    return FIXED | units | versions() | changing | ({"scene": scene} if scene else {})
 
 
 def source_date() -> str:
@@ -108,21 +94,19 @@ def versions() -> dict[str, str]:
     """Return the versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
     from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
 
-    made = commit()
-    return {
-        "product_version": VERSION,
-        "python_version": platform.python_version(),
-        **{f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES},
-        **({"git_commit": made} if made else {}),
-    }
+    packages = {f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES}
+    own = {"product_version": VERSION, "python_version": platform.python_version()}
+    return own | packages | ({"git_commit": commit()} if commit() else {})
 
 
 @cache
 def origin() -> str:
     """Return the program, the packages and the kind of processor of this process in one line."""
-    made = commit()
-    program = f"weier {VERSION}" + (f" at {made}" if made else "")
-    return f"{program}, {package_versions()}, Python {platform.python_version()}, {platform.machine()}"
+    return f"{_program()}, {package_versions()}, Python {platform.python_version()}, {platform.machine()}"
+
+
+def _program() -> str:
+    return f"weier {VERSION}" + (f" at {commit()}" if commit() else "")
 
 
 @cache
