@@ -19,7 +19,7 @@ from weier.accuracy.variants import Variant
 from weier.data import dataset, variables
 from weier.data.markdown import table
 from weier.data.selection import case_names
-from weier.data.variables import CONVERGENCE, LABEL, Status, Variable, variables_of_file
+from weier.data.variables import LABEL, Status, Variable
 from weier.kernels.arrays import Array
 from weier.methods import bem
 from weier.methods.errors import ConvergenceError, OutOfReachError
@@ -34,6 +34,8 @@ MAX_TOLERANCE = (
     0.9  # g_0, the largest that boundary elements take: the tail of a gamma close to 1 is many times as high
 )
 HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
+H = "compliance", "compliance_lower", "compliance_upper"
+KEPT = ("total_amplitude", "tail_amplitude", *H, "resistance", "residual", "points", "status")  # of the table
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
 
@@ -75,9 +77,8 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
 
 def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
     counts = np.arange(1, max_terms + 1)
-    kept = variables_of_file(CONVERGENCE)
-    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms, returned=kept)
-    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(kept)])
+    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms, returned=KEPT)
+    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(KEPT)])
     data = data.rename_dims(solution_method="resolved_terms")
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
 

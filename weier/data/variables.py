@@ -36,9 +36,6 @@ MOMENT = "Its square is the spectral moment m_{}, with wavenumbers in radians pe
 DIVERGES = "Infinite for m = inf."
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
-# Files of measurements of the methods, which have some of the variables.
-TRADEOFF, EXTREMES, CONVERGENCE = "tradeoff", "extremes", "convergence"
-MEASURED, ALL_MEASURED = (TRADEOFF, EXTREMES), (TRADEOFF, EXTREMES, CONVERGENCE)
 
 
 class Status(IntEnum):
@@ -74,7 +71,7 @@ class Check(IntEnum):
 
 
 class Variable(NamedTuple):
-    """The description of a variable, and the files that have it.
+    """The description of a variable.
 
     dims, long_name : its dimensions and meaning
     unit, symbol : the unit of its normalisation, and the symbol of the paper
@@ -82,7 +79,6 @@ class Variable(NamedTuple):
     comment : details beyond the long name, which labels axes
     content : the kind of its content, in the terms of ISO 19115
     optional : whether only files of methods that return it have it
-    files : further files that have it, besides those of a scene
     axis : its name on an axis of a figure, in mathtext
     plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
     """
@@ -96,7 +92,6 @@ class Variable(NamedTuple):
     comment: str = ""
     content: str = "modelResult"
     optional: bool = False
-    files: tuple[str, ...] = ()
     axis: str = ""
     plot: str = ""
 
@@ -158,13 +153,10 @@ VARIABLES = {
         "sum of the amplitudes of the terms",
         "g_0",
         "G - G_m",
-        files=ALL_MEASURED,
         comment="For a trace: height of the highest point above the mean, its compliance in full contact.",
     ),
-    "tail_amplitude": Variable(
-        ("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m", files=ALL_MEASURED
-    ),
-    "first_contact": Variable(("case",), "compliance at first contact", "g_0", files=MEASURED),
+    "tail_amplitude": Variable(("case",), "sum of the amplitudes of the terms left out", "g_0", "G_m"),
+    "first_contact": Variable(("case",), "compliance at first contact", "g_0"),
     "rms_height": Variable(("case",), "root mean square height", "g_0", comment=MOMENT.format(0)),
     "rms_slope": Variable(
         ("case",), "root mean square slope", "g_0/lambda_0", "h'", comment=f"{MOMENT.format(2)} {DIVERGES}"
@@ -177,7 +169,6 @@ VARIABLES = {
         "compliance",
         "g_0",
         "h",
-        files=ALL_MEASURED,
         comment=f"{DATUM}; for a trace, from first contact. Persson's theory gives negative values at light loads, "
         "and the theory of 2000 none.",
         axis="compliance $h/g_0$",
@@ -188,19 +179,17 @@ VARIABLES = {
         "specific contact resistance dh/dp",
         "g_0/p_0*",
         "dh/dp",
-        files=ALL_MEASURED,
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
         plot="resistance (dh/dp) p_0*/g_0",
     ),
-    "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
-    "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES, files=(CONVERGENCE,)),
+    "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES),
+    "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES),
     "resistance_lower": _bound("lower", "resistance", "g_0/p_0*"),
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*"),
     "compliance_error": Variable(
         CURVE,
         "numerical error of the compliance",
         "g_0",
-        files=MEASURED,
         comment=ERROR.format(COMPLIANCE_ERROR),
         optional=True,
     ),
@@ -208,14 +197,11 @@ VARIABLES = {
         CURVE,
         "numerical error of the resistance",
         "g_0/p_0*",
-        files=(TRADEOFF,),
         comment=ERROR.format(RESISTANCE_ERROR),
         optional=True,
     ),
-    "compliance_deviation": _measured(CURVE, "deviation of the compliance from the reference", "g_0", files=MEASURED),
-    "resistance_deviation": _measured(
-        CURVE, "deviation of the resistance from the reference", "g_0/p_0*", files=(TRADEOFF,)
-    ),
+    "compliance_deviation": _measured(CURVE, "deviation of the compliance from the reference", "g_0"),
+    "resistance_deviation": _measured(CURVE, "deviation of the resistance from the reference", "g_0/p_0*"),
     "indentation": Variable(
         CURVE,
         "compliance, counted from first contact",
@@ -227,7 +213,6 @@ VARIABLES = {
         CURVE,
         "fraction of the surface in contact",
         symbol="A",
-        files=(TRADEOFF,),
         axis="contact fraction $A$",
         optional=True,
     ),
@@ -246,24 +231,22 @@ VARIABLES = {
         comment="kappa = A E* h'/p with the contact fraction A, the contact modulus E* = 2 M, the root mean square "
         "slope h' and the mean pressure p. NaN for methods without a contact fraction.",
     ),
-    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", files=(TRADEOFF,), optional=True),
+    "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
     "residual": Variable(
         CURVE,
         "largest violation of a contact condition",
         "g_0",
         content=QUALITY,
-        files=(TRADEOFF, CONVERGENCE),
         optional=True,
     ),
-    "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, files=(TRADEOFF,), optional=True),
-    "points": Variable(RUN, "nodes in one period", content=AUXILIARY, files=ALL_MEASURED, optional=True),
+    "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, optional=True),
+    "points": Variable(RUN, "nodes in one period", content=AUXILIARY, optional=True),
     "second_attempts": Variable(RUN, "loads whose first attempt failed", content=AUXILIARY, optional=True),
     "settings": Variable(
         RUN,
         "settings of the method with defaults, as JSON",
         dtype="O",
         content=AUXILIARY,
-        files=MEASURED,
     ),
     "status": Variable(
         RUN,
@@ -271,7 +254,6 @@ VARIABLES = {
         dtype="i1",
         flags=Status,
         content=QUALITY,
-        files=(TRADEOFF, CONVERGENCE),
     ),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "chosen_method": _chosen('method that "auto" chose', dtype="O"),
@@ -296,17 +278,11 @@ VARIABLES = {
         "s",
         content=AUXILIARY,
         comment="It differs from run to run, and is omitted if SOURCE_DATE_EPOCH asks for reproducible bytes.",
-        files=(TRADEOFF,),
         optional=True,
     ),
 }
 
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
-
-
-def variables_of_file(file: str) -> list[str]:
-    """Return the variables of a file: TRADEOFF, EXTREMES or CONVERGENCE."""
-    return [name for name, entry in VARIABLES.items() if file in entry.files]
 
 
 def of_curves(returned: Collection[str], edges: bool) -> list[str]:

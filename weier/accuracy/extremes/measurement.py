@@ -15,7 +15,7 @@ from weier.accuracy.extremes.cases import extremes
 from weier.accuracy.reference import find_reference
 from weier.accuracy.runner import Outcome, attempt
 from weier.accuracy.variants import Variant
-from weier.data.variables import CURVE, EXTREMES, QUALITY, RUN, VARIABLES, Check, Variable, variables_of_file
+from weier.data.variables import CURVE, QUALITY, RUN, VARIABLES, Check, Variable
 from weier.kernels.arrays import Array
 from weier.methods.method import Method
 from weier.methods.registry import find_method
@@ -56,7 +56,7 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
     """
     cases = list(extremes() if cases is None else cases)
-    data = comparison.blank(cases, variables_of_file(EXTREMES), OWN)
+    data = comparison.blank(cases, comparison.KEPT, OWN)
     data["extreme"].values[:] = [case.name for case in cases]
     for name in CHECKS:
         data[name].values[:] = Check.not_measured
