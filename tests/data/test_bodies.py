@@ -96,14 +96,11 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
     ("changed", "message"),
     [
         ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
-        ({"nu_2": -1.0}, r"nu_2 must lie in \(-1, 0.5\], got -1.0"),
         ({"mu_1": 0.0}, "mu_1 must be positive .*, got 0.0"),
-        ({"mu_2": -3.0}, "mu_2 must be positive .*, got -3.0"),
         ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
         ({"rho_1": -1e-9}, "rho_1 must be finite and not negative, got -1e-09"),
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
         ({"rho_2": None}, "got rho_1$"),
-        ({"rho_2": np.inf}, "rho_2 must be finite and not negative, got inf"),
         ({"lambda_0": 0.0}, "lambda_0 must be positive and finite, got 0.0"),
         ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
         ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
@@ -123,7 +120,6 @@ def test_interface_refuses_what_cannot_be(changed, message):
             {"hardness_1": 150},
             r"hardness_1 = 150 Pa is below .* is it in MPa, or a Vickers number\? 1 HV is 9.8e6 Pa",
         ),
-        ({"mu_1": 80}, r"mu_1 = 80 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
         ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
         ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-08 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
         ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is above 0.001 ohm m: conductors have 1e-8 to 1e-3 ohm m"),
@@ -196,13 +192,6 @@ def test_fields_have_si_units():
     # The contacts carry the load, and the gap is that of the mean plane.
     assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
     assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
-
-
-def test_a_quantity_of_another_unit_is_refused():
-    with pytest.raises(ValueError, match=r"normalised must be in p_0\*, .*got .*g_0/p_0\*"):
-        interface().pressure(CURVE.resistance.variable)
-    with pytest.raises(ValueError, match=r"data must be a Dataset of weier, got \[1.0\]"):
-        interface().in_si([1.0])
 
 
 @pytest.mark.filterwarnings("ignore:(mu|rho|lambda)_", "ignore:p_0")  # the doubts about values that no material has

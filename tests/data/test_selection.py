@@ -78,15 +78,6 @@ def test_what_people_know_of_xarray_works(path):
         assert data.sel(case="D = 1.5, gamma = 5, m = inf")["key"] == "case3"
 
 
-def test_what_was_selected_away_comes_back_as_one_value(path):
-    with weier.open_dataset(path) as data:
-        one = data.isel(case=2).sel(solution_method="bem", mean_pressure=4.0)
-        again = one.weier.cases(gamma="5/2")
-        assert again.compliance.dims == ("case", "solution_method", "mean_pressure")
-        assert again.phases.values.tolist() == [[0, 1, 1]]
-        assert again["key"].values.tolist() == ["case2"]
-
-
 def solved():
     profiles = [Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), Profile(1.5, 5, 2, 1.0)]
     return weier.solve(profiles, [0.1, 0.5, 1.0], ["archard", "demelio"])
@@ -99,9 +90,6 @@ SELECTED = {
     "one number": lambda data: data.isel(case=1, solution_method=0, mean_pressure=2),
     "some loads": lambda data: data.sel(mean_pressure=[1.0, 0.1]),
     "transposed": lambda data: data.transpose(),
-    "loads first": lambda data: data.transpose("mean_pressure", ...),
-    "squeezed": lambda data: data.isel(case=[0]).squeeze(),
-    "one case with a dimension again": lambda data: data.isel(case=0).expand_dims("case"),
     "by another label": lambda data: data.swap_dims(case="D"),
     "without names": lambda data: data.drop_vars("case"),
     "one quantity": lambda data: data[["compliance"]],

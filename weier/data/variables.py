@@ -228,33 +228,16 @@ VARIABLES = {
     "area_coefficient": Variable(
         CURVE,
         "coefficient of the contact fraction in p/(E* h')",
-        comment="kappa = A E* h'/p with the contact fraction A, the contact modulus E* = 2 M, the root mean square "
-        "slope h' and the mean pressure p. NaN for methods without a contact fraction.",
+        comment="The kappa in A = kappa p/(E* h'), with the contact fraction A, the mean pressure p, the contact modulus "
+        "E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction.",
     ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
-    "residual": Variable(
-        CURVE,
-        "largest violation of a contact condition",
-        "g_0",
-        content=QUALITY,
-        optional=True,
-    ),
+    "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),
     "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, optional=True),
     "points": Variable(RUN, "nodes in one period", content=AUXILIARY, optional=True),
     "second_attempts": Variable(RUN, "loads whose first attempt failed", content=AUXILIARY, optional=True),
-    "settings": Variable(
-        RUN,
-        "settings of the method with defaults, as JSON",
-        dtype="O",
-        content=AUXILIARY,
-    ),
-    "status": Variable(
-        RUN,
-        "whether there is a curve, or why not",
-        dtype="i1",
-        flags=Status,
-        content=QUALITY,
-    ),
+    "settings": Variable(RUN, "settings of the method that were used, as JSON", dtype="O", content=AUXILIARY),
+    "status": Variable(RUN, "whether there is a curve, or why not", dtype="i1", flags=Status, content=QUALITY),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),
     "chosen_method": _chosen('method that "auto" chose', dtype="O"),
     "chosen_terms": _chosen('terms that the method chosen by "auto" solves'),

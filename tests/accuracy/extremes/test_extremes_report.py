@@ -107,7 +107,7 @@ def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
 
     def overconfident(*arguments, **settings):
         solved = auto.METHOD.solve(*arguments, **settings)
-        return solved._replace(resistance_error=solved.resistance_error / 100)
+        return replace(solved, resistance_error=solved.resistance_error / 100)
 
     case = Case({"D": 1.25, "gamma": "5", "m": 3, "phases": [0.0, 1.0, 2.0]}, (), {})
     some = [Comparison("light", case, np.geomspace(1e-12, 1e-4, 5), (Variant("auto", "auto", {}),))]
