@@ -228,8 +228,8 @@ VARIABLES = {
     "area_coefficient": Variable(
         CURVE,
         "coefficient of the contact fraction in p/(E* h')",
-        comment="The kappa in A = kappa p/(E* h'), with the contact fraction A, the mean pressure p, the contact modulus "
-        "E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction.",
+        comment="The kappa in A = kappa p/(E* h'), with the contact fraction A, the mean pressure p, the contact "
+        "modulus E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction.",
     ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
     "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),
