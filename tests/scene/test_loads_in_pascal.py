@@ -11,7 +11,6 @@ import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
 from tests.scenes import curves_in, scene_in, solve_scene, write_data
 from weier.figures import checks, comparison, lines, page, tables, values
-from weier.figures.page import explorer
 from weier.pipeline.gather import read_study
 from weier.scene import SceneError
 
@@ -174,7 +173,6 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
         np.testing.assert_allclose(data.trace_fit_rolloff.values, rolloff, rtol=1e-12)
         assert list(data.trace_fit_remark.values) == ["", "", ""]
         ensemble = data.weier.ensemble().iloc[0]
-        assert explorer._labels(data, "trace")[0].startswith(f"shaft_1.csv: D = {D[0]:.2f} ± ")
     assert ensemble["trace_fit_D_mean"] == pytest.approx(D.mean())
     assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(g_0.std(ddof=1))
     assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))
@@ -194,8 +192,6 @@ def test_the_band_of_fits_is_a_key_of_traces_and_fits_that_fail_say_why(tmp_path
         good, bad = data.trace_fit_remark.values.tolist()
         assert not good
         assert re.search(r"must be one power law .*, got a roll-off at .*: take longest=", bad)
-        labels = explorer._labels(data, "trace")
-        assert "no fit, since the spectrum must be one power law" in labels[1]
         ensembles = data.weier.ensemble().set_index("study")
     assert ensembles["trace_fits"].to_dict() == {"fine": 1, "long": 0}
     assert ensembles["trace_fit_remarks"].to_dict() == {"fine": "", "long": bad}
