@@ -98,16 +98,6 @@ def test_the_readme_names_what_there_is():
     assert [path for path in pictures if not Path(path).is_file()] == []
 
 
-def test_the_programs_that_are_compared_are_those_that_were_timed():
-    """In the same versions; each row says something of each program."""
-    text = Path("docs/programs.md").read_text(encoding="utf-8")
-    header, _, *rows = (line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("|"))
-    timed = Path("docs/benchmark.md").read_text(encoding="utf-8")
-    untimed = [name for name in header if name not in timed]
-    assert [name.partition(" ")[0] for name in untimed] == ["aspher"]
-    assert {len(row) for row in rows} == {len(header) + 1}
-
-
 def examples(language):
     """The code of CONTRIBUTING.md in one language."""
     return re.findall(rf"```{language}\n(.*?)```", Path("CONTRIBUTING.md").read_text(encoding="utf-8"), re.S)
@@ -201,35 +191,6 @@ def test_every_page_is_reached_from_the_first(site):
     pages = {path.relative_to("docs").with_suffix("").as_posix() for path in sources}
     linked = set(re.findall(r'href="([\w/]+)\.html', page(site, "index")))
     assert pages - {"index"} <= linked
-
-
-def test_lists_and_examples_are_what_they_are_in_docstrings(site):
-    """As HTML: a list has items, no stars, and an example has no marks that keep others from being markup."""
-    items = re.findall(r"<li><p>([^<]*)", page(site, "api/solve"))
-    for method in registry.METHODS:
-        assert any(item[1:].startswith(f"{method.name}”:") for item in items), method.name
-        for name in method.settings:
-            assert any(item.startswith(f"{method.name}.{name}") for item in items), name
-    for path in site.rglob("*.html"):
-        text = re.sub(r"<(script|style|svg)\b.*?</\1>", "", path.read_text(encoding="utf-8"), flags=re.S)
-        for block in re.findall(r"<pre>.*?</pre>", text, re.S):
-            assert "\\(" not in block, f"{path.name}: {block}"
-        for paragraph in re.findall(r"<(?:p|dd)>(.*?)</(?:p|dd)>", text, re.S):
-            assert not re.search(
-                r"(^|\s)\* ", re.sub(r"<code.*?</code>|<span class=.math.*?</span>", "", paragraph, flags=re.S)
-            ), paragraph
-
-
-def test_figures_and_captions_of_the_scene_are_there(site):
-    text = page(site, "gallery")
-    assert text.count("<figcaption>") == len(scene.load("config/scenes/paper.yaml").figures)
-    assert "<strong>Figure 7. </strong>The effect of additional terms" in text
-
-
-def test_pictures_have_words_and_numbers_stay_whole(site):
-    assert 'alt="Figure 1: The profiles over two of their longest wavelengths"' in page(site, "gallery")
-    assert re.search(r'<td class="number"><p>6\.7e-04</p></td>', page(site, "benchmark"))
-    assert re.search(r"<td><p>tamaas</p></td>", page(site, "benchmark"))
 
 
 def test_formulae_need_no_network(site):

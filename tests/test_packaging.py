@@ -29,10 +29,10 @@ def run(*command, cwd=None):
 
 @pytest.fixture(scope="module")
 def tracked():
-    """All files of the project; what git ignores is made, not written."""
+    """All files of the project; others that stand beside them, as logs, are none of its own."""
     if not Path(".git").exists():  # in the source archive, whose tests run, too
         pytest.skip("only a clone knows its files")
-    listed = run("git", "ls-files", "--cached", "--others", "--exclude-standard").splitlines()
+    listed = run("git", "ls-files").splitlines()
     return {name for name in listed if Path(name).is_file()}
 
 

@@ -45,6 +45,8 @@ def test_the_load_of_a_curve_comes_back_within_its_error(seed):
         error = found.mean_pressure_error.values
         assert (np.abs(found.mean_pressure.values - loads) <= error).all(), name
         assert (error <= 1e-6 * loads).all(), name
+        if name == "contact_fraction":  # which heights that are off change as a load that is off by e/R does
+            assert (error >= 0.99 * found.compliance_error.values / found.resistance.values).all()
 
 
 def test_a_trace_has_a_load_too():

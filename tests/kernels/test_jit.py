@@ -2,7 +2,6 @@
 
 import os
 import re
-import signal
 import subprocess
 import sys
 import time
@@ -57,9 +56,9 @@ def run(package, program=CALL, **environment):
 @compiled
 def test_kernels_are_compiled_again_for_a_constant_of_another_module(package):
     """Which numba alone would miss; the code of another folder is kept."""
-    assert [run(package), run(package)] == [("1", True), ("1", False)]
+    assert run(package) == ("1", True)
     (package / "theory/constants.py").write_text("VALUE = 2\n")
-    assert [run(package), run(package)] == [("2", True), ("2", False)]
+    assert run(package) == ("2", True)
     (package / "theory/constants.py").write_text("VALUE = 1\n")
     assert run(package) == ("1", False)
 
@@ -73,7 +72,7 @@ def test_processes_that_compile_at_once_agree(package):
 
 @compiled
 def test_a_killed_compiler_leaves_a_cache_that_works(package):
-    for pause in (0.3, 0.6, 0.9, 1.2):
+    for pause in (0.6, 1.2):
         process = start(package)
         time.sleep(pause)
         process.kill()
@@ -104,13 +103,10 @@ def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_cache_beside_the_sou
     assert not any(package.rglob("*.nbi"))
 
 
-@pytest.mark.parametrize("by_file", [True, False])
-def test_numbas_own_settings_disable_compiling(package, by_file):
-    """In a file, too, which Python does not see in its environment."""
-    if by_file:
-        (package.parent / ".numba_config.yaml").write_text("DISABLE_JIT: 1\n")
-    value, was_compiled = run(package, **({} if by_file else {"NUMBA_DISABLE_JIT": "1"}))
-    assert (value, was_compiled) == ("1", False)
+def test_a_file_of_numbas_settings_disables_compiling(package):
+    """Which Python does not see in its environment."""
+    (package.parent / ".numba_config.yaml").write_text("DISABLE_JIT: 1\n")
+    assert run(package) == ("1", False)
 
 
 def test_settings_of_numba_of_the_user_stay_as_they_are(package):
@@ -125,16 +121,6 @@ def test_compiling_is_no_part_of_the_seconds_of_a_solution(package):
     )
     first, second = map(float, run(package, program)[0].split()[1:])
     assert first == second > 0.01
-
-
-@compiled
-def test_ctrl_c_ends_compiling(package):
-    process = start(package, f"import weier.kernels.jit as jit; jit._numba(); print('now', flush=True); {CALL}")
-    process.stdout.readline()
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=60)
-    assert process.returncode != 0
-    assert run(package)[0] == "1"
 
 
 @in_any_order
@@ -171,19 +157,6 @@ def test_kernels_are_made_of_the_folders_that_name_the_cache():
             assert [name for name in imported if not name.startswith(inside)] == [], path
 
 
-def test_nothing_private_of_numba_is_used():
-    private = ["numba.core", "numba.np", "llvmlite", "_numba_type_", "_overload_func", "PyThreadState"]
-    root = PACKAGE.parent
-    for path in [
-        *PACKAGE.rglob("*.py"),
-        *root.glob("benchmarks/**/*.py"),
-        *root.glob("rules/*.smk"),
-        *root.glob("Snakefile"),
-    ]:
-        text = path.read_text(encoding="utf-8")
-        assert [name for name in private if name in text] == [], path
-
-
 @pytest.mark.parametrize("level", [None, "3"])
 def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, level):
     monkeypatch.delenv("NUMBA_OPT", raising=False)
@@ -198,16 +171,14 @@ def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, le
 def test_a_program_imports_what_it_uses():
     """The heavy packages, by what a program does; numba, xarray and pandas take a second."""
     heavy = ["bokeh", "matplotlib", "mpmath", "netCDF4", "numba", "pandas", "rocket_fft", "scipy.special", "xarray"]
-    command = "import sys; from weier.cli import cli; sys.argv = ['weier', '--help']; cli(standalone_mode=False)"
-    closed_forms = "from weier.methods.registry import find_method; import numpy as np; from weier import Profile"
+    command = (
+        "import sys; from weier.cli import cli; sys.argv = ['weier', 'solve', '--help']; cli(standalone_mode=False)"
+    )
+    closed_forms = "import weier, numpy as np; dir(weier); from weier.methods.registry import find_method"
     programs = {
-        "import weier; dir(weier)": [],
-        "import weier; weier.Profile(D=1.25, gamma=5, m=2)": [],
-        "import weier.methods.registry": [],
-        f"{closed_forms}; find_method('westergaard').solve(Profile(D=1.25, gamma=5, m=1), np.array([0.1]))": [],
+        f"{closed_forms}; find_method('westergaard').solve(weier.Profile(D=1.25, gamma=5, m=1), np.array([0.1]))": [],
         "import weier; weier.solve": ["netCDF4", "pandas", "xarray"],
         command: [],
-        command.replace("'--help'", "'solve', '--help'"): [],
     }
     for program, expected in programs.items():
         code = f"{program}; import sys; print('\\n', *sorted(sys.modules.keys() & set({heavy})))"

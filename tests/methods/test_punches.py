@@ -7,7 +7,7 @@ from weier.methods.punches import MAX_COARSEST, OFFSET, invert_punches, solve_fo
 
 
 @pytest.mark.parametrize(
-    ("count", "ratio"), [(3, 1 + 1e-9), (MAX_COARSEST, 1 + 1e-9), (MAX_COARSEST + 1, 4), (1000, 4)]
+    ("count", "ratio"), [(3, 1 + 1e-9), (MAX_COARSEST, 1 + 1e-9), (MAX_COARSEST + 1, 4), (400, 4)]
 )
 def test_the_inverse_of_few_punches_is_exact_and_that_of_many_is_near(count, ratio):
     """The inverse is that of a few punches, and so near to that of many that conjugate gradients are soon there."""

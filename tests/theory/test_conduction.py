@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from weier.theory.conduction import composite_modulus, full_contact_pressure, specific_resistance
+from weier.theory.conduction import RANGES, composite_modulus, full_contact_pressure, specific_resistance
 
 
 def test_composite_modulus_is_half_of_the_plane_strain_modulus():
@@ -23,3 +23,20 @@ def test_resistance_is_modulus_times_resistivities_times_compliance_slope():
     found = specific_resistance(slope, modulus, 1.4e-7, 1.7e-8)
     assert found == pytest.approx(np.array([[0, 0], [3.14e-12, 9.42e-12]]), rel=1e-14)
     assert specific_resistance(math.inf, 1e10, 1.4e-7, 1.7e-8) == math.inf
+
+
+LIMITS = {"modulus": (0, None), "mu_1": (0, None), "nu_2": (-1, 0.5), "rho_1": (-1e-300, math.inf)}
+LIMITS |= dict.fromkeys(("lambda_0", "g_0"), (0, math.inf))
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_quantities_have_the_ranges_of_physics(name):
+    """Rigid bodies have mu = inf, incompressible ones nu = 0.5, and superconducting ones no resistivity."""
+    _, holds, _ = RANGES[name]
+    low, high = LIMITS[name]
+    assert not holds(low)
+    assert holds(low + 1e-9)
+    assert holds(0.3)
+    assert holds(math.inf) == (high is None)
+    assert name != "nu_2" or (holds(0.5) and not holds(0.5 + 1e-9))
+    assert name != "rho_1" or holds(0.0)

@@ -150,10 +150,7 @@ def test_any_number_of_points_above_two_a_wave_will_do(points):
     [
         ({"points": 10}, "above 10"),
         ({"points": 99.5}, "whole number"),
-        ({"points": "a"}, "whole number"),
-        ({"points": np.nan}, "whole number"),
         ({"points": 1e300}, r"at most 10000000, got 1e\+300"),
-        ({"staircase": "taken off"}, "staircase must be one of removed, kept, got"),
     ],
 )
 def test_bad_settings_are_refused(settings, message):
@@ -165,10 +162,8 @@ def test_bad_settings_are_refused(settings, message):
     ("settings", "message"),
     [
         ({"points_per_wave": 16.5}, "points_per_wave of bem must be a whole number"),
-        ({"points_per_wave": 2}, "at least 3, got 2"),
         ({"points_per_wave": 16, "tolerance": 0.1}, "a grid takes tolerance or points_per_wave, and not both"),
         ({"points_per_wave": 10_000_000}, "points must be at most 10000000, got 50000000: take fewer"),
-        ({"staircase": "taken off"}, "staircase must be one of removed, kept, got"),
     ],
 )
 def test_bad_grids_are_refused(settings, message):
