@@ -8,6 +8,7 @@ from scipy.special import zeta
 from tests.dense import dense_curve
 from tests.reference import REFERENCES
 from weier import Profile, random_phases, solve
+from weier.accuracy.cosines import Cosines
 from weier.methods import patches, westergaard
 from weier.methods.bem import curve, staircase
 from weier.methods.bem.active_set import NestedSolver
@@ -115,6 +116,9 @@ def test_a_gap_of_a_node_that_the_continuum_has_not_is_closed():
     assert edge_deviation(profile, found.contact_edge[0], exact.contact_edge[0]) < 1e-2
 
 
+THREE_TO_A_PERIOD = 130 / 3  # nodes of each of three equal waves, which lie 0, 1/3 and -1/3 of a node off the grid
+
+
 @pytest.mark.parametrize("fraction", [0.1, 0.4, 0.7])
 @pytest.mark.parametrize("shift", [0.0, 0.25])
 def test_a_contact_of_one_node_is_hertzs(fraction, shift):
@@ -131,18 +135,31 @@ def test_a_contact_of_one_node_is_hertzs(fraction, shift):
     assert 0.5 * (right + left) == pytest.approx(shift, abs=0.01)
 
 
+def test_each_contact_of_one_node_is_beside_it_as_its_crest_is():
+    """The higher a node, the more of the load its contact takes."""
+    load = 0.4 * np.pi**2 / (2 * np.log(2) * THREE_TO_A_PERIOD**2) / 2
+    grid = NestedSolver(Cosines(np.ones(1), [3]), 130, 1e-12)
+    point = staircase.remove_staircase(grid.solve_discrete(3 * load, True))
+    assert point.first.tolist() == point.last.tolist() == [0, 43, 87]
+    left, right = point.edge.reshape(-1, 2).T
+    half_width = np.arcsin(np.sqrt(load)) / np.pi * THREE_TO_A_PERIOD
+    assert 0.5 * (right - left) == pytest.approx(half_width, rel=0.1)
+    assert 0.5 * (right + left) == pytest.approx(np.arange(3) * THREE_TO_A_PERIOD, abs=0.02)
+
+
 @pytest.mark.parametrize("width", [0.3, 0.4, 0.5])
-@pytest.mark.parametrize("shift", [0.0, 0.2, 0.4, -0.4])
-def test_a_gap_of_one_node_is_a_crack(width, shift):
-    """Half-width and middle, in nodes, of the last gap of one wave, whose trough is beside a node."""
-    points = 64
-    profile = Profile(1.25, 5, 1, (np.pi - 2 * np.pi * shift / points,))
-    grid = NestedSolver(profile, points, 1e-12)
-    point = staircase.remove_staircase(grid.solve_discrete(np.cos(np.pi * width / points) ** 2, True))
-    assert (point.first - point.last).tolist() == [2 - points]
-    left, right = point.edge - [0, points]
-    assert 0.5 * (left - right) == pytest.approx(width, abs=0.01)
-    assert 0.5 * (left + right) == pytest.approx(shift, abs=1e-3)
+def test_gaps_of_one_node_are_cracks(width):
+    """Half-widths and middles, in nodes, of the last gaps, whose troughs are beside nodes."""
+    load = np.cos(np.pi * width / THREE_TO_A_PERIOD) ** 2
+    grid = NestedSolver(Cosines(np.ones(1), [3], np.pi), 130, 1e-12)
+    point = staircase.remove_staircase(grid.solve_discrete(3 * load, True))
+    assert sorted(point.first % 130) == [1, 44, 88]
+    start, end = point.edge.reshape(-1, 2).T
+    gap = np.append(start[1:], start[0] + 130) - end
+    middle = (np.append(start[1:], start[0] + 130) + end) / 2
+    assert 0.5 * gap == pytest.approx(width, abs=0.01)
+    nearest = np.rint(middle / THREE_TO_A_PERIOD) * THREE_TO_A_PERIOD
+    assert middle == pytest.approx(nearest, abs=2e-3)
 
 
 def test_in_full_contact_all_is_known():

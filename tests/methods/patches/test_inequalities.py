@@ -138,6 +138,20 @@ def test_the_residual_beside_an_edge_has_the_strength_of_the_density(wave, dual)
     assert value[0] == pytest.approx(expected, rel=1e-3, abs=0)
 
 
+def test_gaps_are_probed_at_crests_midway_between_them_and_closely_at_their_ends():
+    """Two contacts on [0.1, 0.3] and [0.4, 0.8] of a period with crests at 0.2, 0.5 and 0.95 beside others."""
+    crest = np.array([0.02, 0.2, 0.35, 0.5, 0.95])
+    one = np.zeros(2), np.array([0.2, 0.6]), np.array([0.1, 0.2])
+    x, interval = inequalities._probe_points(*one, crest, 1.0, 2 * np.pi * 8)
+    assert np.all(np.diff(x) > 0)
+    assert np.all(np.where(interval == 0, (x > 0.3) & (x < 0.4), (x > 0.8) & (x < 1.1)))
+    for expected in (0.35, 0.875 - 0.15, 0.95, 1.02, 0.985):
+        inside = 0.3 < expected < 0.4 or 0.8 < expected < 1.1
+        assert np.any(np.abs(x - expected) < 1e-12) == inside
+    assert np.diff(x[interval == 1]).max() < 1 / 40  # five probes to the finest of eight waves, at least
+    assert x[interval == 1][0] - 0.8 < 0.3 * np.diff(x[interval == 1]).max()
+
+
 @pytest.mark.parametrize("probe", np.linspace(-2.3, 2.3, 12))
 def test_a_minimum_is_found_from_probes_beyond_an_inflection(probe):
     """The lowest of three probes of a cosine may lie where it is concave."""

@@ -21,6 +21,7 @@ MAX_DIRECT_STEPS = 20  # from the initial guess; 4 to 10 are usual
 MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponentials mislead farther away
 MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # load increments of the continuation, in ln xi
+MAX_STRIDES = 10_000  # in all: ten times those over all loads that floats hold
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from, where the layer is not yet flat
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
@@ -216,7 +217,9 @@ def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tu
     here, stride = np.array([min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE]), MAX_STRIDE
     state = _first_guess(here, closure, mesh)
     state, error = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
-    while here[0] < log_load and error[0] <= limit[0] and stride > MIN_STRIDE:
+    for _ in range(MAX_STRIDES):
+        if here[0] >= log_load or not error[0] <= limit[0] or stride <= MIN_STRIDE:
+            break
         there = np.minimum(here + stride, log_load)
         equations = _balance(state, here, closure, mesh)
         ahead = _moved(state, (there - here) * _solve(equations.jacobian, -equations.drift), equations.trust)
