@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
     from weier.methods.errors import OutOfReachError as OutOfReachError
+    from weier.surface.gaussian import gaussian as gaussian
     from weier.surface.measured.trace import Trace as Trace
     from weier.surface.profile import Profile as Profile
     from weier.surface.profile import random_phases as random_phases
@@ -41,6 +42,7 @@ _MODULES = {
     "fields": "api.fields",
     "find_load": "api.inverse",
     "fit": "surface.spectrum",
+    "gaussian": "surface.gaussian",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",
     "profile_of": "data.selection",

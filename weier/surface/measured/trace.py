@@ -12,7 +12,7 @@ import hashlib
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -191,7 +191,7 @@ class Trace(Waves):
                 "source": source,
                 "line": one.number,
                 "left_out": one.left_out,
-                "digest": _digest(contents.encode() + level.tobytes()),
+                "digest": digest_of(contents.encode() + level.tobytes()),
                 "period": period,
             },
         )
@@ -420,7 +420,8 @@ class Trace(Waves):
         pair = (first, second)
         if not all(isinstance(trace, Trace) for trace in pair):
             raise ValueError(f"first and second must be traces, got {shown(first)} and {shown(second)}")
-        for name in ("lambda_0", "samples", "ends", "detrend", "shortest"):
+        names = ("lambda_0", "samples", "ends", "detrend", "shortest")
+        for name in names:
             one, other = getattr(first, name), getattr(second, name)
             if not (math.isclose(one, other, rel_tol=SAME_LENGTH) if isinstance(one, float) else one == other):
                 raise ValueError(
@@ -436,16 +437,22 @@ class Trace(Waves):
         if not rough.any():
             raise ValueError("both traces must leave a gap, got heights that cancel: is one of them upside down?")
         (heights, longest, cut), more = first.filled, second.filled
-        own = {field.name: getattr(first, field.name) for field in fields(cls)} | {
-            "filled": Filled(heights + more.heights, max(longest, more.longest), cut + more.cut),
-            "source": source or " on ".join(filter(None, (first.source, second.source))),
-            "line": None,
-            "left_out": (),
-            "digest": _digest("".join(sorted((first.digest, second.digest))).encode()),
-        }
-        gap = object.__new__(cls)
-        gap._set(waves[rough], coefficient[rough], own)
-        return gap
+        shared = {name: getattr(first, name) for name in (*names, "period")}
+        return cls.of_waves(
+            waves[rough],
+            coefficient[rough],
+            **shared,
+            filled=Filled(heights + more.heights, max(longest, more.longest), cut + more.cut),
+            source=source or " on ".join(filter(None, (first.source, second.source))),
+            digest=digest_of("".join(sorted((first.digest, second.digest))).encode()),
+        )
+
+    @classmethod
+    def of_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
+        """Return the trace of waves, by their numbers in a period and complex amplitudes in m, and other fields."""
+        trace = object.__new__(cls)
+        trace._set(waves, coefficient, {"filled": Filled(), "line": None, "left_out": (), **fields})
+        return trace
 
     @classmethod
     def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
@@ -502,7 +509,8 @@ class Trace(Waves):
         )
 
 
-def _digest(contents: bytes) -> str:
+def digest_of(contents: bytes) -> str:
+    """Return the digest that identifies a trace of these contents."""
     return hashlib.sha256(contents).hexdigest()[:12]
 
 
