@@ -11,6 +11,7 @@ from weier.api.fields import events, fields
 from weier.api.interface import Interface
 from weier.api.solve import solve
 from weier.data.bodies import Bodies
+from weier.data.markdown import significant
 from weier.methods import westergaard
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -80,8 +81,10 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
     expected = interface().full_contact_pressure * loads / np.r_[2 / np.pi * np.arcsin(np.sqrt(loads[:3])), 1, 1]
     bodies = interface(hardness_1=9e9, hardness_2=expected[2] / 0.47 * (1 - 1e-6))
     curve = solve(Profile(1.5, 3, 1), loads, "westergaard")
-    said = f"from a mean pressure of {bodies.pressure(0.5) / 1e6:.3g} MPa on, at 3 of 5 loads: .* reaches "
-    with pytest.warns(UserWarning, match=f"{said}{expected[4] / 1e6:.3g} MPa") as warned:
+    said = (
+        f"from a mean pressure of {significant(bodies.pressure(0.5) / 1e6, 3)} MPa on, at 3 of 5 loads: .* reaches "
+    )
+    with pytest.warns(UserWarning, match=f"{said}{significant(expected[4] / 1e6, 3)} MPa") as warned:
         table = bodies.in_si(curve).weier.table()
     assert len(warned) == 1
     assert table["contact_pressure"].to_numpy() == pytest.approx(expected, rel=1e-12)

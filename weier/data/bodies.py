@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.checks import checked_number, checked_numbers, suggestion
 from weier.data.curves import contact_pressure
+from weier.data.markdown import significant
 from weier.data.si import OF_DATASETS, check_normalised, converted, scaled
 from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
@@ -329,4 +330,4 @@ def _varies(scale: Iterable[Array]) -> bool:
 
 
 def _in_MPa(pressure: float) -> str:
-    return f"{pressure / 1e6:.3g} MPa"
+    return f"{significant(pressure / 1e6, 3)} MPa"
