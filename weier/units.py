@@ -75,12 +75,6 @@ def unit_of(values: Any) -> str:
     return "" if named is None else str(named)
 
 
-def common_unit(values: Any) -> str:
-    """Return the unit that values carry, or that all elements of a list carry; empty if there is none, or several."""
-    found = {unit_of(value) for value in values} if isinstance(values, list | tuple) else {unit_of(values)}
-    return found.pop() if len(found) == 1 else ""
-
-
 def in_unit(name: str, values: Any, unit: str) -> Any:
     """Return values that carry no unit as they are, others as plain numbers in `unit`.
 
@@ -164,9 +158,10 @@ def listed(name: str, text: str, unit: str) -> list[float]:
     return [float(value) for value in np.geomspace(first, last, int(count))]
 
 
-def units_in(text: str) -> set[str]:
-    """Return the units in the text of a list, which `listed` parses."""
-    return {found[2] for part in re.split("[,:]", text) if (found := NUMBER.fullmatch(part))} - {""}
+def unit_in(text: str) -> str:
+    """Return the first unit in the text of a list, which `listed` parses; empty if there is none."""
+    parts = (NUMBER.fullmatch(part) for part in re.split("[,:]", text))
+    return next((found[2] for found in parts if found and found[2]), "")
 
 
 def mixed(name: str, unit: str) -> str:

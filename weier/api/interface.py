@@ -84,7 +84,7 @@ class Interface(Bodies):
         surface : Profile, Trace or sequence of these
             A series needs lambda_0 and g_0 of this interface; a trace has its own.
         pressure : array_like, shape (loads,)
-            Positive, in Pa, or in another unit that they carry, in which the result has them, too.
+            Positive, in Pa, or in another unit that they carry; the result has that of the first.
         method, **options
             As of `weier.solve`; a `tolerance` is in g_0.
 
@@ -122,7 +122,7 @@ class Interface(Bodies):
         for one in surface if isinstance(surface, list | tuple) else ():
             checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
-        unit = units.common_unit(pressure)
+        unit = units.unit_of(pressure[0] if isinstance(pressure, list | tuple) and pressure else pressure)
 
         def in_si(solved: xr.Dataset) -> xr.Dataset:
             return with_pressures_in(self.in_si(solved), unit)

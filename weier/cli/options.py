@@ -45,7 +45,7 @@ def check_free(path: Path, force: bool) -> None:
 
 
 class Pressures(NamedTuple):
-    """Mean pressures in Pa, and the unit in which they were given; empty if they were in several."""
+    """Mean pressures in Pa, and the first unit in which they were given; empty if there was none."""
 
     values: Array
     unit: str
@@ -54,16 +54,13 @@ class Pressures(NamedTuple):
 def parse_pressures(text: str) -> Pressures:
     """Return positive pressures from a text such as "1,10MPa"."""
     given = listed_in_si("pressures", text, units.PASCAL)
-    named = units.units_in(text)
-    return Pressures(
-        checked_numbers("pressures", given, "be positive", lambda p: p > 0), named.pop() if len(named) == 1 else ""
-    )
+    return Pressures(checked_numbers("pressures", given, "be positive", lambda p: p > 0), units.unit_in(text))
 
 
 def listed_in_si(name: str, text: str, unit: str) -> list[float]:
     """Return numbers in an SI unit from the text of an option; a text without a unit is echoed with the one taken."""
     values = units.listed(name, text, unit)
-    if not units.units_in(text):
+    if not units.unit_in(text):
         click.echo(f"--{name} {text}: taken in {unit}, since no unit is given", err=True)
     return values
 

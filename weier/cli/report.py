@@ -11,21 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from weier.cli import options
 from weier.cli.bodies import OF_AN_ENSEMBLE, read_bodies, table_of
-from weier.cli.options import (
-    FILE,
-    FORCE,
-    MAX_SECONDS,
-    MIN_LOADS,
-    OF_BODIES,
-    OF_SOLUTION,
-    OF_TRACE,
-    SERIES,
-    Pressures,
-    check_free,
-    profile_or_trace,
-    writable,
-)
 from weier.data import markdown
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import replacing, write_text
@@ -53,39 +40,42 @@ COLUMNS = {
 OF_SEVERAL = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
 MAX_DIGITS, ERROR_DIGITS = 5, 2  # significant digits of quantities and of errors, at most
 TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
-WRITABLE = writable(*TABLES, *PICTURES, DATA)
-UNIT, EXPONENT, POINT = re.compile(r" \(.*\)$"), re.compile(r"e\+?(-?)0*(\d+)$"), re.compile(r"\.(?=$|e)")
-LATEX = str.maketrans({"_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "^": r"\^{}"})
+WRITABLE = options.writable(*TABLES, *PICTURES, DATA)
+UNIT, POINT = re.compile(r" \(.*\)$"), re.compile(r"\.(?=$|e)")
 
 
 @click.command(
-    params=[*OF_TRACE[1:], *OF_BODIES, *(one for one in OF_SOLUTION if one.name in ("tolerance", "workers"))]
+    params=[
+        *options.OF_TRACE[1:],
+        *options.OF_BODIES,
+        *(one for one in options.OF_SOLUTION if one.name in ("tolerance", "workers")),
+    ]
 )
-@click.argument("files", nargs=-1, required=True, type=FILE)
+@click.argument("files", nargs=-1, required=True, type=options.FILE)
 @click.option(
     "-o",
     "--output",
     "outputs",
     multiple=True,
-    type=FILE,
+    type=options.FILE,
     callback=lambda context, option, paths: [WRITABLE(context, option, path) for path in paths],
     help="Write here, by the suffix: a table as .csv, .xlsx, .tex or .md, a figure as .png, .pdf or .svg, all data "
     "as .nc; repeatable. By default, the table is printed.",
 )
 @click.option("--all", "everything", is_flag=True, help="Write tables of all columns and digits, one row per line.")
-@FORCE
-@MAX_SECONDS
+@options.FORCE
+@options.MAX_SECONDS
 def report(
     files: Sequence[Path],
     outputs: Sequence[Path],
     everything: bool,
     force: bool,
     bodies: Path | None,
-    pressures: Pressures | None,
+    pressures: options.Pressures | None,
     tolerance: float | None,
     workers: int,
     max_seconds: float | None,
-    **options: Any,
+    **of_trace: Any,
 ) -> None:
     """Report the contact resistance of measured lines.
 
@@ -102,9 +92,10 @@ def report(
     loads = np.unique(pressures.values)
     _check_outputs(outputs, files, force, loads.size)
     from weier.api.solve import solve_under  # xarray takes half a second, and the help needs none of it
+    from weier.data import dataset
     from weier.data.si import with_pressures_in
 
-    both, lines = read_bodies(bodies), _lines(files, options)
+    both, lines = read_bodies(bodies), _lines(files, of_trace)
     settings: dict[str, Any] = {"workers": workers, "max_seconds": max_seconds}
     settings |= {} if tolerance is None else {"tolerance": tolerance}
     solved = solve_under(lines, loads, both.loads_of(loads), **settings)
@@ -116,8 +107,6 @@ def report(
     table = table_of(data) if everything else rounded(table_of(data, ensemble=True), count > 1)
     for path in outputs:
         if path.suffix == DATA:
-            from weier.data import dataset
-
             dataset.write(data, path, title, "solved")
         elif path.suffix in PICTURES:
             from weier.figures import draw
@@ -137,18 +126,18 @@ def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, 
     for path in outputs:
         if path.resolve() in inputs:
             raise click.BadParameter(f"{path} is one of FILES: name another output, or fewer files")
-        check_free(path, force)
-        if path.suffix in PICTURES and loads < MIN_LOADS:
-            raise click.BadParameter(f"a figure takes at least {MIN_LOADS} pressures, got {loads}")
+        options.check_free(path, force)
+        if path.suffix in PICTURES and loads < options.MIN_LOADS:
+            raise click.BadParameter(f"a figure takes at least {options.MIN_LOADS} pressures, got {loads}")
         if path.suffix == ".xlsx":
             import openpyxl  # noqa: F401 - of an extra, whose name the error of a missing module leads to
 
 
-def _lines(files: Sequence[Path], options: Mapping[str, Any]) -> list[Trace]:
+def _lines(files: Sequence[Path], of_trace: Mapping[str, Any]) -> list[Trace]:
     """Return the lines of all files; ValueError unless they have one shortest wavelength, within 1 %."""
     parameters = []
     for file in files:
-        trace = profile_or_trace(file, **dict.fromkeys(SERIES), **options)["trace"]
+        trace = options.profile_or_trace(file, **of_trace)["trace"]
         try:
             parameters += trace_parameters(trace, Path())
         except ValueError as error:
@@ -210,30 +199,13 @@ def _write_table(table: pd.DataFrame, path: Path, title: str) -> None:
             numbers.where(numbers.notna(), table).to_excel(file, index=False, engine="openpyxl")
     elif path.suffix == ".csv":
         write_text(path, table.to_csv(index=False))
+    elif path.suffix == ".tex":
+        write_text(path, f"% {title}\n{table.to_latex(index=False, escape=True)}")
     else:
-        write_text(path, (_latex if path.suffix == ".tex" else _markdown)(table, title))
+        write_text(path, _markdown(table, title))
 
 
 def _markdown(table: pd.DataFrame, title: str) -> str:
     """Return a table below its title in Markdown."""
-    head, *rows = ([markdown.plain(cell) for cell in row] for row in _cells(table))
+    head, *rows = ([markdown.plain(str(cell)) for cell in row] for row in (table, *table.fillna("").to_numpy()))
     return f"{markdown.plain(title)}\n\n{markdown.table(head, rows)}\n"
-
-
-def _latex(table: pd.DataFrame, title: str) -> str:
-    """Return a tabular of LaTeX, which needs no package."""
-    head, *body = (" & ".join(map(_formula, row)) + r" \\" for row in _cells(table))
-    lines = [rf"\begin{{tabular}}{{{'r' * table.shape[1]}}}", r"\hline", head, r"\hline", *body, r"\hline"]
-    return "\n".join([f"% {title}", *lines, r"\end{tabular}", ""])
-
-
-def _formula(cell: str) -> str:
-    """Return a cell in LaTeX: powers of ten and the unit of resistance as formulas."""
-    if EXPONENT.search(cell):
-        return "$" + EXPONENT.sub(r"\\times 10^{\1\2}", cell) + "$"
-    return cell.translate(LATEX).replace("ohm m", r"$\Omega\,$m").replace(r"m\^{}2", "m$^2$")
-
-
-def _cells(table: pd.DataFrame) -> list[list[str]]:
-    """Return the headings and the rows of a table as texts."""
-    return [list(map(str, table)), *(list(map(str, row)) for row in table.fillna("").to_numpy().tolist())]

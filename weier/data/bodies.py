@@ -247,12 +247,12 @@ class Bodies:
         ratio = contact_pressure(pressure, contact_fraction) / hardness
         near = (ratio > YIELD).any(axis=tuple(range(ratio.ndim - 1)))
         if near.any():
-            largest = float(np.nanmax(ratio))
+            pressures = pressure[near].min(), hardness, np.nanmax(ratio) * hardness
+            first, limit, largest = (f"{significant(one / 1e6, 3)} MPa" for one in pressures)
             warnings.warn(
-                f"contacts yield from a mean pressure of {_in_MPa(pressure[near].min())} on, at {near.sum()} of "
-                f"{near.size} loads: p over the contact fraction exceeds {YIELD} of the lower hardness, "
-                f"{_in_MPa(hardness)}, and reaches {_in_MPa(largest * hardness)}. Elastic contact underestimates "
-                "their area: take lighter loads, or judge these results as elastic ones",
+                f"contacts yield from a mean pressure of {first} on, at {near.sum()} of {near.size} loads: p over "
+                f"the contact fraction exceeds {YIELD} of the lower hardness, {limit}, and reaches {largest}. "
+                "Elastic contact underestimates their area: take lighter loads, or judge these results as elastic ones",
                 stacklevel=3,  # at the call of the conversion
             )
 
@@ -327,7 +327,3 @@ def to_normalised(bodies: Bodies, name: str, unit: str, values: ArrayLike) -> Ar
 def _varies(scale: Iterable[Array]) -> bool:
     """Return whether cases differ in scale."""
     return any(np.ptp(values) > 0 for values in scale)
-
-
-def _in_MPa(pressure: float) -> str:
-    return f"{significant(pressure / 1e6, 3)} MPa"

@@ -56,9 +56,11 @@ def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = 
         library=Markup(library),
         item=Markup(item.replace("</", "<\\/")),
         explorer=EXPLORER_ID,
-        texts=[cases, _in_si(data, interface) if interface else provenance.NORMALISED, HIDING],
+        texts=[
+            cases,
+            IN_SI.format(unit_of(data["mean_pressure"]), interface.resistance_unit)
+            if interface
+            else provenance.NORMALISED,
+            HIDING,
+        ],
     )
-
-
-def _in_si(data: xr.Dataset, interface: Bodies) -> str:
-    return IN_SI.format(unit_of(data["mean_pressure"]), interface.resistance_unit)
