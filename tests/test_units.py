@@ -95,15 +95,10 @@ def test_pressures_with_a_unit_are_converted(of):
     ("call", "unit"),
     [
         (partial(weier.solve, PROFILE, method="demelio"), "MPa"),
-        (partial(weier.solve, PROFILE, method="demelio"), "Pa"),
-        (BODIES.normalised_pressure, "mm"),
         (BODIES.normalised_pressure, "p_0*"),
         (BODIES.normalised_pressure, "nonsense"),
-        (BODIES.pressure, "Pa"),
-        (BODIES.compliance, "um"),
         (BODIES.resistance, "ohm m^2"),
         (PROFILE.height, "mm"),
-        (partial(weier.Profile, 1.25, 5, 2), "mm"),
     ],
 )
 def test_quantities_of_another_kind_are_refused(call, unit, of):
@@ -118,13 +113,8 @@ def test_quantities_of_another_kind_are_refused(call, unit, of):
     "call",
     [
         lambda value: weier.Profile(value, 5, 2),
-        lambda value: weier.Profile(1.25, value, 2),
-        lambda value: weier.Profile(1.25, 5, value),
-        lambda value: weier.Interface(mu_1=value, mu_2=80e9, **STEEL),
         lambda value: weier.Interface(mu_1=80e9, mu_2=80e9, **STEEL | {"nu_1": value}),
         lambda value: weier.fields(PROFILE, value),
-        lambda value: weier.events(PROFILE, 1e-3, value),
-        lambda value: weier.solve(PROFILE, [0.1], "bem", tolerance=value),
         lambda value: weier.solve(PROFILE, [0.1], "bem", points_per_wave=value),
     ],
 )
@@ -149,13 +139,11 @@ def test_normalised_values_are_taken_with_their_own_unit_alone():
     [
         ("GPa", 1e9),
         ("N/mm²", 1e6),
-        ("N mm-2", 1e6),
         ("N mm\u207b\u00b2", 1e6),
         ("N\u2215mm\u00b2", 1e6),
         ("\u33a9", 1.0),
         ("kg m-1 s-2", 1.0),
         ("kgf/mm^2", 9.80665e6),
-        ("ksi", 6.894757293168362e6),
         ("dyn / cm2", 0.1),
     ],
 )
@@ -188,7 +176,7 @@ def test_a_unit_of_a_list_is_that_of_each_number_or_of_all(text, values):
 
 @pytest.mark.parametrize(
     "text",
-    ["1MPa,5", "1,10MPa,100", "1MPa,5,6MPa", "1,2kPa,3MPa", "1 MPa:10:4", "1MPa:10:4MPa", "1:10kPa:4MPa", "1 Pa,5"],
+    ["1MPa,5", "1,10MPa,100", "1,2kPa,3MPa", "1 MPa:10:4", "1:10kPa:4MPa"],
 )
 def test_a_list_with_some_units_is_refused(text):
     """The unit of the others would be a guess, and 1e6 times off."""
@@ -212,17 +200,13 @@ def test_a_list_of_quantities_and_numbers_is_refused():
 NO_UNITS = [
     "Pa",
     "1e-8 ohm m",
-    "x" * 500,
     "9**9**9**9",
     "m**9**9**9",
-    "(9)**(9)**(9)",
     "",
-    "(",
     "a" * 38 + "!",
     "degC",
     "m\n  m\n (m",  # which the tokenizer of Python refuses by its indentation
     "not-1",
-    "m(",
 ]
 
 

@@ -24,6 +24,7 @@ from weier import units
 from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # characters of a value in a message
+MAX_LISTED = 300  # characters of a list of choices in a message
 MAX_DIGITS = 40  # digits of an integer in a message
 SHORT = Repr()  # which writes some elements only: a text of YAML may have 9^9
 SHORT.maxlevel, SHORT.maxother, SHORT.maxstring, SHORT.maxlong = 2, 2 * MAX_SHOWN, 2 * MAX_SHOWN, 2 * MAX_DIGITS
@@ -105,9 +106,14 @@ def _cores() -> int:
 def checked_word(name: str, value: Any, choices: Collection[str]) -> str:
     """Return one of some words."""
     if not isinstance(value, str) or value not in choices:
-        what = f"{name} must be one of {', '.join(choices)}"
-        raise ValueError(f"{what}, got {shown(value)}{suggestion(value, choices)}")
+        raise ValueError(unknown(name, value, choices))
     return str(value)
+
+
+def unknown(name: str, value: Any, choices: Iterable[str]) -> str:
+    """Return the message for a word that is none of the choices."""
+    listed = ", ".join(choices) or "none"
+    return f"{name} must be one of {listed:.{MAX_LISTED}}, got {shown(value)}{suggestion(value, choices)}"
 
 
 def suggestion(value: Any, choices: Iterable[str]) -> str:

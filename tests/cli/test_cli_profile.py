@@ -34,18 +34,6 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
-def test_other_processes_solve_the_same(run):
-    of_methods = []
-    for count in (1, 2):
-        methods = ("--method", "archard", "--method", "demelio", "--workers", count)
-        code, out, _ = run("solve", *PROFILE, "--loads", "0.1,1", *methods)
-        assert code == 0
-        of_methods.append(json.loads(out)["methods"])
-    for curve in [curve for methods in of_methods for curve in methods.values()]:
-        assert curve.pop("seconds") > 0
-    assert of_methods[0] == of_methods[1]
-
-
 def test_json_tells_the_choice_of_auto_alone(run):
     _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "auto")
     methods = json.loads(out)["methods"]
@@ -139,17 +127,6 @@ def test_plot_leaves_the_file_that_is_named(run, tmp_path, name, written):
     assert {path.name for path in tmp_path.iterdir()} == written
 
 
-@pytest.mark.parametrize(("command", "name"), [(["solve"], "x.md"), (["solve"], "x"), (["plot"], "x.jpg")])
-def test_a_file_of_another_kind_is_not_replaced(run, tmp_path, command, name):
-    path = tmp_path / name
-    path.write_text("mine")
-    into = ["-o", path] if command == ["solve"] else [path]
-    code, _, err = run(*command, *PROFILE, "--method", "demelio", *into)
-    assert code == 2
-    assert f"the name must end in one of .{'nc' if command == ['solve'] else 'pdf'}," in err
-    assert path.read_text() == "mine"
-
-
 @pytest.fixture
 def shaft(tmp_path):
     """A file of heights: two waves, in mm and um."""
@@ -204,17 +181,6 @@ def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
     assert printed["trace_filled"] == 2
     assert printed["trace_detrend"] == "form"
     assert "2 of them interpolated" in printed["title"]
-
-
-@pytest.mark.filterwarnings("default")
-def test_a_form_is_reported_in_one_line(run, tmp_path):
-    x = np.linspace(-1, 1, 200)
-    np.savetxt(tmp_path / "round.txt", 100 * x**2 + np.cos(30 * x) + 0.2 * np.cos(80 * x))
-    of_form = ["--length", "1e-3", "--height-unit", "um", "--loads", "0.1"]
-    code, _, errors = run("solve", "--trace", tmp_path / "round.txt", *of_form)
-    assert code == 0, errors
-    (line,) = [line for line in errors.splitlines() if "form" in line]
-    assert line.startswith("weier: the form of the trace, a parabola or tilt of")
 
 
 def test_a_figure_without_a_name_is_a_file_that_is_named(run, tmp_path, monkeypatch):
@@ -422,11 +388,3 @@ def test_settings_are_completed():
     (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
     found = [item.value for item in option.shell_complete(None, "bem.po")]
     assert found == ["bem.points_per_wave="]
-
-
-def test_a_figure_that_is_stopped_ends_as_any_command(run, tmp_path):
-    with stopping_after(3, KeyboardInterrupt), pytest.raises(KeyboardInterrupt):
-        run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))
-    with stopping_after(3, TimeoutError):
-        assert run("plot", *SERIES, "--method", "patches", str(tmp_path / "curves.png"))[0] == 1
-    assert not list(tmp_path.iterdir())

@@ -68,18 +68,6 @@ def test_a_table_in_si_units_names_them(run):
         assert [float(row[f"{name} ({unit})"]) for row in rows(out)] == curve[name].values.tolist()
 
 
-def test_a_trace_in_si_units_has_its_own_scale(run, folder):
-    z = 1e-6 * np.cos(2 * np.pi * np.arange(100) / 100)
-    trace, longer = (weier.Trace(z, length, ends="periodic", source="t", unit="m") for length in (3e-3, 4e-3))
-    weier.solve(trace, [0.1, 1.0], "bem").to_netcdf(folder / "one.nc")
-    weier.solve([trace, longer, PROFILE], [0.1, 1.0], "bem").to_netcdf(folder / "all.nc")
-    own = weier.Interface(**BODIES | {"lambda_0": trace.lambda_0, "g_0": trace.g_0})
-    expected = own.in_si(weier.solve(trace, [0.1, 1.0], "bem")).resistance.values.tolist()
-    code, out, _ = run("table", "one.nc", "--si", "bodies.yaml")
-    assert [code, *(float(row["resistance (ohm m^2)"]) for row in rows(out))] == [0, *expected]
-    assert "data must have common pressures in Pa" in run("table", "all.nc", "--si", "bodies.yaml")[2]
-
-
 def bodies(**changes):
     """The file of bodies with other values; None takes one away."""
     values = {name: value for name, value in (BODIES | changes).items() if value is not None}
@@ -140,11 +128,6 @@ def test_bodies_that_are_wrong_are_refused_in_a_sentence(run, folder, text, why)
     assert (code, out) == (1, "")
     (line,) = err.splitlines()
     assert re.search(why, line)
-
-
-def test_a_missing_file_of_bodies_is_named_in_a_sentence(run):
-    code, _, err = run("table", "curve.nc", "--si", "nowhere.yaml")
-    assert (code, err) == (1, "weier: nowhere.yaml cannot be read or written: No such file or directory\n")
 
 
 def test_files_of_others_are_refused_in_a_sentence(run):

@@ -35,7 +35,10 @@ SWEEP = {"D": [1.2, 1.5], "gamma": [2, 3], "m": [1, 2], "seed": [0, 1]}
 FREE = {"median over": ["D", "m", "seed"], "colour": "gamma"}
 ANOTHER = {"two": {"product": {"D": 1.5, "gamma": 2, "m": 2}, "settings": {"bem": {"points_per_wave": 16}}}}
 MISTAKES = [
-    *[({"draw": kind}, f"f.draw: there is no figure '{kind}' of studies, only") for kind in (*OF_FILES, "style")],
+    *[
+        ({"draw": kind}, f"f.draw: a figure of studies must be one of .*, got '{kind}'")
+        for kind in (*OF_FILES, "style")
+    ],
     ({"draw": "complience"}, "f.draw: .*: did you mean 'compliance'?"),
     ({"draw": "compliance", "without": "studies"}, "f.studies: Field required"),
     ({"draw": "contact_tree"}, "f.draw: contact_tree needs contact_edges: true"),

@@ -346,20 +346,11 @@ def drawn(kind, **options):
     ("changes", "message"),
     [
         (mine(file="none.csv"), r"studies\.mine\.trace\.file: there is no file .*none\.csv"),
-        (mine(file=["shaft.csv", "none.csv"]), r"studies\.mine\.trace\.file\.1: there is no file .*none\.csv"),
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
-        (mine(shortest=1.0), r"studies\.mine\.trace\.file: shortest must lie between"),
         (mine(ends="round"), r"studies\.mine\.trace\.ends: Input should be 'mirrored'"),
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
-        (
-            {"studies": {"mine": SCENE["studies"]["mine"] | SCENE["studies"]["series"]}, "figures": {}},
-            r"studies\.mine: one of product, cases, trace must be given, and not product and trace",
-        ),
-        (drawn("profiles"), r"figures\.f\.studies: profiles is of the series alone: leave out traces, or draw compl"),
         (drawn("compliance", colour="method"), r"figures\.f: trace varies .* nothing shows it: add `facet: trace`"),
         ({"interface": BODIES}, r"interface: g_0 and lambda_0 must be given, the scale of the series in m"),
-        ({"claims": {"fourth_term": ["mine"]}}, r"claims\.fourth_term: claims are about the Weierstrass series"),
-        (mine() | {"max_cases": 1} | mine(file=["a", "b"]), r"max_cases: .*at most 1 cases, got 2"),
     ],
 )
 def test_a_mistake_is_reported_with_its_line(folder, changes, message):

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from weier import scene
-from weier.checks import suggestion
+from weier.checks import unknown
 from weier.figures import KINDS
 from weier.pipeline import claims
 from weier.scene import BY_DEFAULT, Figure, Mistake, Scene
@@ -74,8 +74,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     known = {name: kind for name, kind in KINDS.items() if not kind.command}
     if figure.draw not in known:
         if figure.draw:  # else that is a mistake of its own
-            what = f"there is no figure {figure.draw!r} of studies, only {', '.join(known)}"
-            yield "draw", f"{what}{suggestion(figure.draw, known)}"
+            yield "draw", unknown("a figure of studies", figure.draw, known)
         return
     kind = known[figure.draw]
     if kind.needs_studies and not figure.studies:

@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from weier.checks import shown, suggestion
+from weier.checks import checked_word, shown
 from weier.data.files import check_target, check_writable
 from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
@@ -202,9 +202,7 @@ def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
     """
     with ending_in_one_sentence():
         for key in config:
-            if key not in CONFIG_KEYS:
-                what = f"there is no key {key!r} of --config, only {', '.join(CONFIG_KEYS)}"
-                raise ValueError(f"{what}{suggestion(key, CONFIG_KEYS)}")
+            checked_word("a key of --config", key, CONFIG_KEYS)
         given = config.get("scenes")
         if not isinstance(given, str) or not given.strip():
             quoted = "quote names that are numbers, as in --config \"scenes='2024'\""

@@ -6,21 +6,19 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
+from weier.checks import checked_word
 from weier.data.bodies import Bodies
 from weier.kernels.arrays import Array, Indices
 from weier.scene.case import Case, short_keys
 from weier.scene.figure import Figure
 from weier.scene.identity import Keys, distinct
-from weier.scene.mistakes import SceneError
 from weier.scene.study import CaseProduct, Study
 from weier.surface.loads import check_range
 from weier.units import NORMALISED_PRESSURE
 
-Item = TypeVar("Item")
 # Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
 MAX_NAME = 64
 NAME = rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}"
@@ -125,12 +123,12 @@ class Scene:
         return tuple(dict.fromkeys(method for product in self.products for method in product.methods))
 
     def study(self, name: str) -> Study:
-        """Return the cases of a study; a SceneError if there is no such study."""
-        return self._item("study", self.studies, name)
+        """Return the cases of a study; a ValueError if there is no such study."""
+        return self.studies[checked_word(f"a study of {self.name}", name, self.studies)]
 
     def figure(self, name: str) -> Figure:
-        """Return the description of a figure; SceneError if there is no such figure."""
-        return self._item("figure", self.figures, name)
+        """Return the description of a figure; ValueError if there is no such figure."""
+        return self.figures[checked_word(f"a figure of {self.name}", name, self.figures)]
 
     @property
     def in_si(self) -> bool:
@@ -143,8 +141,3 @@ class Scene:
             for product in self.products:
                 for case in product.of_all_kinds("trace"):
                     check_range(self.interface.at(case.profile).normalised_pressure(product.loads))
-
-    def _item(self, kind: str, table: Mapping[str, Item], name: str) -> Item:
-        if name not in table:
-            raise SceneError(f"scene {self.name} has no {kind} {name!r}, only {', '.join(table) or 'none':.300}")
-        return table[name]

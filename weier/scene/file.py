@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weier.checks import checked_file, checked_word, shown, suggestion
+from weier.checks import checked_file, checked_word, unknown
 from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
@@ -129,8 +129,7 @@ def _mistakes_of_scene(keys: SceneKeys, mistakes: Mistakes) -> Iterator[Mistake]
     for place, listed in lists.items():
         for position, study in enumerate(listed):
             if study not in keys.studies:
-                what = f"there is no study {shown(study)}, only {', '.join(keys.studies):.300}"
-                yield Mistake((*place, position), f"{what}{suggestion(study, keys.studies)}")
+                yield Mistake((*place, position), unknown("a study", study, keys.studies))
 
 
 def _settings(place: Keys, settings: Settings, mistakes: Mistakes) -> dict[str, dict[str, Any]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from weier.api.rows import BOUNDS
-from weier.checks import suggestion
+from weier.checks import unknown
 from weier.data.files import write_text
 from weier.pipeline.claims import report
 from weier.pipeline.claims.case import Case, Study
@@ -32,8 +32,7 @@ def check_names(scene: Scene) -> Iterator[Mistake]:
     """Yield mistakes for claims of a scene that are not in CLAIMS."""
     for name in scene.claims:
         if name not in CLAIMS:
-            what = f"there is no claim {name!r}, only {', '.join(CLAIMS)}{suggestion(name, CLAIMS)}"
-            yield Mistake(("claims", name), what)
+            yield Mistake(("claims", name), unknown("a claim", name, CLAIMS))
 
 
 def unused(names: Iterable[str]) -> tuple[str, ...]:
