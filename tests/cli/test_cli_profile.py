@@ -34,20 +34,6 @@ def test_json_is_what_solve_gives(run):
     assert found["units"]["resistance"] == "g_0/p_0*"
 
 
-def test_json_tells_the_choice_of_auto_alone(run):
-    _, out, _ = run("solve", *PROFILE, "--loads", "0.1,20", "--method", "demelio", "--method", "auto")
-    methods = json.loads(out)["methods"]
-    assert (methods["auto"]["chosen_method"], methods["auto"]["chosen_terms"]) == ("bem", 2)
-    assert "chosen_terms" not in methods["demelio"]
-
-
-def test_a_tolerance_is_the_choice_also_of_the_infinite_series(run):
-    series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1", "--tolerance", "0.1"]
-    methods = json.loads(run("solve", *series)[1])["methods"]
-    assert list(methods) == ["auto"]
-    assert max(methods["auto"]["compliance_error"]) <= 0.1
-
-
 @pytest.mark.parametrize("phases", [["--phases", "0.5,1"], ["--phases", "1"], ["--seed", "3"], []])
 def test_a_file_carries_the_scene_that_makes_it(run, tmp_path, phases):
     path = tmp_path / "a folder" / "curves.nc"
@@ -100,16 +86,6 @@ def test_loads_come_in_the_order_given_and_once_and_increasing_in_netcdf(run, tm
         assert data.mean_pressure.values.tolist() == [0.1, 1.0]
 
 
-def test_a_line_is_drawn_along_its_loads_in_whatever_order_they_come(run, tmp_path):
-    for name, loads in (("one.svg", "0.1,1,2"), ("other.svg", "2,0.1,1,1")):
-        code, _, _ = run("plot", *PROFILE, "--loads", loads, "--method", "demelio", tmp_path / name)
-        assert code == 0
-    assert (tmp_path / "one.svg").read_text() == (tmp_path / "other.svg").read_text()
-    code, _, err = run("plot", *PROFILE, "--loads", "1,1", tmp_path / "none.svg")
-    assert code == 2
-    assert "a curve takes at least 2 loads, got 1" in err
-
-
 def test_what_works_is_delivered_and_what_does_not_is_named(run, tmp_path):
     series = ["-D", "1.25", "--gamma", "5", "-m", "inf", "--loads", "0.1,1"]
     code, out, err = run("solve", *series, "--method", "bem", "--method", "demelio", "-o", tmp_path / "x.nc")
@@ -138,21 +114,6 @@ def shaft(tmp_path):
 
 
 UNITS = ["--x-unit", "mm", "--height-unit", "um", "--ends", "periodic", "--shortest", "0.1"]
-
-
-def test_a_trace_is_solved_from_its_file(run, shaft, tmp_path):
-    path = tmp_path / "shaft.nc"
-    code, _, errors = run("solve", "--trace", shaft, *UNITS, "--loads", "0.1,1", "-o", path)
-    assert code == 0, errors
-    trace = weier.Trace.read(shaft, None, 0.1, "periodic", "mm", "um")
-    exact = weier.solve(trace, [0.1, 1.0])
-    with weier.open_dataset(path) as data:
-        one = data.isel(case=0, solution_method=0)
-        np.testing.assert_array_equal(one.compliance.values, exact.compliance.values)
-        assert one.trace.item() == "shaft.csv"
-        assert one.trace_digest.item() == trace.digest
-        assert one.trace_length.item() == pytest.approx(1e-3)
-        assert "trace = shaft.csv" in str(data.case.values[0])
 
 
 @pytest.fixture
@@ -265,13 +226,7 @@ def test_the_load_for_a_resistance_by_one_command(run, bodies):
     [
         (["--pressures", "1MPa"], 2, "--pressures are in Pa: name the two bodies by --si"),
         (["--pressures", "1MPa", "--loads", "1"], 2, "loads are given once, got --pressures and --loads"),
-        (["--resistance", "1", "--contact-fraction", "1"], 2, "got --resistance and --contact-fraction"),
         (["--pressures", "1,x"], 2, 'pressures must read "1,10 Pa" or "first:last:count Pa"'),
-        (["--pressures", "1:2mm"], 2, "pressures must read"),
-        (["--pressures", "1:2:1MPa"], 2, "pressures must be 2 to 10000 positive numbers"),
-        (["--pressures", "1MPa,5"], 2, "pressures must all have a unit, as some are in MPa, or none"),
-        (["--pressures", "1mm"], 2, "pressures must be in Pa, got values in mm"),
-        (["--pressures", "0"], 2, "pressures must be positive"),
         (["--si", "none.yaml"], 1, "none.yaml cannot be read"),
     ],
 )
@@ -343,18 +298,6 @@ def test_what_is_solved_is_written_beside_the_file_where_a_solution_is_stopped(r
             assert found.sizes["mean_pressure"] == 5
 
 
-def test_a_stopped_solution_by_several_methods_keeps_all_that_is_solved(run, tmp_path):
-    """Here all loads by the first method, and the heaviest three by boundary elements."""
-    path = tmp_path / "curves.csv"
-    methods = ["--method", "patches", "--method", "bem", "--method", "demelio"]
-    with stopping_after(15, TimeoutError):
-        assert run("solve", *SERIES, *methods, "--loads", "0.01:1:12", "-o", str(path))[0] == 1
-    assert not path.exists()
-    found = pd.read_csv(tmp_path / "curves.part.csv").groupby("solution_method")["mean_pressure (p_0*)"]
-    assert found.size().to_dict() == {"bem": 3, "patches": 12}
-    assert found.min()["bem"] == pytest.approx(np.geomspace(0.01, 1, 12)[-3])
-
-
 def test_a_limit_of_the_time_ends_a_solution(run):
     code, out, err = run("solve", *SERIES, "--max-seconds", "1e-6")
     assert code == 1
@@ -372,16 +315,6 @@ def test_a_backend_of_jupyter_that_is_not_installed_draws_all_the_same(tmp_path)
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "curves.png").stat().st_size > 1000
-
-
-@pytest.mark.second_attempt  # under one of 400 loads of this trace
-def test_a_plot_of_a_trace_takes_the_methods_that_take_traces(run, shaft, tmp_path):
-    options = ["--trace", str(shaft), "--x-unit", "mm", "--height-unit", "um", "--loads", "0.1:1:3"]
-    assert run("plot", *options, str(tmp_path / "curves.png")) == (
-        0,
-        "",
-        f"the figure is in {tmp_path / 'curves.png'}\n",
-    )
 
 
 def test_settings_are_completed():

@@ -1,6 +1,5 @@
 """Studies know their cases without making all of them."""
 
-import itertools
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from tests.scenes import scene_in
 from weier import scene
 from weier.scene.case import Case, short_keys
 from weier.scene.identity import distinct
-from weier.scene.study import CaseProduct, Study
+from weier.scene.study import Study
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
 # Products that meet in some cases, repeat a value, or differ in nothing but methods or settings.
@@ -34,12 +33,6 @@ def load(folder, **changes):
 @pytest.fixture
 def overlapping(tmp_path):
     return load(tmp_path, studies=OVERLAPPING)
-
-
-def test_the_cases_of_a_product_are_its_combinations_in_order():
-    cases = CaseProduct(AXES, ("layer",), {}, LOADS)
-    expected = [dict(zip(AXES, values, strict=True)) for values in itertools.product(*AXES.values())]
-    assert [cases.case(position).parameters for position in range(cases.count)] == expected
 
 
 def test_a_study_is_a_sequence(overlapping):
@@ -124,11 +117,3 @@ def test_every_value_of_a_parameter_is_checked(tmp_path):
         load(tmp_path, studies={"one": {"product": {"D": 1.5, "gamma": 2, "m": [2, 3], "phases": [0.0, [0.0, 1.0]]}}})
     with pytest.raises(scene.SceneError, match="at most 100000 times into the period"):
         load(tmp_path, methods=["bem"], studies={"one": {"product": FINE}})
-
-
-def test_the_product_of_a_case_is_the_first_that_has_it(overlapping):
-    keys = [
-        {product.case(position).key(LOADS) for position in range(product.count)} for product in overlapping.products
-    ]
-    for case, number in zip(overlapping.distinct, overlapping.product_of_cases, strict=True):
-        assert number == [case.key(LOADS) in own for own in keys].index(True)

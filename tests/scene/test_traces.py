@@ -64,14 +64,6 @@ def test_a_time_limit_is_no_mistake_of_a_scene(folder, monkeypatch, owner, name)
         load(folder)
 
 
-def test_several_files_are_several_cases(folder):
-    write_heights(folder / "other.csv", HEIGHTS[::-1])
-    both = {"trace": OPTIONS | {"file": ["shaft.csv", "other.csv"]}, "methods": ["bem"]}
-    loaded = load(folder, studies=SCENE["studies"] | {"both": both})
-    assert [case.profile.source for case in loaded.studies["both"]] == ["shaft.csv", "other.csv"]
-    assert len(loaded.distinct) == 3  # one of them is in `mine`, too
-
-
 def test_a_file_is_read_once_for_all_that_ask_for_its_trace(folder, monkeypatch):
     names = [f"line {number}.csv" for number in range(30)]
     for number, name in enumerate(names):
@@ -217,19 +209,6 @@ def test_methods_of_the_series_alone_have_no_curve_of_a_trace(folder):
             ]
 
 
-def test_results_report_missing_heights_and_a_form(folder):
-    heights = HEIGHTS + 1e-4 * (X / X[-1] - 0.5) ** 2
-    heights[[20, 21]] = -9999
-    write_heights(folder / "shaft.csv", heights)
-    options = {"ends": "mirrored", "missing_value": "-9999", "missing": "interpolate", "detrend": "form"}
-    loaded = load(folder, **mine(**options))
-    solutions = solve_scene(loaded, folder / "curves")
-    write_data(solutions, folder / "contact.nc")
-    data = dataset.read(folder / "contact.nc")
-    assert data["trace_filled"].values.tolist() == [2]
-    assert data["trace_detrend"].values.tolist() == ["form"]
-
-
 class Map:
     """The interface of a topography for Trace: three lines along x."""
 
@@ -257,29 +236,6 @@ def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
         load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
 
 
-def drawn_traces(folder, loaded):
-    study = read_study(solve_scene(loaded, folder / "curves"), "both")
-    one = loaded.figures["f"]
-    _, (axes,), _ = comparison.compare([study], "", "compliance", one.grouping)
-    return axes
-
-
-def both_in(folder, first, second):
-    studies = {"both": {"trace": OPTIONS | {"file": [first, second]}}}
-    figure = {"draw": "compliance", "studies": ["both"], "colour": "trace"}
-    return load(folder, methods=["bem"], studies=studies, figures={"f": figure})
-
-
-def test_two_files_of_one_name_are_two_lines_with_their_folders(folder):
-    for name, heights in (("a", HEIGHTS), ("b", HEIGHTS + 1e-7 * np.cos(2 * np.pi * X / 32e-6))):
-        (folder / "lab" / name).mkdir(parents=True)
-        write_heights(folder / "lab" / name / "profile.csv", heights)
-    axes = drawn_traces(folder, both_in(folder, "lab/a/profile.csv", "lab/b/profile.csv"))
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a/profile.csv", "b/profile.csv"]
-    assert len(axes.get_lines()) == 2
-    assert not axes.collections  # no band
-
-
 def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     studies = {
         name: {"trace": OPTIONS | {"shortest": shortest}, "methods": ["bem"]}
@@ -298,12 +254,6 @@ def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     with open_dataset(folder / "contact.nc") as data:
         labels = [label.partition(": no fit, since longest must")[0] for label in explorer._labels(data, "trace")]
         assert sorted(labels) == sorted(texts)
-
-
-def test_copies_of_one_file_are_one_line(folder):
-    write_heights(folder / "copy.csv")
-    axes = drawn_traces(folder, both_in(folder, "shaft.csv", "copy.csv"))
-    assert len(axes.get_lines()) == 1
 
 
 def named(**columns):
@@ -338,10 +288,6 @@ def mine(methods=("bem",), **options):
     return {"studies": {"mine": {"trace": OPTIONS | options, "methods": list(methods)}}, "figures": {}}
 
 
-def drawn(kind, **options):
-    return {"figures": {"f": {"draw": kind, "studies": ["mine", "series"], **options}}}
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -349,7 +295,10 @@ def drawn(kind, **options):
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
         (mine(ends="round"), r"studies\.mine\.trace\.ends: Input should be 'mirrored'"),
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
-        (drawn("compliance", colour="method"), r"figures\.f: trace varies .* nothing shows it: add `facet: trace`"),
+        (
+            {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},
+            r"figures\.f: trace varies .* nothing shows it: add `facet: trace`",
+        ),
         ({"interface": BODIES}, r"interface: g_0 and lambda_0 must be given, the scale of the series in m"),
     ],
 )
