@@ -112,6 +112,9 @@ OWN = {
 WANTED = {"find_load": {"resistance": 1.0}, "Interface.find_pressure": {"resistance": 1e-10}}
 
 
+INNER = ("loads_of", "warn_of_yield")  # which get loads that others have checked
+
+
 def functions():
     """Every public function and method: those of `weier.__all__`, and what the theory of conduction has beside."""
     found = {name: getattr(weier, name) for name in weier.__all__ if callable(getattr(weier, name))}
@@ -122,7 +125,11 @@ def functions():
             continue
         instance = {"Profile": PROFILE, "Interface": INTERFACE, "Trace": TRACE}[name]
         for method, function in inspect.getmembers(value, inspect.isfunction):
-            if not method.startswith("_") and set(inspect.signature(function).parameters) - {"self"}:
+            if (
+                not method.startswith("_")
+                and method != "loads_of"
+                and set(inspect.signature(function).parameters) - {"self"}
+            ):
                 found[f"{name}.{method}"] = getattr(instance, method)
     extra = (conduction.composite_modulus, conduction.specific_resistance)
     return found | {function.__name__: function for function in (*extra, contact().weier.cases)}

@@ -1,6 +1,5 @@
 """Studies know their cases without making all of them."""
 
-
 import numpy as np
 import pytest
 
