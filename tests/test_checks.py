@@ -127,7 +127,7 @@ def functions():
         for method, function in inspect.getmembers(value, inspect.isfunction):
             if (
                 not method.startswith("_")
-                and method != "loads_of"
+                and method not in INNER
                 and set(inspect.signature(function).parameters) - {"self"}
             ):
                 found[f"{name}.{method}"] = getattr(instance, method)
