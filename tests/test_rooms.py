@@ -5,6 +5,7 @@ import ast
 import pytest
 
 from weier.digests import PACKAGE
+from weier.methods.registry import names
 
 ROOMS = ("kernels", "surface", "theory", "methods", "data", "scene", "api", "pipeline", "accuracy", "figures", "cli")
 # the modules beside the rooms at their places: each module imports only from those before its own
@@ -19,7 +20,9 @@ def imports(path):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
             yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names if node.module == "weier")
+            yield from (
+                f"{node.module}.{alias.name}" for alias in node.names if node.module in ("weier", "weier.methods")
+            )
 
 
 def files_of(part):
@@ -44,6 +47,22 @@ def test_imports_go_one_way(part):
 def test_the_library_knows_neither_datasets_nor_the_pipeline(part):
     for path in files_of(part):
         assert not {name.split(".")[0] for name in imports(path)} & {"xarray", "netCDF4", "snakemake"}, path
+
+
+# what is about certain methods: measurements, the claims of the paper, and calls that only contact patches answer
+ABOUT_METHODS = ("methods", "accuracy", "pipeline/claims", "api/fields.py", "figures/message.py", "__init__.py")
+
+
+def test_the_program_knows_methods_from_their_list_alone():
+    rest = [
+        path for path in PACKAGE.rglob("*.py") if not path.relative_to(PACKAGE).as_posix().startswith(ABOUT_METHODS)
+    ]
+    known = {*names()} | {f"weier.methods.{name}" for name in names()}
+    for path in rest:
+        constants = {node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)}
+        of_bokeh = {"auto"} if path.name == "explorer.py" else set()
+        imported = {name for name in imports(path) for name in (name, ".".join(name.split(".")[:3]))}
+        assert not (constants | imported) & known - of_bokeh, path
 
 
 OF_DATASETS = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}

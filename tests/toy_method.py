@@ -7,7 +7,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
 from weier.methods.errors import NotApplicableError
-from weier.methods.method import Method, Style
+from weier.methods.method import Method, Range, Setting, Style
 from weier.surface.profile import Profile
 
 
@@ -25,6 +25,8 @@ TOY = Method(
     label="a toy",
     summary="half of the load; m > 1",
     solve=_solve,
+    settings={"fraction": Setting(0.5, "part of the load", Range(0.0, 1.0))},
+    infinite=True,
     applies=_applies,
     style=Style("#123456", (7, 2), "p"),
 )

@@ -11,6 +11,7 @@ from tests.scenes import scene_in
 from weier.api.task import CurveTask
 from weier.methods import auto, bem, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
+from weier.methods.method import TOLERANCES
 from weier.surface.profile import Profile, random_phases
 
 LOADS = np.array([1e-3, 0.03, 0.3, 1.0])
@@ -153,12 +154,12 @@ def test_the_rest_of_a_tolerance_is_never_below_that_of_patches():
     """The tail of the steepest series is below half of the least tolerance; it must leave the least one as well."""
     steep = Profile(1.0001, 10**14, math.inf)
     tail = float(steep.amplitude_beyond(1))
-    assert 0 < tail < patches.MIN_TOLERANCE / 2
-    for tolerance in (patches.MIN_TOLERANCE, patches.MIN_TOLERANCE + 0.9 * tail):
+    assert 0 < tail < TOLERANCES.least / 2
+    for tolerance in (TOLERANCES.least, TOLERANCES.least + 0.9 * tail):
         with pytest.raises(OutOfReachError, match=r"at least 1.2e-13 g_0 for the compliance of .*: 1 terms are"):
             weier.choose(steep, tolerance)
     choice = weier.choose(steep, 1.2e-13)
-    assert choice.settings["tolerance"] == 1.2e-13 - tail >= patches.MIN_TOLERANCE
+    assert choice.settings["tolerance"] == 1.2e-13 - tail >= TOLERANCES.least
 
 
 def test_a_resistance_is_within_its_tolerance_or_refused():
@@ -166,7 +167,7 @@ def test_a_resistance_is_within_its_tolerance_or_refused():
     exact = patches.curve(THREE, LOADS, 1e-13).resistance
     assert np.all(found.resistance_error <= 1e-6 * np.maximum(exact, 1))
     assert np.all(np.abs(found.resistance - exact) <= 1e-6 * np.maximum(exact, 1))
-    stated = patches.curve(THREE, LOADS, patches.MIN_TOLERANCE)
+    stated = patches.curve(THREE, LOADS, TOLERANCES.least)
     with pytest.raises(OutOfReachError, match=r"tolerance must be at least .* take a larger one, or leave them out"):
         weier.solve(THREE, LOADS, tolerance=1e-13, quantity="resistance")
     assert np.any(stated.resistance_error > 1e-13 * np.maximum(stated.resistance, 1))

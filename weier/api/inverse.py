@@ -24,11 +24,10 @@ from weier.data import variables
 from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.methods import patches
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.solver import MIN_LOAD
-from weier.methods.patches.start import TOLERANCE
 from weier.methods.progress import converting
+from weier.methods.registry import EXACT
+from weier.methods.settings import TOLERANCE
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -127,7 +126,7 @@ def loads_for(
     with converting(lambda curve: None):  # which is one of the search
         found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
-    curve = solve(profile, loads, patches.METHOD.name, tolerance=search.tolerance)
+    curve = solve(profile, loads, EXACT.name, tolerance=search.tolerance)
     attributes = variables.attributes(ERROR)
     dropped = np.flatnonzero(np.abs(curve[name].values - targets) > JUMP * targets)
     if name == "resistance" and dropped.size:
@@ -149,7 +148,7 @@ class _Search:
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.full = float(profile.full_contact_load)
         self.known = dict[float, Value]()
-        self.tolerance = TOLERANCE
+        self.tolerance = EXACT.settings[TOLERANCE].default
 
     def load(self, target: float) -> tuple[float, float]:
         """Return the load, and its error, in p_0*."""
@@ -162,7 +161,7 @@ class _Search:
 
         high = math.log(self.full)
         low, width = high, FIRST_DECADES * math.log(10)
-        least = math.log(MIN_LOAD)
+        least = math.log(EXACT.least_load)
         while rising(low) > 0:
             if low == least:
                 raise ValueError(self._limits(target))
@@ -198,7 +197,7 @@ class _Search:
     def _curve(self, load: float) -> Any:
         """Return the solution under one load, at the tightest tolerance that can be met."""
         while True:
-            curve = CurveTask(self.profile, patches.METHOD.name, {"tolerance": self.tolerance}, np.array([load]))
+            curve = CurveTask(self.profile, EXACT.name, {"tolerance": self.tolerance}, np.array([load]))
             try:
                 return curve.solve()[0]
             except ConvergenceError:
@@ -216,11 +215,11 @@ class _Search:
     def _limits(self, target: float) -> str:
         unit, pressure = VARIABLES[self.name].unit, NORMALISED_PRESSURE
         full = f"full contact under {self._shown(self.full, pressure)}"
-        first = self._shown(self.at(math.log(MIN_LOAD)).value + self.offset, unit)
+        first = self._shown(self.at(math.log(EXACT.least_load)).value + self.offset, unit)
         low, top = (self._shown(height, unit) for height in (self.offset, float(self.profile.total_amplitude)))
         limits = {
             "resistance": f"between 0, from {full} on, and {first}, under the lightest load of "
-            f"{self._shown(MIN_LOAD, pressure)}",
+            f"{self._shown(EXACT.least_load, pressure)}",
             "compliance": f"between {low}, at first contact, and {top}, at {full}",
             "contact_fraction": f"between 0, at first contact, and 1, at {full}",
         }

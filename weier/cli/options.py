@@ -13,8 +13,8 @@ from weier import units
 from weier.checks import checked_numbers, checked_workers
 from weier.data.files import check_target
 from weier.kernels.arrays import Array
-from weier.methods.patches import TOLERANCE_RANGE
-from weier.methods.registry import METHODS, PLOTTED, infinite_names, names
+from weier.methods.method import TOLERANCES
+from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
 from weier.methods.settings import defaults, described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import number_or_word, parse_yaml
@@ -158,12 +158,12 @@ OF_SOLUTION = (
         type=click.Choice(names()),
         help="Method of solution; repeatable. "
         f"{'. '.join(f'{method.name}: {method.summary}' for method in METHODS)}  "
-        f"[default: patches, or auto with a tolerance; for plot: {', '.join(PLOTTED)}].",
+        f"[default: {EXACT.name}, or {WITHIN_TOLERANCE.name} with a tolerance; for plot: {', '.join(PLOTTED)}].",
     ),
     click.Option(
         ["--tolerance"],
         type=float,
-        help=f"Accepted error of the compliance, in g_0, in {TOLERANCE_RANGE}, for all methods that take one, or for "
+        help=f"Accepted error of the compliance, in g_0, in {TOLERANCES}, for all methods that take one, or for "
         "auto.",
     ),
     click.Option(

@@ -109,6 +109,7 @@ METHOD = Method(
     summary="each wave carries the peak pressure of the coarser one (15)-(21); any m, also inf; false full contact, "
     "R = 0, above p_0* if gamma^(D-1) < 2",
     solve=curve,
+    infinite=True,
     uses_phases=False,
     in_paper=True,
     style=Style("#D55E00", (5, 1.5), "v"),

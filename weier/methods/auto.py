@@ -18,7 +18,7 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE, Curve
 from weier.methods.errors import MARGIN, OutOfReachError
-from weier.methods.method import Method, Style
+from weier.methods.method import TOLERANCES, Method, Setting, Style
 from weier.methods.progress import converting
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
@@ -97,14 +97,12 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     the first 5 terms by method "patches", tolerance 0.0066; the others change h by 0.0034 g_0 at most
 
     """
-    surface, (least, most) = checked_surface(profile), (patches.MIN_TOLERANCE, patches.MAX_TOLERANCE)
+    surface = checked_surface(profile)
     checked_word("quantity", quantity, QUANTITIES)
-    wanted = checked_number(
-        "tolerance", tolerance, f"lie in {patches.TOLERANCE_RANGE}", lambda number: least <= number < most
-    )
+    wanted = checked_number("tolerance", tolerance, f"lie in {TOLERANCES}", TOLERANCES.__contains__)
     if quantity == RESISTANCE:
         return _for_resistance(surface, wanted)
-    most_omitted = min(wanted / 2, wanted - least)
+    most_omitted = min(wanted / 2, wanted - TOLERANCES.least)
     kept, left_out = _fewest_terms(surface, most_omitted)
     if left_out > most_omitted:
         raise OutOfReachError(_out_of_reach(surface, kept, left_out, wanted))
@@ -120,7 +118,7 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
         )
     patches.METHOD.check_applies(surface)
     # A hundredth is arbitrary: the stated error of R is checked after the solution.
-    h_tolerance = min(max(1e-2 * tolerance, patches.MIN_TOLERANCE), patches.TOLERANCE)
+    h_tolerance = min(max(1e-2 * tolerance, TOLERANCES.least), patches.TOLERANCE)
     return Choice(surface, 0.0, patches.METHOD, {"tolerance": h_tolerance})
 
 
@@ -138,11 +136,11 @@ def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
 
 
 def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float) -> str:
-    least = MARGIN * max(2 * left_out, left_out + patches.MIN_TOLERANCE)
+    least = MARGIN * max(2 * left_out, left_out + TOLERANCES.least)
     which = f"for the compliance of {surface.describe()}"
     why = f"{kept.m:g} terms are the most that can be resolved, and the others sum to {left_out:.1e} g_0"
     others = "a shorter series, or an estimate such as the layer, which states no error"
-    if least >= patches.MAX_TOLERANCE:
+    if least >= TOLERANCES.most:
         return f"no tolerance is within reach {which}: {why}; take {others}"
     return (
         f"tolerance must be at least {least:.1e} g_0 {which}, got {tolerance:g}: {why}; take a larger one, {others}"
@@ -218,10 +216,15 @@ METHOD = Method(
     solve=_solve,
     returns=tuple(dict.fromkeys([*bem.METHOD.returns, *patches.METHOD.returns, "chosen_method", "chosen_terms"])),
     settings={
-        "tolerance": f"accepted error, in {patches.TOLERANCE_RANGE}: of h, in g_0; of R, relative to the larger of R "
-        "and 1 g_0/p_0*",
-        "quantity": "quantity of the tolerance, compliance or resistance",
+        "tolerance": Setting(
+            TOLERANCE,
+            f"accepted error, in {TOLERANCES}: of h, in g_0; of R, relative to the larger of R and 1 g_0/p_0*",
+            TOLERANCES,
+        ),
+        "quantity": Setting(COMPLIANCE, "quantity of the tolerance, compliance or resistance", QUANTITIES),
     },
+    takes_traces=True,
+    infinite=True,
     check=_check,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,

@@ -222,6 +222,7 @@ METHOD = Method(
     solve=curve,
     returns=("contact_fraction",),
     applies=_applies,
+    infinite=True,
     uses_phases=False,
     stiffness=False,
     style=Style("#882255", (2.5, 1), "h"),

@@ -62,6 +62,7 @@ METHOD = Method(
     label="Demelio",
     summary="each wave carries the mean pressure (23)-(26); any m, also inf",
     solve=curve,
+    infinite=True,
     uses_phases=False,
     in_paper=True,
     style=Style("#0072B2", (6, 1.5, 1, 1.5), "^"),

@@ -160,6 +160,7 @@ METHOD = Method(
     solve=curve,
     returns=("contact_fraction",),
     applies=_applies,
+    infinite=True,
     uses_phases=False,
     style=Style("#E69F00", (8, 1.5, 1, 1.5), "p"),
 )

@@ -13,7 +13,6 @@ from weier.methods import archard, auto, bem, cascade, demelio, layer, patches, 
 from weier.methods.curve import QUANTITIES
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
-from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 METHODS: tuple[Method, ...] = (
@@ -27,6 +26,8 @@ METHODS: tuple[Method, ...] = (
     patches.METHOD,
     auto.METHOD,
 )
+# the default methods: with a tolerance, and without
+WITHIN_TOLERANCE, EXACT = auto.METHOD, patches.METHOD
 # methods of the paper's figures, and Persson's theory
 PLOTTED = tuple(module.METHOD.name for module in (archard, demelio, persson, layer, patches))
 
@@ -37,19 +38,19 @@ def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
     NotApplicableError is raised for the infinite series without a tolerance, which no method solves exactly.
     """
     if within_tolerance:
-        return auto.METHOD.name
+        return WITHIN_TOLERANCE.name
     if any(math.isinf(surface.m) for surface in surfaces):
         raise NotApplicableError(
             f"a tolerance or a method must be given where m = inf: tolerance=1e-3, or one of the methods "
             f"{', '.join(infinite_names())}"
         )
-    return patches.METHOD.name
+    return EXACT.name
 
 
 def methods_run_by(name: str) -> tuple[Method, ...]:
     """Return the methods that a method runs: itself, or all where it chooses among them."""
     method = find_method(name)
-    return METHODS if method is auto.METHOD else (method,)
+    return METHODS if method is WITHIN_TOLERANCE else (method,)
 
 
 def names() -> list[str]:
@@ -64,8 +65,7 @@ def numerical_names() -> list[str]:
 
 def infinite_names() -> list[str]:
     """Return the names of the methods that apply to the infinite series."""
-    infinite = Profile(D=1.5, gamma=2, m=math.inf)
-    return [method.name for method in METHODS if method.takes(infinite)]
+    return [method.name for method in METHODS if method.infinite]
 
 
 def returned_by(methods: Iterable[str]) -> set[str]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
 from weier.api.fields import events, fields
 from weier.api.task import CurveTask
-from weier.methods import bem, patches, registry
+from weier.methods import registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
@@ -20,19 +19,15 @@ from weier.surface.profile import Profile
 LOADS = np.geomspace(1e-3, 10, 16)
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)  # Two waves suffice to reach all kernels of finite series.
 INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # Its tail is so small that small grids suffice.
-# All kernels of boundary elements: those of either solver, and of edges on nodes.
-OF_BEM: list[dict[str, Any]] = [{}, {"staircase": "kept"}]
 
 
 def compile_kernels(methods: Collection[str] = ()) -> None:
     """Compile the kernels of some methods, or of all and of fields and events, by running them; numba keeps them."""
     for method in [find_method(name) for name in methods] or registry.METHODS:
-        if method is patches.METHOD:
-            patches.run_kernels()
-        for settings in OF_BEM if method is bem.METHOD else [{}]:
-            for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
-                with suppress(NotApplicableError):
-                    CurveTask(profile, method.name, settings, loads).solve()
+        method.run_kernels()
+        for profile, loads in ((TWO_WAVES, LOADS), (INFINITE, LOADS[:1])):
+            with suppress(NotApplicableError):
+                CurveTask(profile, method.name, {}, loads).solve()
     if not methods:
         fields(TWO_WAVES, 0.1)
         events(TWO_WAVES, LOADS[0], LOADS[-1])

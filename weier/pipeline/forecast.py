@@ -5,8 +5,9 @@ from __future__ import annotations
 from weier.api.progress import LONG
 from weier.data.markdown import significant
 from weier.kernels.arrays import Array
-from weier.methods import auto, registry
-from weier.methods.registry import find_method
+from weier.methods import registry
+from weier.methods.registry import WITHIN_TOLERANCE, find_method
+from weier.methods.settings import TOLERANCE
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 
@@ -57,8 +58,9 @@ def forecast_scene(scene: Scene, seconds: float, count: int, cores: int) -> list
 
 
 def _cheaper(profile: Waves, loads: Array) -> str:
-    """Return the methods that take less than `LONG`, "auto" at its default tolerance among them."""
+    """Return the methods that take less than `LONG`, and the default tolerance of `WITHIN_TOLERANCE`."""
     fast = [method.name for method in registry.METHODS if method.takes(profile)]
     fast = [name for name in fast if find_method(name).seconds(profile, loads) < LONG]
-    within = f" (within {auto.TOLERANCE:g} g_0)" * (auto.METHOD.name in fast)
+    tolerance = WITHIN_TOLERANCE.settings[TOLERANCE].default
+    within = f" (within {tolerance:g} g_0)" * (WITHIN_TOLERANCE.name in fast)
     return f"choose {', '.join([*fast, ''])}fewer loads, or fewer terms or waves{within}"

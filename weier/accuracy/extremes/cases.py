@@ -61,7 +61,7 @@ def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
 
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     try:
-        method.applies(profile)
+        method.check_applies(profile)
     except NotApplicableError:  # of a series that is too large: the refusal takes no time and is itself examined
         return method.numerical and math.isfinite(profile.m)
     try:

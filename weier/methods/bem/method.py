@@ -12,10 +12,12 @@ from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curv
 from weier.methods.curve import Curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
-from weier.methods.method import CURVE_SECONDS, Method, Style, applies_to_resolvable
+from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Range, Setting, Style, applies_to_resolvable
 from weier.surface.limits import check_points, check_resolvable
-from weier.surface.waves import Waves
+from weier.surface.profile import Profile
+from weier.surface.waves import MAX_POINTS, Waves
 
+MIN_POINTS_PER_WAVE = 3  # more than two resolve a wave
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
@@ -58,7 +60,7 @@ def grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | 
 def _points(profile: Waves, points_per_wave: int | None) -> int:
     per_wave = POINTS_PER_WAVE if points_per_wave is None else points_per_wave
     check_resolvable(profile)
-    return checked_count("points_per_wave", per_wave, 3) * profile.waves_per_period[-1]
+    return checked_count("points_per_wave", per_wave, MIN_POINTS_PER_WAVE) * profile.waves_per_period[-1]
 
 
 def points_within(profile: Waves, tolerance: float) -> float:
@@ -90,6 +92,11 @@ def points_of(
     return _points(profile, points_per_wave) if tolerance is None else points_within(profile, tolerance)
 
 
+def _run_kernels() -> None:
+    """Solve with edges on nodes."""
+    curve(Profile(D=1.25, gamma=2, m=2), [0.1, 1.0], staircase="kept")
+
+
 METHOD = Method(
     name="bem",
     label="boundary elements",
@@ -106,12 +113,23 @@ METHOD = Method(
         "points",
     ),
     settings={
-        "tolerance": f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
-        'it sets the points, and bounds R poorly: for this use patches, or auto with quantity="resistance"',
-        "points_per_wave": f"nodes per finest wave, {POINTS_PER_WAVE} by default",
-        "staircase": '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',
+        "tolerance": Setting(
+            None,
+            f"accepted error of the compliance, in g_0, above {RESIDUAL_FACTOR * MIN_RESIDUAL:g}; "
+            'it sets the points, and bounds R poorly: for this use patches, or auto with quantity="resistance"',
+            TOLERANCES,
+        ),
+        "points_per_wave": Setting(
+            None, f"nodes per finest wave, {POINTS_PER_WAVE} by default", Range(MIN_POINTS_PER_WAVE, MAX_POINTS)
+        ),
+        "staircase": Setting(
+            "removed",
+            '"removed" for sub-grid contact edges, or "kept" for edges on nodes (Section 5.1)',
+            STAIRCASES,
+        ),
     },
     chosen=lambda given: {} if given.get("tolerance") else {"points_per_wave": POINTS_PER_WAVE},
+    takes_traces=True,
     applies=applies_to_resolvable,
     numerical=True,
     in_paper=True,
@@ -120,4 +138,5 @@ METHOD = Method(
         CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
     ),
     check=_check,
+    run_kernels=_run_kernels,
 )

@@ -6,8 +6,18 @@ import math
 from typing import Any
 
 from weier.kernels.arrays import Array
-from weier.methods.layer.solver import MAX_ACCURACY, MAX_POINTS, MIN_ACCURACY, MIN_POINTS, POINTS, check, curve
-from weier.methods.method import CURVE_SECONDS, Method, Style
+from weier.methods.layer.solver import (
+    ACCURACY,
+    MAX_ACCURACY,
+    MAX_POINTS,
+    MIN_ACCURACY,
+    MIN_POINTS,
+    POINTS,
+    check,
+    curve,
+)
+from weier.methods.layer.tables import MIN_LOADS
+from weier.methods.method import CURVE_SECONDS, Method, Range, Setting, Style
 from weier.surface.profile import Profile
 
 INFINITE_TERMS = 11  # Tables of an infinite series take as long as those of this number of terms.
@@ -26,10 +36,18 @@ METHOD = Method(
     solve=curve,
     returns=("residual",),
     settings={
-        "points": f"nodes per half wave, from {MIN_POINTS} to {MAX_POINTS}",
-        "accuracy": "relative error of the compliance by the tables of finer waves, "
-        f"from {MIN_ACCURACY:g} to {MAX_ACCURACY:g}",
+        "points": Setting(
+            POINTS, f"nodes per half wave, from {MIN_POINTS} to {MAX_POINTS}", Range(MIN_POINTS, MAX_POINTS)
+        ),
+        "accuracy": Setting(
+            ACCURACY,
+            "relative error of the compliance by the tables of finer waves, "
+            f"from {MIN_ACCURACY:g} to {MAX_ACCURACY:g}",
+            Range(MIN_ACCURACY, MAX_ACCURACY),
+        ),
     },
+    infinite=True,
+    least_load=MIN_LOADS[1],
     uses_phases=False,
     in_paper=True,
     style=Style("#009E73", (1.2, 1.2), "s"),

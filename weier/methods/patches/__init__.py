@@ -8,22 +8,18 @@ holds contacts or gaps with their nodes and densities. A load starts from `start
 """
 
 from weier.methods.patches.event_search import Events, events, expected_loads
-from weier.methods.patches.method import METHOD, run_kernels
+from weier.methods.patches.method import METHOD
 from weier.methods.patches.solver import Solution, curve, solve_load, solve_loads
-from weier.methods.patches.start import MAX_TOLERANCE, MIN_TOLERANCE, TOLERANCE, TOLERANCE_RANGE
+from weier.methods.patches.start import TOLERANCE
 
 __all__ = [
-    "MAX_TOLERANCE",
     "METHOD",
-    "MIN_TOLERANCE",
     "TOLERANCE",
-    "TOLERANCE_RANGE",
     "Events",
     "Solution",
     "curve",
     "events",
     "expected_loads",
-    "run_kernels",
     "solve_load",
     "solve_loads",
 ]

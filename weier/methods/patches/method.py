@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from weier.methods.method import CURVE_SECONDS, Method, Style, applies_to_resolvable
+from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Setting, Style, applies_to_resolvable
 from weier.methods.patches import stages
 from weier.methods.patches.certificate import sample_points
 from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
@@ -14,8 +14,8 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.solver import curve
-from weier.methods.patches.start import TOLERANCE, TOLERANCE_RANGE, isolated_contacts, isolated_gaps
+from weier.methods.patches.solver import MIN_LOAD, curve
+from weier.methods.patches.start import TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.profile import Profile
@@ -68,11 +68,18 @@ METHOD = Method(
         "second_attempts",
     ),
     settings={
-        "tolerance": f"accepted error of the compliance, in g_0, in {TOLERANCE_RANGE}; the stated bound is within it",
+        "tolerance": Setting(
+            TOLERANCE,
+            f"accepted error of the compliance, in g_0, in {TOLERANCES}; the stated bound is within it",
+            TOLERANCES,
+        ),
     },
+    takes_traces=True,
+    least_load=MIN_LOAD,
     applies=applies_to_resolvable,
     numerical=True,
     style=Style("#000000", (), "d"),
+    run_kernels=run_kernels,
     seconds=lambda profile, loads, **settings: (
         CURVE_SECONDS + 7e-4 * loads.size * profile.waves_per_period[-1] ** 0.8
     ),

@@ -115,7 +115,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     Raises
     ------
     ValueError
-        If the loads are not increasing from `MIN_LOAD` or above, the tolerance is not in `TOLERANCE_RANGE`, or the
+        If the loads are not increasing from `MIN_LOAD` or above, the tolerance is not in `TOLERANCES`, or the
         waves are too many.
     ConvergenceError
         If a load cannot be solved, its solution fails a check, or the bound on its error exceeds the tolerance.

@@ -17,7 +17,8 @@ from weier.methods.bem.active_set import NestedSolver
 from weier.methods.bem.staircase import in_continuum
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH
+from weier.methods.method import TOLERANCES
+from weier.methods.patches.kind import NEW_CONTACT_WIDTH
 from weier.methods.patches.segments import (
     ContactState,
     Route,
@@ -40,8 +41,6 @@ from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
 # limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
-MIN_TOLERANCE, MAX_TOLERANCE = FIELD_ROUNDING, 1.0
-TOLERANCE_RANGE = f"[{MIN_TOLERANCE:g}, {MAX_TOLERANCE:g})"
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
@@ -67,8 +66,8 @@ class Starts:
 
     def __init__(self, profile: Waves, tolerance: float) -> None:
         """Prepare starts for a tolerance of the compliance, in g_0; ValueError if it is out of range."""
-        if not MIN_TOLERANCE <= tolerance < MAX_TOLERANCE:
-            raise ValueError(f"tolerance must lie in {TOLERANCE_RANGE} for contact patches, got {tolerance}")
+        if tolerance not in TOLERANCES:
+            raise ValueError(f"tolerance must lie in {TOLERANCES} for contact patches, got {tolerance}")
         self.profile, self.surface, self.tolerance = profile, surface_of(profile), tolerance
         self._grid = cache(self._make_grid)
 
