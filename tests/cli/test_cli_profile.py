@@ -55,7 +55,7 @@ def test_settings_reach_the_method(run):
     assert json.loads(out)["methods"]["bem"]["points"] == 40
     code, _, err = run("solve", *PROFILE, "--loads", "1", "--method", "bem", "--set", "bem.points_per_wave=2")
     assert code != 0
-    assert "points_per_wave must be a whole number, at least 3" in err
+    assert "points_per_wave of bem must be a whole number, from 3 to" in err
 
 
 def test_csv_is_printed_and_written(run, tmp_path):
