@@ -107,16 +107,18 @@ def test_numbers_have_the_digits_that_their_error_leaves():
         (["a.csv", *PRESSURES, "-o", "b.doc"], "the name must end in one of .csv, .xlsx, .tex, .md, .png"),
         (["a.csv", *PRESSURES[:3], "1MPa", "-o", "b.png"], "a figure takes at least 2 pressures, got 1"),
         (["a.csv", *PRESSURES, "-o", "b.xlsx"], "this command needs openpyxl: pip install 'weier[excel]'"),
+        (["a.csv", *PRESSURES, "-o", "b.tex"], "this command needs jinja2: pip install 'weier[pipeline]'"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
         (["a.csv", "none.csv", *PRESSURES], "there is no file none.csv"),
         (["a.csv", "bad.csv", *PRESSURES], "bad.csv: "),
     ],
 )
 def test_what_cannot_be_reported_is_refused_before_it_is_solved(run, lines, tmp_path, monkeypatch, options, why):
-    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    for package in ("openpyxl", "jinja2"):
+        monkeypatch.setitem(sys.modules, package, None)
     (tmp_path / "long.csv").write_text("\n".join(["x (um),z (um)", *(f"{10 * n},{np.cos(n)}" for n in range(100))]))
     (tmp_path / "bad.csv").write_text("x (um),z (um)\n0,1\n1,a\n")
-    monkeypatch.setattr(weier.api.solve, "solve_under", None)
+    monkeypatch.setattr("weier.api.solve.solve_under", None)
     code, _, err = run("report", *options)
     assert code in (1, 2)
     assert why in " ".join(err.split())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,7 @@ COLUMNS = {
 OF_SEVERAL = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
 MAX_DIGITS, ERROR_DIGITS = 5, 2  # significant digits of quantities and of errors, at most
 TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
+PACKAGES = {".xlsx": "openpyxl", ".tex": "jinja2"}
 WRITABLE = options.writable(*TABLES, *PICTURES, DATA)
 UNIT, POINT = re.compile(r" \(.*\)$"), re.compile(r"\.(?=$|e)")
 
@@ -129,8 +131,8 @@ def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, 
         options.check_free(path, force)
         if path.suffix in PICTURES and loads < options.MIN_LOADS:
             raise click.BadParameter(f"a figure takes at least {options.MIN_LOADS} pressures, got {loads}")
-        if path.suffix == ".xlsx":
-            import openpyxl  # noqa: F401 - of an extra, whose name the error of a missing module leads to
+        if path.suffix in PACKAGES:  # of extras, which the error of a missing module names
+            import_module(PACKAGES[path.suffix])
 
 
 def _lines(files: Sequence[Path], of_trace: Mapping[str, Any]) -> list[Trace]:

@@ -252,8 +252,7 @@ class Bodies:
             warnings.warn(
                 f"contacts yield from a mean pressure of {first} on, at {near.sum()} of {near.size} loads: p over "
                 f"the contact fraction exceeds {YIELD} of the lower hardness, {limit}, and reaches {largest}. "
-                "Elastic contact underestimates their area: take lighter loads, or judge these results as elastic "
-                "ones",
+                "Elastic contact underestimates their area: take lighter loads, or judge these results as elastic",
                 stacklevel=3,  # at the call of the conversion
             )
 
