@@ -1,7 +1,6 @@
 """Random one-place changes of the numerical code, each judged by the tests of its module.
 
-    python -m tests.mutants 300 --seed 1                     # of all modules
-    python -m tests.mutants 20 theory methods/bem/staircase  # of those whose paths begin so
+    python -m tests.mutants 20 theory methods/bem/staircase --seed 1  # without paths, of all modules
 
 A mutant is planted in the memory of a child process: files, and compiled kernels of other modules, stay as they are.
 Kernels that depend on the module run as plain Python in the tests that are quick so; a survivor is then compiled, and
@@ -18,7 +17,7 @@ import resource
 import signal
 import tempfile
 from collections import Counter
-from functools import cache, cached_property
+from functools import cache
 from importlib.machinery import SourceFileLoader
 from itertools import accumulate
 from pathlib import Path
@@ -85,8 +84,7 @@ def plant(module, text, is_plain):
             return cached(self)
         return self.function if is_plain else jit._numba()[0].njit(**self.options)(self.function)
 
-    jit.Kernel.compiled = cached_property(compiled)
-    jit.Kernel.compiled.__set_name__(jit.Kernel, "compiled")
+    jit.Kernel.compiled = property(cache(compiled))
 
 
 def run(module, text, is_plain, limit, arguments, plugins=()):
@@ -118,7 +116,6 @@ def control(module, is_plain):
 
 
 def judge(module, text):
-    """Return how a mutant ends: "failed", "endless" or "SURVIVES"."""
     for is_plain in (True, False):
         tests, limit, are_all = control(module, is_plain)
         if code := run(module, text, is_plain, limit, ["-x", *tests])[0] if tests else 0:
@@ -128,24 +125,22 @@ def judge(module, text):
 
 
 def main():
-    """Sample, judge, and print a table by room."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants")
     parser.add_argument("count", type=int)
     parser.add_argument("paths", nargs="*", default=[""])
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     os.environ |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
-    for name in ("numba", "rocket_fft", "scipy.special", "scipy.optimize", "mpmath", "hypothesis"):
-        importlib.import_module(name)
-    listed = (TESTS / "equivalent_mutants.txt").read_text(encoding="utf-8").splitlines()
-    known = {line.rpartition(" | ")[0] for line in listed}  # module | line of code | change | reason
+    list(map(importlib.import_module, ("numba", "rocket_fft", "scipy.optimize", "mpmath", "hypothesis")))
+    listed = (TESTS / "equivalent_mutants.txt").read_text().splitlines()  # module | line of code | change | reason
     chosen = [m for m in SOURCE if m.startswith(tuple(options.paths)) and not m.startswith("surface/measured")]
     every = [(module, *mutant) for module in chosen for mutant in mutants(SOURCE[module])]
     table, verdicts = Counter(), ("failed", "endless", "SURVIVES", "equivalent")
     for module, start, end, new in random.Random(options.seed).sample(every, min(options.count, len(every))):
         text, line = SOURCE[module], SOURCE[module].count("\n", 0, start)
         what = f"{module} | {text.splitlines()[line].strip()} | {text[start:end]} -> {new}"
-        verdict = "equivalent" if what in known else judge(module, text[:start] + new + text[end:])
+        known = any(line.startswith(f"{what} | ") for line in listed)
+        verdict = "equivalent" if known else judge(module, text[:start] + new + text[end:])
         print(f"{verdict:10} {line + 1:4} {what}", flush=True)
         table[module.rpartition("/")[0], verdict] += 1
     print(("\n{:24}" + 4 * "{:>12}").format("", *verdicts))

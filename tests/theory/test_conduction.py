@@ -26,7 +26,7 @@ def test_resistance_is_modulus_times_resistivities_times_compliance_slope():
 
 
 LIMITS = {"modulus": (0, None), "mu_1": (0, None), "nu_2": (-1, 0.5), "rho_1": (-1e-300, math.inf)}
-LIMITS |= dict.fromkeys(("lambda_0", "g_0"), (0, math.inf))
+LIMITS |= dict.fromkeys(("lambda_0", "g_0", "hardness_1", "k_1"), (0, math.inf))
 
 
 @pytest.mark.parametrize("name", LIMITS)
