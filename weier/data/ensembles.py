@@ -27,6 +27,7 @@ CLOSE_CUTOFFS = 0.01
 CUTOFF = "trace_shortest"
 # Labels that may differ within an ensemble: phases, and properties of a file.
 OF_FILES = ("trace", "trace_digest", "trace_length", "trace_height", "trace_filled")
+SCALES = ("trace_length", "trace_height")  # of a trace, lambda_0 and g_0
 WITHIN = ("case", "key", "surface_key", "seed", *OF_FILES)
 COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
@@ -93,11 +94,17 @@ def _by_study(data: xr.Dataset) -> xr.Dataset:
 
 
 def _labels(data: xr.Dataset) -> dict[str, NDArray[Any]]:
-    """Return the labels that the cases of an ensemble have in common; m of a trace is a property of its file."""
+    """Return the labels that the cases of an ensemble have in common; m of a trace is a property of its file.
+
+    Random lines of an ensemble also have the same length and height.
+    """
     names = [str(name) for name in data.coords if data[name].dims == (CASE,)]
     names = [name for name in names if name not in WITHIN and not name.startswith("trace_fit_")]
     names.sort(key=lambda name: ("study", *PARAMETERS, name).index(name))
     labels = {name: data[name].values for name in names}
+    if "trace_hurst" in labels:
+        random = np.isfinite(labels["trace_hurst"])
+        labels |= {name: np.where(random, data[name].values, np.nan) for name in SCALES if name in data.coords}
     return labels | {"m": np.where(np.isnan(labels["D"]), np.nan, labels["m"])}
 
 
@@ -148,10 +155,14 @@ def _surfaces(data: xr.Dataset) -> Indices:
 
 
 def _check_pressures(data: xr.Dataset, rows: pd.DataFrame, first: Indices) -> None:
-    """Refuse traces of an ensemble with pressures of their own; `first` is the first case of each row's ensemble."""
+    """Refuse traces of an ensemble whose units of pressure differ; `first` is the first case of each row's ensemble.
+
+    Random lines of one length and height have one unit.
+    """
     pressure = data["mean_pressure"]
     if units.unit_of(pressure) not in (*units.WITHOUT, *units.NORMALISED) or "trace_height" not in data.coords:
         return
     case = rows["case"].to_numpy()
-    if (np.isfinite(data["trace_height"].values[case]) & (case != first)).any():
+    scales = [data[name].values for name in SCALES if name in data.coords]
+    if any((np.abs(scale[case] - scale[first]) > CLOSE * scale[first]).any() for scale in scales):
         raise ValueError(COMMON_PRESSURES)

@@ -121,8 +121,8 @@ class CurvesAccessor:
         """Return the mean curves of each ensemble with their scatter and numerical error, as a DataFrame.
 
         The cases of an ensemble belong to one study and differ in their phases, seed or file of heights alone: series
-        have the same D, gamma and m; traces the same ends, removed form and `shortest`, within 1 %. A surface that
-        occurs twice counts once.
+        have the same D, gamma and m; traces the same ends, removed form and `shortest`, within 1 %; random lines also
+        the same Hurst exponent, roll-off, length and height. A surface that occurs twice counts once.
 
         Returns
         -------

@@ -139,6 +139,8 @@ VARIABLES = {
     "trace_shortest": _of_trace("shortest wavelength of the trace", "m"),
     "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="O"),
     "trace_filled": _of_trace("number of missing heights that were interpolated"),
+    "trace_hurst": _of_trace("Hurst exponent of a random line", symbol="H"),
+    "trace_rolloff": _of_trace("wavelength above which the spectrum of a random line is constant", "m"),
     "trace_fit_D": _of_trace("fractal dimension of the series with the spectrum of the trace"),
     "trace_fit_D_error": _of_trace("standard error of this fractal dimension"),
     "trace_fit_g_0": _of_trace("amplitude of the coarsest wave of the series with the spectrum of the trace", "m"),

@@ -103,6 +103,9 @@ def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
     grouping = figure.grouping.of(sum(product.count for product in products))
     if hidden := grouping.hidden(_varying(products)):
         yield grouping.proposal(hidden)
+    random = [line for product in products for line in product.axes.get("trace", ())[:1] if "seed" in line]
+    if "trace" in grouping.median_over and len({json.dumps(line | {"seed": 0}) for line in random}) > 1:
+        yield "a median over traces would mix random lines of other parameters in these studies: draw two figures"
     for method in dict.fromkeys(method for product in products for method in product.methods):
         own = [product.settings.get(method, {}) for product in products if method in product.methods]
         if len({json.dumps(settings, sort_keys=True) for settings in own}) > 1:
@@ -115,7 +118,7 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
     phases: dict[float, set[str]] = {}
     for product in products:
         traces = product.axes.get("trace", ())
-        found["trace"].update([trace["digest"] for trace in traces] or [""])
+        found["trace"].update([trace.get("digest") or json.dumps(trace) for trace in traces] or [""])
         if traces:
             continue
         for name in PARAMETERS:

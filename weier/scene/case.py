@@ -8,7 +8,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from functools import cached_property, lru_cache
@@ -22,11 +22,13 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
 from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
+from weier.surface.gaussian import gaussian
 from weier.surface.limits import check_resolvable
 from weier.surface.measured.trace import Trace
 from weier.surface.measured.units import UNITS
 from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
+from weier.units import METRE, NONE
 
 # Limit of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
@@ -34,6 +36,7 @@ MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with th
 PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
+HURST = "hurst"  # a parameter of random lines, which measured ones do not have
 KEPT_TRACES = 100  # traces kept in memory, since each method of a case reads its trace: of 5 MB at most
 
 
@@ -114,8 +117,10 @@ def short_keys(keys: Keys) -> list[str]:
 def identity(name: str, value: Any) -> Any:
     """Return the value that identifies a parameter, however it is written: 10/2 is 5, as a gamma.
 
-    A trace is its name and its content, not the location of its file.
+    A trace is its name and its content, not the location of its file; a random line is its parameters.
     """
+    if name == "trace" and HURST in value:
+        return value
     if name == "trace":
         named = [value.get("name", value["file"]), value["digest"]]
         return [*named, value["longest"]] if "longest" in value else named
@@ -182,6 +187,17 @@ def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, 
     return traces
 
 
+def random_parameters(values: Mapping[str, Any], seeds: Iterable[Any]) -> list[dict[str, Any]]:
+    """Return the random lines of these seeds, as parameters of a case each: arguments of `weier.gaussian`.
+
+    Numbers have 15 digits, so that 100 um is 1e-4 m to the last bit.
+    """
+    units = {name: NONE if name in (HURST, "rms_slope") else METRE for name in values}
+    plain = {name: float(f"{number(name, value, units[name]):.15g}") for name, value in values.items()}
+    plain.setdefault("rolloff", plain["length"])
+    return [plain | {"seed": int(seed)} for seed in seeds]
+
+
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
     parameters: dict[str, Any] = {"source": readable(source), **values, "file": str(folder / values["file"])}
@@ -202,7 +218,9 @@ def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _trace(parameters: Mapping[str, Any]) -> Trace:
-    """Return the trace of a file; ValueError if the file has changed since its digest was computed."""
+    """Return a random line, or the trace of a file; ValueError if it has changed since its digest was computed."""
+    if HURST in parameters:
+        return gaussian(**parameters)
     trace: Trace = _read(parameters)
     if parameters["digest"] != trace.digest:
         raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")

@@ -121,7 +121,8 @@ def _mistakes_of_scene(keys: SceneKeys, mistakes: Mistakes) -> Iterator[Mistake]
         yield Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")
     if mistakes.within("studies"):
         return
-    if keys.interface and not keys.interface.lambda_0 and not all(study.trace for study in keys.studies.values()):
+    series = any(study.product or study.cases for study in keys.studies.values())
+    if keys.interface and not keys.interface.lambda_0 and series:
         yield Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
     lists: dict[Keys, list[str]] = {("claims", name): studies for name, studies in keys.claims.items()}
     for name, figure in keys.figures.items():
@@ -188,7 +189,7 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
 
 
 def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> Mapping[str, list[Any]]:
-    """Return the values of each parameter; a trace is read."""
-    if "trace" not in product:
+    """Return the values of each parameter; the file of a trace is read."""
+    if not isinstance(product.get("trace"), dict):
         return product
     return {"trace": mistakes.attempt(keys, partial(trace_parameters, product["trace"], folder), [])}

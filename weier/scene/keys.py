@@ -17,6 +17,7 @@ from weier.scene.models import (
     InterfaceKeys,
     LoadRange,
     ProfileKeys,
+    RandomKeys,
     Range,
     SceneKeys,
     StudyKeys,
@@ -24,7 +25,18 @@ from weier.scene.models import (
 )
 
 # The parts of a scene, in the order of their tables.
-PARTS = SceneKeys, StudyKeys, ProfileKeys, TraceKeys, FigureKeys, InterfaceKeys, Range, LoadRange, AxisKeys
+PARTS = (
+    SceneKeys,
+    StudyKeys,
+    ProfileKeys,
+    TraceKeys,
+    RandomKeys,
+    FigureKeys,
+    InterfaceKeys,
+    Range,
+    LoadRange,
+    AxisKeys,
+)
 HEAD = "key", "what it says", "value"
 GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re.DOTALL)
 

@@ -27,6 +27,7 @@ from pydantic import (
 from weier.checks import shown
 from weier.data.bodies import Bodies
 from weier.methods.registry import find_method, names
+from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys
@@ -42,6 +43,7 @@ from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # the value of a key that a file need not have
 NUMBERS = "a number, a range, or a list of these"
+SURFACES = ("product", "cases", "trace", "random")  # keys of a study, one of which it has
 
 
 class Range(Section):
@@ -164,6 +166,16 @@ else:
     Loads = Annotated[list[Load], Field(min_length=1, title=NUMBERS), AfterValidator(_pressures), OneOrMore()]
 
 
+def _each_value(parts: list[Any], info: ValidationInfo) -> list[Any]:
+    """Return each value once. Too many are refused before they are made, since each is checked."""
+    most = (info.context or {}).get("max_cases", MAX_CASES)
+    check_number(sum(part.count if isinstance(part, Range) else 1 for part in parts), most)
+    values = distinct([v for part in parts for v in (part.values() if isinstance(part, Range) else [part])])
+    for value in values:
+        check_value(str(info.field_name), value)
+    return values
+
+
 class ProfileKeys(Section):
     """A product of parameters of the series: each combination of their values is a case."""
 
@@ -178,16 +190,7 @@ class ProfileKeys(Section):
     )
     seed: Numbers = Field([], description="Seed of random phases.")
 
-    @field_validator("*")
-    @classmethod
-    def _values(cls, parts: list[Any], info: ValidationInfo) -> list[Any]:
-        """Return each value once. Too many are refused before they are made, since each is checked."""
-        most = (info.context or {}).get("max_cases", MAX_CASES)
-        check_number(sum(part.count if isinstance(part, Range) else 1 for part in parts), most)
-        values = distinct([v for part in parts for v in (part.values() if isinstance(part, Range) else [part])])
-        for value in values:
-            check_value(str(info.field_name), value)
-        return values
+    _values = field_validator("*")(_each_value)
 
     @model_validator(mode="after")
     def _one_kind_of_phases(self) -> Self:
@@ -218,24 +221,49 @@ class TraceKeys(_Trace):  # type: ignore[misc]
     )
 
 
+class RandomKeys(Section):
+    """Random self-affine lines, as `weier.gaussian` makes them: one case per seed."""
+
+    model_config = ConfigDict(title="random lines")
+    hurst: Number = Field(description="Hurst exponent H = 2 - D, between 0 and 1.")
+    length: Number = Field(description="Period of the line, in m, or with a unit, as in 2 mm.")
+    shortest: Number = Field(description="Shortest wavelength.")
+    rolloff: Number = Field(
+        ABSENT, description="Wavelength above which the spectrum is constant; the length by default."
+    )
+    rms_height: Number = Field(ABSENT, description="Root mean square height; it or rms_slope is required.")
+    rms_slope: Number = Field(ABSENT, description="Root mean square slope.")
+    seed: Numbers = Field([0], description="Seeds of the phases; 0 by default.")
+
+    _values = field_validator("seed")(_each_value)
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        _ = Case({"trace": self.lines[0]}, (), {}).profile
+        return self
+
+    @property
+    def lines(self) -> list[dict[str, Any]]:
+        """The parameters of each line."""
+        return random_parameters({name: value for name, value in self.given.items() if name != "seed"}, self.seed)
+
+
 class StudyKeys(Section):
     """A set of profiles or measured heights, and how they are solved."""
 
-    model_config = ConfigDict(
-        title="a study", json_schema_extra={"oneOf": [{"required": [key]} for key in ("product", "cases", "trace")]}
-    )
+    model_config = ConfigDict(title="a study", json_schema_extra={"oneOf": [{"required": [key]} for key in SURFACES]})
     product: ProfileKeys = Field(ABSENT, description="Profiles: all combinations of the given values.")
     cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles, one by one.")
     trace: TraceKeys = Field(ABSENT, description="Measured heights.")
+    random: RandomKeys = Field(ABSENT, description="Random self-affine lines.")
     loads: Loads = Field(ABSENT, description="Loads of this study, instead of the scene's, in the same unit.")
     methods: Methods = Field(ABSENT, description="Methods of this study, instead of the scene's.")
     settings: Settings = Field(ABSENT, description="Settings of this study, instead of the scene's.")
 
     @model_validator(mode="after")
     def _one_kind_of_surfaces(self) -> Self:
-        kinds = "product", "cases", "trace"
-        if len(given := [kind for kind in kinds if kind in self.model_fields_set]) != 1:
-            raise ValueError(f"one of {', '.join(kinds)} must be given, and not {' and '.join(given) or 'none'}")
+        if len(given := [kind for kind in SURFACES if kind in self.model_fields_set]) != 1:
+            raise ValueError(f"one of {', '.join(SURFACES)} must be given, and not {' and '.join(given) or 'none'}")
         return self
 
     @property
@@ -250,6 +278,8 @@ class StudyKeys(Section):
         """The axes of each product, with its keys in the file; each trace is one."""
         if self.product:
             return [(("product",), self.product.given)]
+        if self.random:
+            return [(("random",), {"trace": self.random.lines})]
         if self.cases:
             return [(("cases", position), case.given) for position, case in enumerate(self.cases)]
         several = len(self.trace.file) > 1
@@ -426,9 +456,9 @@ class SceneKeys(Section):
         "figures in SI units. Values may have units, as in 210 GPa.",
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
-        description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, or a "
-        "trace of measured heights, optionally with its own methods and settings. A profile of several "
-        "studies is solved once."
+        description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, a "
+        "trace of measured heights, or random lines, optionally with its own methods and settings. A profile of "
+        "several studies is solved once."
     )
     figures: dict[Name, FigureKeys] = Field(
         {},

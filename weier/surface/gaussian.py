@@ -75,7 +75,7 @@ def gaussian(
     >>> import weier
     >>> line = weier.gaussian(0.8, 2e-3, 1e-5, rolloff=4e-4, rms_height=4e-7, seed=1)
     >>> line.describe()
-    'trace H = 0.8, seed 1 of 402 heights over 0.002 m, 200 waves down to 1e-05 m'
+    'trace H = 0.8, roll-off 0.0004 m, seed 1 of 402 heights over 0.002 m, 200 waves down to 1e-05 m'
     >>> print(f"g_0 = {line.g_0:.2g} m, slope {line.rms[1] * line.g_0 / line.lambda_0:.3f}")
     g_0 = 4e-07 m, slope 0.015
     """
@@ -111,9 +111,11 @@ def gaussian(
         shortest=shortest,
         ends=PERIODIC,
         detrend=MEAN,
-        source=f"H = {H:g}, seed {phases.seed}",
+        source=f"H = {H:g}, {f'roll-off {rolloff:g} m, ' if rolloff < length else ''}seed {phases.seed}",
         digest=digest_of(repr([length, shortest]).encode() + coefficient.tobytes()),
         period=1,
+        hurst=H,
+        rolloff=rolloff,
     )
 
 

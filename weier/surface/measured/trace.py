@@ -135,6 +135,8 @@ class Trace(Waves):
     digest: str
     period: int
     m: int
+    hurst: float = math.nan  # of random lines
+    rolloff: float = math.nan
 
     listed_terms = 0  # the waves follow from the file of heights
 
@@ -486,7 +488,9 @@ class Trace(Waves):
     @property
     def labels(self) -> dict[str, Any]:
         """What distinguishes this trace from others, by the names of coordinates; those of a series are unknown."""
+        random = {"trace_hurst": self.hurst, "trace_rolloff": self.rolloff} if math.isfinite(self.hurst) else {}
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
+            **random,
             "m": float(self.m),
             "phases": "null",
             "trace": self.source,
