@@ -101,6 +101,7 @@ OWN = {
     "solve": {"method": "demelio"},
     "load_scene": {"path": "config/scenes/minimal.yaml"},
     "fields": {"mean_pressure": 0.1},
+    "densities": {"mean_pressure": 0.1, "pressure": [0, 1], "gap": [0, 1]},
     "Profile.sampled_height": {"terms": 2},
     "cases": {"phases": 1.0, "seed": None, "study": None},
     "Interface": {"E_1": None, "E_2": None},
@@ -234,6 +235,7 @@ TEXTS = {"compliance", "resistance"}  # that settings with a text as their defau
 NONE_TOO = {
     "Profile": {"seed"},
     "fields": {"points"},
+    "densities": {"pressure", "gap"},
     "Profile.sampled_height": {"terms"},
     "Trace": {"shortest", "missing_value"},
     "Trace.of": {"line"},

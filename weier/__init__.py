@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weier.data.provenance import VERSION
 
 if TYPE_CHECKING:
+    from weier.api.fields import densities as densities
     from weier.api.fields import events as events
     from weier.api.fields import fields as fields
     from weier.api.interface import Interface as Interface
@@ -38,6 +39,7 @@ _MODULES = {
     "Profile": "surface.profile",
     "Trace": "surface.measured.trace",
     "choose": "methods.auto",
+    "densities": "api.fields",
     "events": "api.fields",
     "fields": "api.fields",
     "find_load": "api.inverse",

@@ -33,6 +33,8 @@ IN_SI = {
     NORMALISED_PRESSURE: PASCAL,
     "g_0/p_0*": OF_CURRENT,  # or OF_HEAT
     "g_0 p_0*": "J m^-2",
+    "1/p_0*": "Pa^-1",
+    "1/g_0": "m^-1",
     "g_0/lambda_0": NONE,
     "g_0/lambda_0^2": "m^-1",
     "p_0*/lambda_0^(1/2)": "Pa m^-0.5",

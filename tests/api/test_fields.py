@@ -47,3 +47,32 @@ def test_pressure_leaves_an_edge_as_a_square_root_and_the_gap_as_its_cube():
     for x, strength, inward in ((found.left, found.left_strength, 1), (found.right, found.right_strength, -1)):
         assert edge.pressure(x.values + inward * s) == pytest.approx(strength.values * np.sqrt(s), rel=1e-3)
         assert edge.gap(x.values - inward * s) == pytest.approx(4 * np.pi / 3 * strength.values * s**1.5, rel=1e-3)
+
+
+def test_densities_are_differences_of_exact_fractions_in_any_bins():
+    found = weier.densities(PROFILE, 0.3, gap=[0.0, 0.5, 0.9, 5.0])
+    covered = float((weier.fields(PROFILE, 0.3).right - weier.fields(PROFILE, 0.3).left).sum())
+    assert found.contact_fraction == pytest.approx(covered, rel=1e-12)
+    assert (found.pressure_density.values * np.diff(found.pressure)).sum() == pytest.approx(covered, rel=1e-12)
+    assert (found.gap_density.values * np.diff(found.gap)).sum() == pytest.approx(1 - covered, rel=1e-12)
+    assert found.gap_density.values[1] * 0.4 == pytest.approx(float(found.gap_above[1] - found.gap_above[2]))
+    full = weier.densities(PROFILE, 1e100)
+    assert full.pressure_above.values[0] == pytest.approx(full.contact_fraction, rel=1e-12)
+    assert full.contact_fraction == 1
+    assert np.isnan(full.gap_density).all()
+
+
+def test_densities_in_si_units_have_the_same_integral():
+    bodies = {"mu_1": 79e9, "nu_1": 0.3, "rho_1": 1e-7, "mu_2": 45e9, "nu_2": 0.3, "rho_2": 1e-8}
+    found = weier.densities(PROFILE, 0.3)
+    own = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6).in_si(found)
+    for name, unit in (("pressure", "Pa^-1"), ("gap", "m^-1")):
+        assert own[f"{name}_density"].attrs["units"] == unit
+        integral = (own[f"{name}_density"].values * np.diff(own[name])).sum()
+        assert integral == pytest.approx(float(found[f"{name}_above"][0]), rel=1e-12)
+
+
+@pytest.mark.parametrize("limits", [[0.1], [0.2, 0.1], [[0.0, 1.0]], 1.0])
+def test_limits_of_bins_increase(limits):
+    with pytest.raises(ValueError, match="gap must be two or more limits of bins, increasing, got"):
+        weier.densities(PROFILE, 0.3, gap=limits)

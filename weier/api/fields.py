@@ -1,16 +1,20 @@
-"""Pressure, gap and displacement along the surface under one load, and events over the loads."""
+"""Pressure, gap and displacement along the surface under one load, their densities, and events over the loads."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from weier import units
 from weier.api.progress import searching
+from weier.checks import checked_numbers, shown
 from weier.data import variables
 from weier.data.provenance import NORMALISED
 from weier.data.si import marked
+from weier.kernels.arrays import Array
 from weier.methods import bem, patches
+from weier.methods.patches.distribution import fraction_above
 from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_load
 from weier.surface.waves import Waves, checked_surface
@@ -28,6 +32,10 @@ ATTRIBUTES = {
     "right": ("right edge of a contact", "lambda_0"),
     "left_strength": ("k_1 at the left edge: p = k_1 s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
     "right_strength": ("k_1 at the right edge: p = k_1 s^(1/2) at the distance s inside", "p_0*/lambda_0^(1/2)"),
+    "pressure_above": ("fraction of the period under more than this pressure", "1"),
+    "pressure_density": ("probability density of the contact pressure between two limits", "1/p_0*"),
+    "gap_above": ("fraction of the period with more than this gap", "1"),
+    "gap_density": ("probability density of the gap between two limits", "1/g_0"),
     "mean_pressure": ("mean pressure of the event", "p_0*"),
     "birth": ("1 where a contact is born, 0 where two merge", "1"),
     "patch_count": ("contacts in one period just above the event, 0 in full contact", "1"),
@@ -82,6 +90,62 @@ def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> x
     ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}
     ends |= {"left_strength": contact.edge_strength[:, 0], "right_strength": contact.edge_strength[:, 1]}
     return _dataset(profile, {"x": curves, "patch": ends}, mean_pressure=load, mean_gap=contact.mean_gap)
+
+
+def densities(
+    profile: Waves, mean_pressure: float, pressure: ArrayLike | None = None, gap: ArrayLike | None = None
+) -> xr.Dataset:
+    """Solve for the probability densities of pressure and gap over the period at one load.
+
+    Parameters, exceptions and coordinates are those of `fields`, with the limits of bins in place of points.
+
+    Parameters
+    ----------
+    profile, mean_pressure : Profile or Trace, float
+        Surface and load.
+    pressure, gap : array_like, optional
+        Increasing limits of bins, at least 0, in p_0* and g_0; by default 100 bins from 0 to the largest value.
+
+    Returns
+    -------
+    Dataset
+        The limits pressure and gap; pressure_above and gap_above, the fractions of the period above each, exact
+        whatever the bins; and pressure_density and gap_density in the bins, the differences of these fractions over
+        the widths. Their integrals are the contact fraction, an attribute, and the rest of the period. The default
+        gap_density of full contact is NaN.
+
+    Examples
+    --------
+    >>> import weier
+    >>> found = weier.densities(weier.Profile(D=1.25, gamma=5, m=2, phases=1.0), 0.1, pressure=[0, 1, 2, 3])
+    >>> found.pressure_density.values.round(4), round(found.contact_fraction, 4)
+    (array([0.0393, 0.0538, 0.    ]), 0.0931)
+
+    """
+    load, values = checked_load(mean_pressure), dict[str, dict[str, np.ndarray]]()
+    given = {"pressure": _checked_limits("pressure", pressure, "p_0*"), "gap": _checked_limits("gap", gap, "g_0")}
+    check_resolvable(checked_surface(profile))
+    contact = patches.solve_load(profile, load)
+    for name, limits in given.items():
+        limits, above = fraction_above(contact, name == "gap", limits)
+        width, within = np.diff(limits), np.maximum(above[:-1] - above[1:], 0.0)
+        density = np.divide(within, width, out=np.full(width.shape, np.nan), where=width > 0)
+        values |= {
+            f"{name}_limit": {name: limits, f"{name}_above": above},
+            f"{name}_bin": {f"{name}_density": density},
+        }
+    fraction = float(2 * contact.half_width.sum() / profile.period) if contact.state else 1.0
+    scalars = {"mean_pressure": load, "mean_gap": contact.mean_gap, "contact_fraction": fraction}
+    return _dataset(profile, values, **scalars)
+
+
+def _checked_limits(name: str, limits: ArrayLike | None, unit: str) -> Array | None:
+    if limits is None:
+        return None
+    found = checked_numbers(name, limits, "be finite and at least 0", lambda at: (at >= 0) & (at < np.inf), unit)
+    if found.ndim != 1 or found.size < 2 or np.any(np.diff(found) <= 0):
+        raise ValueError(f"{name} must be two or more limits of bins, increasing, got {shown(limits)}")
+    return found
 
 
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:

@@ -293,7 +293,7 @@ class Bodies:
         slope = specific_resistance(g_0 / p, self.composite_modulus, *self.resistivities)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
         values |= {"g_0 p_0*": g_0 * p, "g_0/lambda_0": g_0 / lambda_0, "g_0/lambda_0^2": g_0 / lambda_0**2}
-        values["p_0*/lambda_0^(1/2)"] = p / np.sqrt(lambda_0)
+        values |= {"p_0*/lambda_0^(1/2)": p / np.sqrt(lambda_0), "1/p_0*": 1 / p, "1/g_0": 1 / g_0}
         of_resistance = {"g_0/p_0*": self.resistance_unit}
         return {name: (value, (units.IN_SI | of_resistance)[name]) for name, value in values.items()}
 

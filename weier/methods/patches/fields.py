@@ -333,9 +333,13 @@ def _correct_near_segments(
 
 def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
     """Return the pressure at positions x, in p_0*, or the gap there, in g_0."""
-    crest, y = nearest_crests(series, x)
+    return values_at(state, series, *nearest_crests(series, x), is_gap)
+
+
+def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:
+    """Return the same at the distances y from crests of the series of the state."""
     inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
     if is_gap != state.dual:
-        value = np.zeros(x.size)
+        value = np.zeros(y.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value

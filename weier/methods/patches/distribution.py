@@ -1,0 +1,86 @@
+"""The fraction of the period on which pressure or gap exceed a value (docs/patches.md, "Densities")."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from weier.kernels.arrays import Array, Indices
+from weier.methods.patches.fields import values_at
+from weier.methods.patches.segments import contact_pieces
+from weier.methods.patches.solver import Solution
+from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests
+
+BINS = 100  # by default
+# cells of a piece, at least and per radian of the finest wave in its half-width; steps to an extremum and to a root
+LEAST_CELLS, CELLS_PER_RADIAN, EXTREMUM_STEPS, ROOT_STEPS = 32, 8, 4, 16
+
+
+def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None) -> tuple[Array, Array]:
+    """Return limits of pressure, in p_0*, or of the gap, in g_0, and the fraction of the period above each.
+
+    By default the limits are `BINS` + 1 from 0 to the largest value.
+    """
+    state, surface = solution.state, solution.surface
+    series = surface.series(state is None or state.dual)
+    extent = 3 * (np.zeros(0 if of_gap else 1),)
+    if state is None:
+        extent = *extent[:2], extent[2] + 0.5 * series.period
+    else:
+        extent = contact_pieces(state, series.period)[0]
+        extent = intervals_between(extent, series.period) if of_gap else extent
+    crest, centre, r = nearest_crests(series, extent[0])[0], extent[1], extent[2]
+    cells = np.ceil(LEAST_CELLS + CELLS_PER_RADIAN * series.wavenumber[-1] * r).astype(np.int64)
+    piece = np.repeat(np.arange(r.size), cells + 1)
+    step = np.pi / cells[piece]
+    theta = step * (np.arange(piece.size) - np.searchsorted(piece, piece))
+
+    def at(node: Indices, angle: Array) -> Array:
+        j = piece[node]
+        y = centre[j] + r[j] * np.cos(angle)
+        if state is None:
+            return solution.mean_pressure - series.maximum - evaluate_at(series, crest[j], y, 0)
+        return np.maximum(values_at(state, series, crest[j], y, of_gap), 0.0)
+
+    def width(node: Indices, start: Array, end: Array) -> Array:
+        return np.abs(2 * r[piece[node]] * np.sin(0.5 * (start + end)) * np.sin(0.5 * (end - start)))
+
+    value = at(np.arange(piece.size), theta)
+    rise = np.sign(np.diff(value))
+    turn = 1 + np.flatnonzero((piece[2:] == piece[:-2]) & (rise[:-1] != 0) & (rise[:-1] != rise[1:]))
+    theta[turn] = _extrema(lambda angle: at(turn, angle), theta[turn], step[turn])
+    value[turn] = at(turn, theta[turn])
+    limits = np.linspace(0.0, value.max(initial=0.0), BINS + 1) if limits is None else limits
+    left = np.flatnonzero(piece[1:] == piece[:-1])
+    lower, size = np.minimum(value[left], value[left + 1]), width(left, theta[left], theta[left + 1])
+    whole = np.array([size[lower > limit].sum() for limit in limits])
+    crossed = [left[(value[left] > limit) != (value[left + 1] > limit)] for limit in limits]
+    cell, index = np.concatenate(crossed), np.repeat(np.arange(limits.size), [cells.size for cells in crossed])
+    low = cell + (value[cell] > limits[index])
+    high = 2 * cell + 1 - low
+    root = _roots(lambda angle: at(low, angle) - limits[index], theta[low], theta[high])
+    return limits, (whole + np.bincount(index, width(low, root, theta[high]), limits.size)) / series.period
+
+
+def _extrema(function: Callable[[Array], Array], theta: Array, reach: Array) -> Array:
+    """Return extrema within reach of each angle, by vertices of parabolas that become narrower."""
+    for _ in range(EXTREMUM_STEPS):
+        left, middle, right = (function(theta + shift * reach) for shift in (-1, 0, 1))
+        bend = left - 2 * middle + right
+        vertex = np.divide(0.5 * reach * (left - right), bend, out=np.zeros(theta.shape), where=bend != 0)
+        theta, reach = theta + np.clip(vertex, -reach, reach), reach / 8
+    return theta
+
+
+def _roots(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Return a root between angles at which the function is at most 0 and positive, by the Illinois method."""
+    f_low, f_high = function(low), function(high)
+    for _ in range(ROOT_STEPS):
+        fall = f_high - f_low
+        root = high - np.divide(f_high * (high - low), fall, out=np.zeros(low.shape), where=fall != 0)
+        f_root = function(root)
+        same = np.sign(f_root) == np.sign(f_high)
+        low, f_low = np.where(same, low, high), np.where(same, 0.5 * f_low, f_high)
+        high, f_high = root, f_root
+    return high
