@@ -103,18 +103,22 @@ def _rounded_step(x: Array, unit: float) -> float:
 
 
 def _least_step(x: Array, half: float) -> float:
-    """Return the least slope of a straight line within `half` of equidistant values; NaN if there is none."""
-    from scipy.optimize import linprog
+    """Return the least slope of a straight line within `half` of equidistant values; NaN if there is none.
 
-    line = np.column_stack([np.arange(x.size) / half, np.ones(x.size)])
-    within = (x - x[0]) / half
-    found = linprog(
-        [1, 0],
-        A_ub=np.concatenate([line, -line]),
-        b_ub=np.concatenate([within + 1, 1 - within]),
-        bounds=(None, None),
-    )
-    return float(found.x[0]) if found.success else math.nan
+    Each pair of values bounds the slope. The pair that stands farthest apart about a slope that is too small gives
+    the next one.
+    """
+    rows, x = np.arange(x.size), x - x[0]
+    before, step = -math.inf, float(x[-1] - 2 * half) / rows[-1]
+    while step > before:
+        off = x - step * rows
+        above, below = int(off.argmax()), int(off.argmin())
+        if off[above] - off[below] <= 2 * half:
+            return step
+        if above < below:
+            return math.nan
+        before, step = step, float(x[above] - x[below] - 2 * half) / (above - below)
+    return before
 
 
 def _last_digit(x: Array) -> float:
