@@ -215,8 +215,57 @@ def test_a_number_that_only_one_column_has_is_no_height(file):
             Trace.read(file(text), columns=1, length=1e-3, height_unit="um")
     assert_right(Trace.read(file(columns() + "Ra (um),0.7\n"), columns=1, length=1e-3, rows=200))
     whole = ["OVER" if n % 5 == 0 else f"{100 * z:.0f}" for n, z in enumerate(Z)]
-    with pytest.raises(ValueError, match=r"line 202, may be a count"):
-        Trace.read(file(column(whole) + "200\n"), missing_value="OVER", **ALONE)
+    path = file(column(whole) + "200\n")
+    says = r"line 202, may be a count, .* rows=201 if it is a height, or rows=200 to leave it out"
+    with pytest.raises(ValueError, match=says):
+        Trace.read(path, missing_value="OVER", **ALONE)
+    for rows in (201, 200):
+        with pytest.raises(ValueError, match=f"^40 of {rows} heights are missing"):
+            Trace.read(path, missing_value="OVER", rows=rows, **ALONE)
+
+
+@pytest.mark.parametrize("heading", ["", "z (um)\n"])
+@pytest.mark.parametrize("given", [0, 1])
+def test_decimals_behind_commas_are_no_column(file, heading, given):
+    path = file(decimal_commas(column(heading=heading)))
+    with pytest.raises(ValueError, match=r"line \d+, has a comma of decimals, .* say decimal=',', .* delimiter="):
+        Trace.read(path, columns=given, **ALONE)
+    assert_right(Trace.read(path, columns=0, decimal=",", **ALONE))
+
+
+def test_a_comma_between_whole_numbers_is_taken_where_a_call_says_so(file):
+    path = file("".join(f"{n},{1000 * z:.0f}\n" for n, z in enumerate(Z)))
+    alone = {"length": 1e-3, "height_unit": "nm"}
+    for more in ({"delimiter": ","}, {"decimal": "."}):
+        assert_right(Trace.read(path, columns=1, **alone, **more), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("delimiter", "name", "yes", "no"), [(",", "valid", 1, 0), (";", "Is_Valid", "true", "false")]
+)
+def test_heights_that_a_column_says_are_not_valid_are_refused(file, delimiter, name, yes, no):
+    def table(last, height):
+        flags = [delimiter + str(no if last and n == 60 else yes) for n in N]
+        heights = [(height if n == 60 else written(z)) + flags[n] for n, z in enumerate(Z)]
+        return file(columns(delimiter, delimiter.join(["x (mm)", "z (um)", name + "\n"]), z=heights))
+
+    assert_right(Trace.read(table(False, written(Z[60])), columns=(0, 1)))
+    for more in ({"columns": (0, 1)}, {"columns": 1, "length": 1e-3}):
+        with pytest.raises(
+            ValueError, match=f"line 62, has '{no}' in the column '{name}', .*: write nan for heights"
+        ):
+            Trace.read(table(True, written(Z[60])), **more)
+    with pytest.raises(ValueError, match=r"^1 of 200 heights are missing, the first is height 61 in line 62"):
+        Trace.read(table(True, "nan"), columns=(0, 1))
+
+
+def test_more_rows_than_heights_may_have_are_refused_unread(file, monkeypatch):
+    monkeypatch.setattr("weier.surface.measured.text.MAX_HEIGHTS", 200)
+    assert_right(Trace.read(file(columns())))
+    path = file(columns() + "1.0000,OVER\n1.0050,0.7\n")
+    with pytest.raises(ValueError, match="must have at most 200 rows of heights, got 202: say rows=200 or less"):
+        Trace.read(path)
+    assert_right(Trace.read(path, rows=200))
 
 
 def test_pipes_and_colons_beside_commas_are_not_passed_over(file):

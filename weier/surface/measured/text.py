@@ -22,7 +22,7 @@ import numpy as np
 from weier.checks import checked_count, checked_word, shown
 from weier.kernels.arrays import Array
 from weier.surface.measured import units
-from weier.surface.measured.artefacts import MIN_HEIGHTS
+from weier.surface.measured.artefacts import MAX_HEIGHTS, MIN_HEIGHTS
 from weier.surface.measured.line import Line
 
 MAX_BYTES = 2 * 10**8  # 10^6 rows of 200 characters
@@ -37,6 +37,8 @@ PRINTED = {  # signs of typesetting, as those that numbers are written with
     ord("\u2019"): "'",
 }
 PREFIXES = "#%!/*; \t"  # in front of remarks and headings
+OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)  # a column that says which heights are valid
+VALID = re.compile(r"1([.,]0*)?|true|yes|valid", re.IGNORECASE)
 MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
 APART = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
 SAMPLE = 200  # lines that tell the signs of a table, about
@@ -197,6 +199,11 @@ class _Table:
     def line(self) -> Line:
         """Return the heights of the table and their positions, with all that its heading says of them."""
         with_positions = len(self.columns) == 2
+        if len(self.block) > MAX_HEIGHTS:
+            raise ValueError(
+                f"{self.path} must have at most {MAX_HEIGHTS} rows of heights, got {len(self.block)}: "
+                f"say rows={MAX_HEIGHTS} or less for a part"
+            )
         self._check_neighbours()
         texts = self._texts()
         values = self._values(texts)
@@ -240,6 +247,9 @@ class _Table:
         rows = [self.lines[at] for at in found[best[0]]]
         # The commas of `1:0,5` may be those of decimals, too.
         hidden = best[0].delimiter == "," and all(re.search("[:|]", row) and "." not in row for row in rows)
+        if best[0].delimiter == "," and len(layout.columns or ()) == 1 and not layout.decimal:
+            whole = _Signs.of(BLANK, ",", layout)
+            hidden = hidden or all(whole.is_number(row.strip("\t ")) for row in rows)
         commas = [at for at in found[best[0]] if "," in self.lines[at]]
         if not layout.delimiter and commas and (hidden or len({signs.delimiter == "," for signs in best}) == 2):
             problem = "has a comma of decimals, between columns or between thousands"
@@ -279,6 +289,7 @@ class _Table:
 
     def _texts(self) -> list[list[str]]:
         """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
+        flags = [at for at, cell in enumerate(self.cells) if OF_VALID.fullmatch(cell) and at not in self.columns]
         texts = []
         for at in self.block:
             fields = self.signs.split(self.lines[at])
@@ -293,8 +304,17 @@ class _Table:
             elif not APART.isdisjoint(fields):
                 problem = f"has {min(APART & {*fields})!r} in a column of its own, which may be the sign of a number"
                 self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
+            elif fields[self.columns[-1]] not in self.signs.missing:
+                self._check_flags(at, [(self.cells[flag], fields[flag]) for flag in flags])
             texts.append([fields[column] for column in self.columns])
         return texts
+
+    def _check_flags(self, at: int, flags: Sequence[tuple[str, str]]) -> None:
+        """Refuse a height that another column, of this heading and with this word, says is not valid."""
+        for heading, word in flags:
+            if not VALID.fullmatch(word):
+                problem = f"has {shown(word)} in the column {shown(heading)}, which is not read"
+                self._refuse(at, problem, "write nan for heights that are not valid, or leave out this column")
 
     def _values(self, texts: Sequence[Sequence[str]]) -> Array:
         """Return the numbers in the texts of rows, shape (rows, columns), NaN where one is missing."""
@@ -387,7 +407,7 @@ class _Table:
             is_count = values[row] >= MIN_HEIGHTS and count <= END_ROWS
             if is_count or (len(usual) == 1 and decimals[row] not in usual):
                 above = f"skip={self.block[0]} if it is a height, or skip={self.block[row] + 1} to leave it out"
-                below = f"rows={len(rows)} if it is a height, or rows={len(rows) - 1} to leave it out"
+                below = f"rows={values.size} if it is a height, or rows={row} to leave it out"
                 problem = f"may be a count, a step or a length at an end of {len(rows)} numbers"
                 self._refuse(self.block[row], problem, f"say {above if row in first else below}")
 
