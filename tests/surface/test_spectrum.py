@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.artefacts import without_power
+from benchmarks.artefacts import within_errors, without_power
 from weier.surface import spectrum
 from weier.surface.bends import BENT, LONG, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
@@ -363,6 +363,15 @@ def test_whole_spectra_are_taken_and_cut_ones_refused():
     """The limit is far from both: a third and three times of it would change few of these."""
     assert without_power(5, 2) == (0, 30)
     assert without_power(5, 8)[0] > 25
+
+
+@pytest.mark.slow
+def test_the_default_band_states_its_errors_and_a_narrow_one_too_large_ones():
+    with_D, one, two = within_errors(60, 4, 32)
+    assert with_D > 0.95
+    assert 0.64 < one < 0.84  # 0.74 with a standard deviation of 0.035
+    assert two > 0.94
+    assert within_errors(30, 4, 4)[0] < 0.85
 
 
 def test_columns_of_fits_have_reasons_and_catch_warnings():
