@@ -97,6 +97,7 @@ SOUND = {
     **vars(INTERFACE),
 }
 OWN = {
+    "gaussian": {"hurst": 0.8, "length": 1e-3, "shortest": 1e-5, "rms_height": 1e-7},
     "Profile": {"phases": 0.0},
     "solve": {"method": "demelio"},
     "load_scene": {"path": "config/scenes/minimal.yaml"},
