@@ -125,6 +125,8 @@ def test_random_surfaces_have_the_stated_errors(ends, D, rolls_off, quick):
         (1.3, 0.5e-3, False, "mirrored"),
         (1.3, 0.1e-3, False, "mirrored"),
         (1.3, 0.3e-3, True, "mirrored"),
+        pytest.param(1.3, 0.25e-3, False, "tapered", marks=pytest.mark.slow),
+        pytest.param(1.7, 0.1e-3, False, "periodic", marks=pytest.mark.slow),
     ],
 )
 def test_the_law_below_a_roll_off_is_fitted(D, rolloff, smooth, ends, quick):

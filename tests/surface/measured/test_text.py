@@ -240,22 +240,27 @@ def test_a_comma_between_whole_numbers_is_taken_where_a_call_says_so(file):
         assert_right(Trace.read(path, columns=1, **alone, **more), 1e-3)
 
 
+@pytest.mark.parametrize("below", [False, True])
 @pytest.mark.parametrize(
     ("delimiter", "name", "yes", "no"), [(",", "valid", 1, 0), (";", "Is_Valid", "true", "false")]
 )
-def test_heights_that_a_column_says_are_not_valid_are_refused(file, delimiter, name, yes, no):
+def test_heights_that_a_column_says_are_not_valid_are_refused(file, delimiter, name, yes, no, below):
+    """With the units in the heading, or in a line below it."""
+    heading = ["x", "z", f"{name}\nmm", "um", "-\n"] if below else ["x (mm)", "z (um)", f"{name}\n"]
+    line = 62 + below
+
     def table(last, height):
         flags = [delimiter + str(no if last and n == 60 else yes) for n in N]
         heights = [(height if n == 60 else written(z)) + flags[n] for n, z in enumerate(Z)]
-        return file(columns(delimiter, delimiter.join(["x (mm)", "z (um)", name + "\n"]), z=heights))
+        return file(columns(delimiter, delimiter.join(heading), z=heights))
 
     assert_right(Trace.read(table(False, written(Z[60])), columns=(0, 1)))
     for more in ({"columns": (0, 1)}, {"columns": 1, "length": 1e-3}):
         with pytest.raises(
-            ValueError, match=f"line 62, has '{no}' in the column '{name}', .*: write nan for heights"
+            ValueError, match=f"line {line}, has '{no}' in the column '{name}', .*: write nan for heights"
         ):
             Trace.read(table(True, written(Z[60])), **more)
-    with pytest.raises(ValueError, match=r"^1 of 200 heights are missing, the first is height 61 in line 62"):
+    with pytest.raises(ValueError, match=f"^1 of 200 heights are missing, the first is height 61 in line {line}"):
         Trace.read(table(True, "nan"), columns=(0, 1))
 
 

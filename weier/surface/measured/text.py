@@ -289,7 +289,9 @@ class _Table:
 
     def _texts(self) -> list[list[str]]:
         """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
-        flags = [at for at, cell in enumerate(self.cells) if OF_VALID.fullmatch(cell) and at not in self.columns]
+        above = [line for line in self.lines[: self.block[0]] if OF_VALID.search(line)]
+        cells = {at: cell for line in above for at, cell in enumerate(self._cells(line)) if OF_VALID.fullmatch(cell)}
+        flags = cells.keys() - {*self.columns}
         texts = []
         for at in self.block:
             fields = self.signs.split(self.lines[at])
@@ -305,7 +307,7 @@ class _Table:
                 problem = f"has {min(APART & {*fields})!r} in a column of its own, which may be the sign of a number"
                 self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
             elif fields[self.columns[-1]] not in self.signs.missing:
-                self._check_flags(at, [(self.cells[flag], fields[flag]) for flag in flags])
+                self._check_flags(at, [(cells[flag], fields[flag]) for flag in flags])
             texts.append([fields[column] for column in self.columns])
         return texts
 
