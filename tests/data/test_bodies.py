@@ -89,10 +89,24 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
     assert len(warned) == 1
     assert table["contact_pressure"].to_numpy() == pytest.approx(expected, rel=1e-12)
     interface(hardness_2=expected[4] / 0.47 * (1 + 1e-6)).in_si(curve)  # without a warning
+    cases = solve([Profile(1.5, 3, 1), Profile(1.2, 3, 1)], loads, ["westergaard"])
+    for selected, count in (
+        (cases.isel(mean_pressure=4), "1 of 1"),
+        (cases.transpose("mean_pressure", ...), "3 of 5"),
+    ):
+        with pytest.warns(UserWarning, match=f"{count} loads: .* reaches {significant(expected[4] / 1e6, 3)} MPa"):
+            bodies.in_si(selected)
     ensemble = solve([Profile(1.5, 3, 1)], loads, ["westergaard", "demelio"]).weier.ensemble()
     expected /= interface().full_contact_pressure
     assert ensemble["contact_pressure_median"].to_numpy()[:5] == pytest.approx(expected, rel=1e-12)
     assert ensemble["contact_pressure_median"][5:].isna().all()
+
+
+@pytest.mark.parametrize("method", ["demelio", ["demelio", "westergaard"]])
+def test_yield_that_cannot_be_judged_is_named(method):
+    with pytest.warns(UserWarning, match="whether contacts yield cannot be judged at 2 of 2 loads") as warned:
+        interface(hardness_1=1e11).in_si(solve(Profile(1.5, 3, 1), [0.1, 0.2], method))
+    assert len(warned) == 1
 
 
 @pytest.mark.parametrize(

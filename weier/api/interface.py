@@ -1,4 +1,4 @@
-"""`weier.Interface`: two bodies, whose contact is solved from Pa to m and ohm m^2."""
+"""`weier.Interface`: two bodies, whose contact is solved from Pa to m and ohm m^2, or K m^2/W for heat."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ class Interface(Bodies):
         Wavelength and amplitude of the coarsest wave of a series, in m. Curves of a `Trace` have their own.
     hardness_1, hardness_2 : float, optional
         Indentation hardnesses, in Pa. Results then warn of loads at which the mean pressure of the contacts, p over
-        the contact fraction, exceeds 0.47 of the lower one, where line contacts begin to yield.
+        the contact fraction, exceeds 0.47 of the lower one, where line contacts begin to yield, and of loads at which
+        this cannot be judged, since the method returns no contact area.
 
     Raises
     ------
@@ -56,9 +57,10 @@ class Interface(Bodies):
     Warns
     -----
     UserWarning
-        If a shear modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m,
-        lambda_0 above 1 m, a coarsest wave flatter than 1e-7, or p_0* above a shear modulus.
-        With a hardness, if contacts of a result yield.
+        If a modulus is below 1 MPa or above 10 TPa, a resistivity not that of a conductor, 1e-8 to 1e-3 ohm m, a
+        conductivity outside 0.01 to 1e4 W/(m K), a hardness outside 1e6 to 2e11 Pa, lambda_0 above 1 m, a coarsest
+        wave flatter than 1e-7, or p_0* above a shear modulus.
+        With a hardness, if contacts of a result yield, or if this cannot be judged.
 
     Examples
     --------
@@ -77,7 +79,7 @@ class Interface(Bodies):
         method: str | Sequence[str] | None = None,
         **options: Any,
     ) -> xr.Dataset:
-        """Return compliance and contact resistance in m and ohm m^2, under mean pressures in Pa.
+        """Return compliance and contact resistance in m and ohm m^2, or K m^2/W for heat, under pressures in Pa.
 
         Parameters
         ----------

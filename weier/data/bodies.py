@@ -55,7 +55,7 @@ OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
 
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
-    """Yield a warning for each modulus and resistivity that no usual material has, but for 0 and inf."""
+    """Yield a warning for each modulus, resistivity, conductivity and hardness of no usual material."""
     for name, value in bodies.items():
         least, most, unit, slip = USUAL.get(name[:-2], (-math.inf, math.inf, "", ""))
         if value not in (0, math.inf) and not least <= value <= most:
@@ -236,21 +236,31 @@ class Bodies:
         if not _varies(scale):
             own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
         found = converted(data, self._scales(*scale)).assign_attrs(own)
-        if "contact_fraction" in found and LOADS in found.coords:
-            pascals = units.factor(LOADS, units.unit_of(found[LOADS]), units.PASCAL)
-            self.warn_of_yield(found[LOADS].values * pascals, found["contact_fraction"].values)
+        self.warn_of_yield(found)
         return found
 
-    def warn_of_yield(self, pressure: Array, contact_fraction: Array) -> None:
-        """Warn once of mean pressures in Pa under which the contacts of curves, shape (..., loads), yield."""
+    def warn_of_yield(self, curves: xr.Dataset) -> None:
+        """Warn once of loads at which the contacts of curves in SI units yield, and of those without an area."""
         hardness = min(filter(None, (self.hardness_1, self.hardness_2)), default=math.inf)
-        ratio = contact_pressure(pressure, contact_fraction) / hardness
-        near = (ratio > YIELD).any(axis=tuple(range(ratio.ndim - 1)))
-        if near.any():
-            pressures = pressure[near].min(), hardness, np.nanmax(ratio) * hardness
-            first, limit, largest = (f"{significant(one / 1e6, 3)} MPa" for one in pressures)
+        solved = curves.get("compliance", curves.get("contact_fraction"))
+        if math.isinf(hardness) or solved is None or LOADS not in curves.coords:
+            return
+        area = curves.get("contact_fraction", solved * math.nan)
+        pressure = curves[LOADS] * units.factor(LOADS, units.unit_of(curves[LOADS]), units.PASCAL)
+        of_contacts = contact_pressure(pressure, area)
+        others = [dim for dim in area.dims if dim not in pressure.dims]
+        if (unknown := (solved.notnull() & area.isnull()).any(others)).any():
             warnings.warn(
-                f"contacts yield from a mean pressure of {first} on, at {near.sum()} of {near.size} loads: p over "
+                f"whether contacts yield cannot be judged at {unknown.sum().item()} of {unknown.size} loads, which "
+                "have no contact fraction: some methods return none, nor does one that leaves terms out",
+                stacklevel=3,  # at the call of the conversion
+            )
+        if (near := (of_contacts > YIELD * hardness).any(others)).any():
+            pressures = pressure.where(near).min().item(), hardness, of_contacts.max().item()
+            first, limit, largest = (f"{significant(one / 1e6, 3)} MPa" for one in pressures)
+            count = near.sum().item()
+            warnings.warn(
+                f"contacts yield from a mean pressure of {first} on, at {count} of {near.size} loads: p over "
                 f"the contact fraction exceeds {YIELD} of the lower hardness, {limit}, and reaches {largest}. "
                 "Elastic contact underestimates their area: take lighter loads, or judge these results as elastic",
                 stacklevel=3,  # at the call of the conversion

@@ -53,17 +53,16 @@ def curve(case: Labelled, name: str, method: str | None) -> Array | None:
     return values if np.isfinite(values).any() else None
 
 
-def contact_pressure(mean_pressure: Array, contact_fraction: Array) -> Array:
+def contact_pressure(mean_pressure: xr.DataArray, contact_fraction: xr.DataArray) -> xr.DataArray:
     """Return the mean pressure of the contacts, p/A, in the unit of p; NaN where there is no area."""
-    return np.asarray(mean_pressure / np.where(contact_fraction > 0, contact_fraction, np.nan))
+    return (mean_pressure / contact_fraction.where(contact_fraction > 0)).transpose(*contact_fraction.dims)
 
 
 def with_contact_pressure(data: xr.Dataset) -> xr.Dataset:
     """Return curves with the mean pressure of the contacts as a further variable where they have an area."""
     if "contact_fraction" not in data:
         return data
-    own = contact_pressure(data["mean_pressure"].values, data["contact_fraction"].values)
-    return data.assign({CONTACT_PRESSURE: (data["contact_fraction"].dims, own)})
+    return data.assign({CONTACT_PRESSURE: contact_pressure(data["mean_pressure"], data["contact_fraction"])})
 
 
 def most_accurate(study: Labelled) -> tuple[Flags, Indices]:

@@ -6,6 +6,7 @@ The studies and differing settings of a case come from the scene, so that renami
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Collection, Iterable
 from functools import cached_property
 from itertools import compress
@@ -23,7 +24,7 @@ from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
 from weier.data.si import marked, with_pressures_in
-from weier.data.variables import CASE, CURVE, LABEL, VARIABLES, Status
+from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
@@ -206,8 +207,11 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
                 for column, method in enumerate(solved.methods):
                     values = solved.of_method(name, method)
                     netcdf.fill_method(stored, column, values * factor)
-                    if name == "contact_fraction" and scene.in_si and scene.interface:
-                        scene.interface.warn_of_yield(solved.loads, values)
+        if scene.in_si and scene.interface:
+            judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
+            for method in solved.methods:
+                own = {name: ((CASE, LOADS), solved.of_method(name, method)) for name in judged}
+                scene.interface.warn_of_yield(xr.Dataset(own, {LOADS: (LOADS, solved.loads, {"units": PASCAL})}))
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
@@ -215,7 +219,9 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
     if not scene.in_si or scene.interface is None:
         return data
     own = {name: value for name, value in vars(scene.interface).items() if value is not None}
-    return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(own)
+    with warnings.catch_warnings():  # of yield, which `write` gives once
+        warnings.simplefilter("ignore")
+        return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(own)
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
