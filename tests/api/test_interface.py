@@ -38,6 +38,14 @@ def test_a_measured_line_goes_from_heights_to_ohms():
         BODIES.in_si(curve)
 
 
+def test_pressures_come_back_as_given():
+    given = [3.3, 10 / 3, 6.9]
+    for unit in ("kgf/cm^2", "psi", "ksi"):
+        found = SCALED.solve(weier.Profile(1.5, 3, 1), xr.DataArray(given, attrs={"units": unit}), "westergaard")
+        assert found.mean_pressure.values[[0, 2]].tolist() == [3.3, 6.9]
+        assert found.mean_pressure.values[1] == pytest.approx(given[1], rel=5e-16)
+
+
 def test_several_surfaces_are_cases_with_common_pressures(tmp_path):
     other = weier.Trace(2 * HEIGHTS[:150], 0.75, x_unit="mm", height_unit="um", source="other")
     surfaces, pressures = [LINE, SERIES, other], [1e7, 1e6, 2e7]

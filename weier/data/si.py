@@ -63,11 +63,18 @@ def with_pressures_in(data: xr.Dataset, unit: str) -> xr.Dataset:
         return data
     pascals = units.factor("pressure", unit, units.PASCAL)
     pressures = {
-        name: (variable.dims, variable.values / pascals, variable.attrs | {"units": unit})
+        name: (variable.dims, _as_given(variable.values, pascals), variable.attrs | {"units": unit})
         for name, variable in data.variables.items()
         if variable.attrs.get("units") == units.PASCAL
     }
     return data.assign(pressures).set_coords(list(data.coords))
+
+
+def _as_given(pressures: Array, pascals: float) -> Array:
+    """Return pressures in a unit of so many pascals, as the shortest numbers that give these pressures."""
+    exact = pressures / pascals
+    short = np.vectorize(lambda number: float(f"{number:.15g}"), otypes=[float])(exact)
+    return np.where(short * pascals == pressures, short, exact)
 
 
 def marked(data: xr.Dataset) -> xr.Dataset:
