@@ -7,7 +7,9 @@ import pandas as pd
 import pytest
 
 import weier
+from weier.api.task import CurveTask
 from weier.cli.report import rounded
+from weier.methods.errors import ConvergenceError
 
 BODIES = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 2e-7, "rho_2": 2e-7}
 PRESSURES = ["--si", "bodies.yaml", "--pressures", "1:10:3MPa"]
@@ -66,6 +68,23 @@ def test_one_line_has_no_scatter_and_all_columns_are_there(run, lines):
     table = pd.read_csv("all.csv")
     assert table["trace"].tolist() == [name for name in FILES for _ in range(3)]
     assert {"mean_pressure (MPa)", "resistance_numerical_error (ohm m^2)", "patch_count"} <= {*table}
+
+
+@pytest.mark.filterwarnings("ignore:.*no patches")
+def test_lines_that_failed_are_not_counted(run, lines, monkeypatch):
+    own = CurveTask.solve
+
+    def failing(curve):
+        if curve.profile.source == "b.csv":
+            raise ConvergenceError("no patches")
+        return own(curve)
+
+    monkeypatch.setattr(CurveTask, "solve", failing)
+    code, out, err = run("report", *FILES, *PRESSURES)
+    assert (code, out.splitlines()[0]) == (1, "2 of 3 lines: a.csv, c.txt")
+    assert "patches missed its tolerance, for the reasons above" in err
+    resistance = weier.Interface(**BODIES).solve([lines[0], lines[2]], [1e6, 10**6.5, 1e7]).resistance.values[:, 0]
+    assert f"{np.median(resistance, axis=0)[0]:#.5g}" in out
 
 
 def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):

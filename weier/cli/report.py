@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from importlib import import_module
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from weier.cli.bodies import OF_AN_ENSEMBLE, read_bodies, table_of
 from weier.data import markdown
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import replacing, write_text
-from weier.data.variables import LOADS
+from weier.data.variables import LOADS, Status
 from weier.scene import Figure
 from weier.scene.case import Case, trace_parameters
 from weier.scene.figure import BY_DEFAULT, Grouping
@@ -83,7 +84,8 @@ def report(
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
     over the lines, its 10 and 90 % percentiles and its largest numerical error, in the unit of the pressures and in
-    SI units, rounded to the digits that this error leaves.
+    SI units. Resistances and compliances are rounded to the digits that their errors leave, at most five, contact
+    fractions and the mean pressures of the contacts to five digits.
 
     \b
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
@@ -94,6 +96,7 @@ def report(
     loads = np.unique(pressures.values)
     _check_outputs(outputs, files, force, loads.size)
     from weier.api.solve import solve_under  # xarray takes half a second, and the help needs none of it
+    from weier.cli import result
     from weier.data import dataset
     from weier.data.si import with_pressures_in
 
@@ -101,11 +104,15 @@ def report(
     settings: dict[str, Any] = {"workers": workers, "max_seconds": max_seconds}
     settings |= {} if tolerance is None else {"tolerance": tolerance}
     solved = solve_under(lines, loads, both.loads_of(loads), **settings)
-    if not solved["compliance"].notnull().any():
+    done = (solved["status"] == Status.solved).values[:, 0]
+    if not done.any():
         raise ValueError("no line could be solved, for the reasons above")
     data = with_pressures_in(both.in_si(solved), pressures.unit)
+    of_all = len({line.digest for line in lines})
+    lines = list(compress(lines, done))
     count = len({line.digest for line in lines})
-    title = f"{count} line{'s' * (count > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
+    counted = f"{count} of {of_all}" if count < of_all else f"{count}"
+    title = f"{counted} line{'s' * (of_all > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
     table = table_of(data) if everything else rounded(table_of(data, ensemble=True), count > 1)
     for path in outputs:
         if path.suffix == DATA:
@@ -120,6 +127,7 @@ def report(
             _write_table(table, path, title)
     if not outputs:
         click.echo(_markdown(table, title), nl=False)
+    result.check_solved(solved)
 
 
 def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, loads: int) -> None:

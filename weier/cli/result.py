@@ -86,10 +86,13 @@ def _plain(values: Array) -> Any:
 
 def check_solved(data: xr.Dataset) -> None:
     """Raise ValueError if a requested curve is missing."""
-    numbers = zip(data["solution_method"].values.tolist(), data["status"].values[0].tolist(), strict=True)
+    methods = data["solution_method"].values.tolist()
+    numbers = [pair for case in data["status"].values.tolist() for pair in zip(methods, case, strict=True)]
     missing = [f"{method} {WHY[Status(number)]}" for method, number in numbers if number != Status.solved]
     if missing:
-        raise ValueError(f"{', '.join(missing)}, for the reasons above; all other numbers were written")
+        raise ValueError(
+            f"{', '.join(dict.fromkeys(missing))}, for the reasons above; all other numbers were written"
+        )
 
 
 TEXTS = {".json": as_json, ".csv": as_csv}  # The text formats by the suffix of a file.
