@@ -46,8 +46,9 @@ def _derived(curve: CurveTask, solution: Curve) -> dict[str, Array]:
     gap = {"mean_gap": curve.profile.total_amplitude - solution.compliance}
     if solution.contact_fraction is None:
         return gap
-    with np.errstate(invalid="ignore"):  # 0 inf of an infinite series without contact area
-        return gap | {"area_coefficient": solution.contact_fraction * curve.profile.rms[1] / (np.pi * curve.loads)}
+    slope = curve.profile.rms[1]
+    slope = slope if math.isfinite(slope) else math.nan
+    return gap | {"area_coefficient": solution.contact_fraction * slope / (np.pi * curve.loads)}
 
 
 def surface_row(surface: Waves) -> dict[str, Any]:

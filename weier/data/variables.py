@@ -33,7 +33,7 @@ RESISTANCE_ERROR = (
     "By boundary elements it is a bound if that of the compliance is one, from chords of the concave curve."
 )
 MOMENT = "Its square is the spectral moment m_{}, with wavenumbers in radians per length."
-DIVERGES = "Infinite for m = inf."
+DIVERGES = "Infinite for m = inf, and beyond the range of floats."
 # Kinds of content in the terms of ISO 19115, as ACDD requires.
 QUALITY, AUXILIARY, LABEL = "qualityInformation", "auxiliaryInformation", "coordinate"
 
@@ -231,7 +231,8 @@ VARIABLES = {
         CURVE,
         "coefficient of the contact fraction in p/(E* h')",
         comment="The kappa in A = kappa p/(E* h'), with the contact fraction A, the mean pressure p, the contact "
-        "modulus E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction.",
+        "modulus E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction, "
+        "and where h' is infinite.",
     ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
     "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),

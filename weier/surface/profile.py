@@ -172,7 +172,7 @@ class Profile(Waves):
 
     @property
     def rms(self) -> tuple[float, float, float]:
-        """Root mean squares of height, slope and curvature; those of slope and curvature are inf for m = inf.
+        """Root mean squares of height, slope and curvature; the last two may be inf, as for m = inf.
 
         As of `Waves`: sums of squared amplitudes times powers of the wavenumber, which are geometric.
         """
