@@ -69,7 +69,8 @@ def solve(
     Dataset
         For one profile and one method: compliance, in g_0, resistance, in g_0/p_0*, and other variables of the method
         over mean_pressure (see the table of variables). Scalar coordinates hold the profile; attributes hold settings
-        with defaults, versions and seconds. `weier.Interface.in_si` converts to Pa, m and ohm m^2.
+        with defaults, versions and seconds. `weier.Interface.in_si` converts to Pa, m and ohm m^2, or K m^2/W for
+        heat.
 
         For lists: over case, solution_method and mean_pressure, as in the pipeline. Unsolved values are NaN, with
         `status` and a warning that gives the reason.

@@ -238,7 +238,9 @@ OF_TRACE = (
 
 
 OF_BODIES = (
-    click.Option(["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2 for two bodies. {SI}"),
+    click.Option(
+        ["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
+    ),
     click.Option(
         ["--pressures"],
         callback=_read(parse_pressures),

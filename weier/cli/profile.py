@@ -131,7 +131,10 @@ def _solve(
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row per load.")
 @FORCE
 @MAX_SECONDS
-@click.option("--resistance", help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2.")
+@click.option(
+    "--resistance",
+    help="Find the loads for these resistances, in g_0/p_0*, or with --si in ohm m^2, or in K m^2/W for heat.",
+)
 @click.option("--compliance", help="Find the loads for these compliances, in g_0, or with --si in m or a unit.")
 @click.option("--contact-fraction", help="Find the loads for these contact fractions.")
 def solve(

@@ -20,7 +20,7 @@ NORMALISED = (
 )
 IN_SI = (
     "Values are in the units of their attributes, for the two bodies whose moduli, Poisson's ratios and "
-    "resistivities are attributes."
+    "resistivities or thermal conductivities are attributes."
 )
 PAPER = (
     "M. Ciavarella, G. Murolo, G. Demelio, J. R. Barber, Elastic contact stiffness and contact resistance for the "
