@@ -69,8 +69,6 @@ class Value(NamedTuple):
 
     value: float
     error: float
-    height_error: float
-    resistance: float
 
 
 def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
@@ -169,9 +167,7 @@ class _Search:
         root = float(scipy.optimize.brentq(rising, low, high, xtol=LOG_ACCURACY)) if low < high else low
         load = math.exp(root)
         off = max(self._distance(root, rising, side) for side in (-1, 1))
-        at_root = self.at(root)
-        from_heights = at_root.height_error / at_root.resistance if self.name == "contact_fraction" else 0.0
-        return load, load * math.expm1(off) + from_heights
+        return load, load * math.expm1(off)
 
     def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
         """Return the distance from the root, in ln p, beyond which the side of the target is certain."""
@@ -186,12 +182,8 @@ class _Search:
         """Return the quantity under one load."""
         if log_load not in self.known:
             found = self._curve(min(math.exp(log_load), self.full))
-            values = {"compliance": found.indentation, "resistance": found.resistance}
-            value = values.get(self.name, found.contact_fraction)
-            errors = {"compliance": found.compliance_error, "resistance": found.resistance_error}
-            error = errors.get(self.name, np.zeros(1))
-            numbers = (value, error, found.compliance_error, found.resistance)
-            self.known[log_load] = Value(*(float(number[0]) for number in numbers))
+            value = found.indentation if self.name == "compliance" else getattr(found, self.name)
+            self.known[log_load] = Value(float(value[0]), float(getattr(found, f"{self.name}_error")[0]))
         return self.known[log_load]
 
     def _curve(self, load: float) -> Any:

@@ -218,6 +218,12 @@ VARIABLES = {
         axis="contact fraction $A$",
         optional=True,
     ),
+    "contact_fraction_error": Variable(
+        CURVE,
+        "numerical error of the contact fraction",
+        comment="An estimate, by the errors of all edges and the widths of contacts and gaps that may be missing.",
+        optional=True,
+    ),
     "elastic_energy": Variable(
         CURVE,
         "elastic energy per area",

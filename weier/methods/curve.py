@@ -25,6 +25,7 @@ class Curve:
     resistance_error: Array | None = None
     indentation: Array | None = None
     contact_fraction: Array | None = None
+    contact_fraction_error: Array | None = None
     elastic_energy: Array | None = None
     patch_count: Array | Indices | None = None
     residual: Array | None = None

@@ -25,8 +25,8 @@ from weier.methods.patches.certificate import (
     error_bound,
     imbalance,
     largest_displacement,
-    resistance_error,
     sample_points,
+    stated_errors,
 )
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import FIELD_ROUNDING
@@ -290,7 +290,7 @@ def stated(wave, dual=False, **fields):
     """The error of the resistance of one wave in a series, without that of the end of conjugate gradients."""
     state = wave.state(dual)._replace(**({"height_error": 0.0, "error": 0.0, "roughness": np.zeros(1)} | fields))
     heights = wave.series(False)
-    return resistance_error(state, heights) - TANGENT_ERROR * max(wave.resistance, 1.0)
+    return stated_errors(state, heights)[0] - TANGENT_ERROR * max(wave.resistance, 1.0)
 
 
 def moved(wave, change):
@@ -403,19 +403,18 @@ def test_an_edge_beside_a_narrow_gap_counts_twice(period):
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
 def test_an_edge_moves_by_the_gap_beside_it(period):
-    """Two contacts 0.05 L apart, and the increment at one edge only."""
+    """Two contacts 0.05 L apart, and the increment at one edge only; the length in contact changes by all moves."""
     r, A, none = np.full(2, 0.1 * period), np.full((2, 2), 3.0), np.zeros(2)
     extent, height_error = (none, np.array([0.2, 0.45]) * period, r), np.full(2, HEIGHT)
     force = np.pi / np.sqrt(8) * r[0] ** 1.5 * 3
     by_force = 2 * r[0] * HEIGHT / (max(-2 * np.log(0.1 * np.pi), 1.0) * force)
+    narrow, wide = (np.sqrt(2) * HEIGHT / (np.pi * 3 * np.sqrt(s * period)) + by_force for s in (0.025, 0.1))
     for (j, side), half_gap in (((0, 0), 0.275), ((0, 1), 0.025), ((1, 0), 0.025), ((1, 1), 0.275)):
         B = np.zeros((2, 2))
         B[j, side] = 1.0
-        move = np.sqrt(2) * HEIGHT / (np.pi * 3 * np.sqrt(min(half_gap, 0.1) * period)) + by_force
-        expected = (2 if half_gap < 0.1 else 1) * move
-        assert _releases(*extent, period, A, B, height_error, np.zeros(2), 0.0) == pytest.approx(
-            expected, rel=1e-12, abs=0
-        )
+        expected = (2 * narrow if half_gap < 0.1 else wide), 4 * narrow + 2 * wide
+        found = _releases(*extent, period, A, B, height_error, np.zeros(2), 0.0)
+        assert found == pytest.approx(expected, rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -526,7 +525,7 @@ def test_rounding_widens_contacts(period):
         # cos x + 0.7 cos 2x has its highest crest at 0, and a lower one at half a period.
         phases = -2 * np.pi * waves * wave.crest / period + shift * waves
         series = make_series(amplitude, [1, 2], phases, period)
-        found = resistance_error(state, series) - TANGENT_ERROR * max(wave.resistance, 1.0)
+        found = stated_errors(state, series)[0] - TANGENT_ERROR * max(wave.resistance, 1.0)
         move = of_curvature + (of_height if is_lower else 0.0)
         assert found == pytest.approx(4 * np.pi**2 / period * wave.tangent_strength**2 * move, rel=1e-2, abs=0)
 
@@ -558,5 +557,7 @@ def test_errors_of_contacts_many_waves_wide_are_stated_and_nearly_attained(waves
     exact, found = patches.curve(surface, loads, 1e-12), patches.curve(surface, loads, 1e-6)
     of_h = abs(found.compliance - exact.compliance) / found.compliance_error
     of_R = abs(found.resistance - exact.resistance) / found.resistance_error
+    of_A = abs(found.contact_fraction - exact.contact_fraction) / found.contact_fraction_error
     assert 0.2 < of_h.max() <= 1
     assert 1 / 3 < of_R.max() <= 1
+    assert 1 / 3 < of_A.max() <= 1

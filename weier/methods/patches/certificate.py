@@ -2,7 +2,7 @@
 
 docs/patches.md, "The bound on the compliance" and "The error of the resistance", derives the formulas.
 `contact_residual` samples the residual, `certify` rejects large violations, `error_bound` bounds the error of h, and
-`resistance_error` is the effect of height errors on the contacts, which no error exceeded in tests
+`stated_errors` are the effects of height errors on R and the contact fraction, which no error exceeded in tests
 (docs/numerics.md, "How often stated errors hold").
 """
 
@@ -271,46 +271,58 @@ def check_violation(state: ContactState, missing: float, period: float, toleranc
         )
 
 
-def resistance_error(state: ContactState, series: CosineSeries) -> float:
-    """Return an estimate of the error of the resistance in partial contact, in g_0/p_0*."""
-    by_cracks = SAFETY_FACTOR * _rise_by_cracks(state, series.period) + _error_of_cracks(state, series.period)
+Effect = tuple[float, float]  # on the resistance, in g_0/p_0*, and on the length in contact, in lambda_0
+
+
+def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
+    """Return estimates of the errors of the resistance, in g_0/p_0*, and the contact fraction, in partial contact."""
     by_iteration = TANGENT_ERROR * max(state.resistance, 1.0)
     # The next step would move the edges and change the resistance by the energy released. While edges have not
     # settled, others follow it.
     move = np.abs(state.edge_move)
     move *= np.where(move > SETTLED_MOVE * state.segments.half_width[:, None], SAFETY_FACTOR, 1.0)
     by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * move))
-    return by_iteration + _error_by_edges(state, series) + by_cracks + _drop_by_births(state, series)
+    effects = (
+        (by_iteration, float(move.sum())),
+        _error_by_edges(state, series),
+        _error_of_cracks(state, series.period),
+        _missing_cracks(state, series.period),
+        _missing_contacts(state, series),
+    )
+    resistance, length = np.sum(effects, axis=0)
+    return float(resistance), float(length) / series.period
 
 
-def _rise_by_cracks(state: ContactState, period: float) -> float:
-    """Return the increase of R by gaps in the intervals of tension, in g_0/p_0*.
+def _missing_cracks(state: ContactState, period: float) -> Effect:
+    """Return the effect of gaps in the intervals of tension, times `SAFETY_FACTOR`.
 
     A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
     with the tangent pressure q there: B (2/r)^(1/2)/sqrt(1-t^2) for an isolated contact of edge strength B, and about
     1 if gaps are narrow.
     """
     if state.tensions.size == 0:
-        return 0.0
+        return 0.0, 0.0
     of, t, b = state.tensions.T
     contact = of.astype(np.int64)
     r = state.kind.contacts_of(state.segments.extent, period)[2][contact]
     B = state.kind.at_contacts(state.tangent_strength)[contact].mean(axis=1)
     q = np.maximum(B * np.sqrt(2 / (r * (1 - t**2))), 1.0)
-    return float(np.pi**2 / period * np.sum((np.sqrt(2.0) * b * r * q) ** 2))
+    width = np.sqrt(2.0) * b * r
+    return SAFETY_FACTOR * float(np.pi**2 / period * np.sum((width * q) ** 2)), SAFETY_FACTOR * float(2 * width.sum())
 
 
-def _error_of_cracks(state: ContactState, period: float) -> float:
-    """Return the error of the contribution of cracks to the resistance, in g_0/p_0*.
+def _error_of_cracks(state: ContactState, period: float) -> Effect:
+    """Return the error of the effect of cracks.
 
     The tension q_0 at the middle of a crack has the error k e/(2 pi r sqrt(1-t^2)), the pressure of a residual e T_k
     on its contact. With b^2 = 4 q_0/kappa, the error of the rise pi^2 b^2 q^2/L is 4 pi^2 q^2/(kappa L) times that.
     Here kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by a
-    relative 4 (b/l)^2: twice (b/l)^2, for edges on both sides, and `SAFETY_FACTOR`.
+    relative 4 (b/l)^2: twice (b/l)^2, for edges on both sides, and `SAFETY_FACTOR`. The half-width has half of these
+    relative errors.
     """
     cracks, segments = state.cracks, state.segments
     if cracks.contact.size == 0:
-        return 0.0
+        return 0.0, 0.0
     radius = state.kind.contacts_of(segments.extent, period)[2][cracks.contact]
     modes = segments.node_count / segments.half_width
     modes = state.kind.at_contacts(np.stack([modes, modes], axis=1)).max(axis=1)
@@ -318,12 +330,13 @@ def _error_of_cracks(state: ContactState, period: float) -> float:
     tension = state.height_error * modes[cracks.contact] / (2 * np.pi * np.sqrt(inside))
     b = cracks.half_width
     by_tension = 4 * np.pi**2 / period * np.sqrt(2 * b) * cracks.tangent_strength**2 / cracks.strength * tension
-    by_neighbour = 2 * SAFETY_FACTOR * cracks.rise * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2
-    return float(np.sum(by_tension + by_neighbour))
+    near = 2 * SAFETY_FACTOR * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2  # relative
+    width = 2 * np.sqrt(2 * b) / cracks.strength * tension + b * near
+    return float(np.sum(by_tension + cracks.rise * near)), float(width.sum())
 
 
-def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
-    """Return the decrease of R, in g_0/p_0*, by contacts that may be born in narrow gaps.
+def _missing_contacts(state: ContactState, series: CosineSeries) -> Effect:
+    """Return the effect of contacts that may be born in narrow gaps.
 
     A gap g with the error e may hide a contact with an overlap of at most e - g. With the half-width b of the
     overlap, the compliance of the contact per unit force is at least chi = -2 ln(pi b/L), less the relief by the
@@ -333,7 +346,7 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     """
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
-        return 0.0
+        return 0.0, 0.0
     depth = gap_uncertainty(state.height_error, series.total_amplitude) - gaps["value"]
     half_width = np.sqrt(2 * depth / np.maximum(gaps["curvature"], depth / period**2))
     compliance = -2 * np.log(np.minimum(np.pi * half_width / period, np.exp(-0.5)))
@@ -342,11 +355,12 @@ def _drop_by_births(state: ContactState, series: CosineSeries) -> float:
     relief = -2 * np.log(np.pi * r / period) + 4 * np.log(2 * distance)
     compliance += np.minimum(relief.min(axis=1), 0.0)
     advance = state.resistance + 2 * np.log(2.0) * period
-    return min(float(np.sum(advance**2 / (np.maximum(compliance, 1.0) * period))), state.resistance)
+    drop = float(np.sum(advance**2 / (np.maximum(compliance, 1.0) * period)))
+    return min(drop, state.resistance), 2 * float(half_width.sum())
 
 
-def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
-    """Return the error of the resistance due to its edges, in g_0/p_0*, for height errors e (`height_error`).
+def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
+    """Return the effect of errors of the edges by height errors e (`height_error`).
 
     An edge that advances by delta lowers the resistance by 2 pi^2 B^2 delta/L, with the tangent pressure B/s^(1/2) at
     the edge; for a narrow contact, this is the derivative of -2 L f^2 ln a. At an edge with the pressure A s^(1/2),
@@ -375,7 +389,8 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> float:
         most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5
         A = np.minimum(A, most[:, None])
     roughness = np.zeros(crest.size) if state.dual else state.roughness
-    return 2 * np.pi**2 / L * _releases(*contacts, L, A, B, height_error, roughness, curvature_error)
+    release, length = _releases(*contacts, L, A, B, height_error, roughness, curvature_error)
+    return 2 * np.pi**2 / L * release, length
 
 
 @kernel
@@ -389,9 +404,9 @@ def _releases(
     height_error: Array,
     roughness: Array,
     curvature_error: float,
-) -> float:
-    """Return the sum of B^2 delta over all edges, for these errors of heights and curvatures."""
-    distance, total = distances_between(origin, centre, r, L), 0.0
+) -> tuple[float, float]:
+    """Return the sums of B^2 delta and of delta over all edges, for these errors of heights and curvatures."""
+    distance, release, length = distances_between(origin, centre, r, L), 0.0, 0.0
     for j in range(r.size):
         force = np.pi / np.sqrt(8.0) * r[j] ** 1.5 * 0.5 * (A[j, 0] + A[j, 1])
         chi = max(-2 * np.log(np.pi * r[j] / L), 1.0)
@@ -406,5 +421,7 @@ def _releases(
             if not move < scale:
                 more = max(chi - np.log(1 + 4 * height_error[j] / (chi * force)), 1.0)  # of the largest contact
                 move = SAFETY_FACTOR * beside if is_narrow else 0.5 * r[j] * chi * max(1.0, chi / more - 1)
-            total += (SAFETY_FACTOR if is_narrow else 1.0) * B[j, side] ** 2 * move
-    return total
+            move *= SAFETY_FACTOR if is_narrow else 1.0
+            release += B[j, side] ** 2 * move
+            length += move
+    return release, length

@@ -60,6 +60,7 @@ METHOD = Method(
         "resistance_error",
         "indentation",
         "contact_fraction",
+        "contact_fraction_error",
         "elastic_energy",
         "patch_count",
         "residual",

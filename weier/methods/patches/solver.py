@@ -17,7 +17,7 @@ from weier.kernels.blas import one_thread
 from weier.methods.curve import Curve
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
-from weier.methods.patches.certificate import resistance_error
+from weier.methods.patches.certificate import stated_errors
 from weier.methods.patches.fields import node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
@@ -147,13 +147,15 @@ def _curve_point(surface: Surface, state: ContactState | None, half_width: Array
     total, top, series = surface.total_amplitude, surface.heights.maximum, surface.heights
     full = state is None
     indentation = top if state is None else state.dual * top + state.approach
+    R_error, fraction_error = (0.0, 0.0) if state is None else stated_errors(state, series)
     return {
         "compliance": total if full else total - top + indentation,
         "resistance": 0.0 if state is None else state.resistance,
         "compliance_error": _rounding(surface) + (0.0 if state is None else state.error),
-        "resistance_error": 0.0 if state is None else resistance_error(state, series),
+        "resistance_error": R_error,
         "indentation": indentation,
         "contact_fraction": 1.0 if full else float(2 * half_width.sum() / series.period),
+        "contact_fraction_error": fraction_error,
         "elastic_energy": _elastic_energy(surface, state),
         "patch_count": half_width.size,
         "residual": 0.0 if state is None else state.residual,
