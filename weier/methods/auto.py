@@ -1,7 +1,8 @@
 """The method "auto": curves within a tolerance, by the fewest terms, and the choice of these.
 
 If terms of total amplitude G are left out, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the terms
-left out"). Half of the tolerance is for these terms, the rest for the solution of the others.
+left out"). Half of the tolerance is for these terms, the rest for the solution of the others. R of an infinite series
+is estimated from successive truncations ("A tolerance" there).
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ from weier.theory.bounds import complete_bounds, first_contact, resistance_bound
 
 TOLERANCE = 1e-3
 MAX_LISTED = 5  # loads in a message
-OF_CONTACT = "indentation", "contact_fraction", "elastic_energy", "patch_count"  # unknown where terms are left out
+# stated error of R over the remaining differences of truncations if they decay as the amplitudes do: covers 98 % of
+# loads (`python -m benchmarks truncated_resistance`)
+DIFFERENCES = 4.0
+# unknown where terms are left out
+OF_CONTACT = "indentation", "contact_fraction", "contact_fraction_error", "elastic_energy", "patch_count"
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,7 +71,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     profile : Profile or Trace
         A surface with any number of terms, also inf.
     tolerance : float
-        Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*.
+        Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*:
+        where terms are left out, it is estimated from successive truncations and is no bound.
     quantity : "compliance" or "resistance"
         The quantity of the tolerance.
 
@@ -88,7 +94,7 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
     evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
     solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
     other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
-    terms are kept.
+    terms of a finite series are kept; for an infinite one, further terms are added while it is solved.
 
     Examples
     --------
@@ -111,18 +117,21 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
 
 
 def _for_resistance(surface: Waves, tolerance: float) -> Choice:
-    if math.isinf(surface.m):
-        raise OutOfReachError(
-            "the resistance of an infinite series has bounds only: ask for its compliance, whose curve has them as "
-            f"resistance_error, or take a finite m; got {surface.describe()}"
-        )
-    patches.METHOD.check_applies(surface)
     # A hundredth is arbitrary: the stated error of R is checked after the solution.
-    h_tolerance = min(max(1e-2 * tolerance, TOLERANCES.least), patches.TOLERANCE)
-    return Choice(surface, 0.0, patches.METHOD, {"tolerance": h_tolerance})
+    settings = {"tolerance": min(max(1e-2 * tolerance, TOLERANCES.least), patches.TOLERANCE)}
+    if not math.isinf(surface.m):
+        patches.METHOD.check_applies(surface)
+        return Choice(surface, 0.0, patches.METHOD, settings)
+    kept, left_out = _fewest_terms(surface, tolerance / DIFFERENCES, least=3)
+    if kept.m < 3:
+        raise OutOfReachError(
+            f"the resistance of {surface.describe()} is estimated from three truncations, and {kept.m:g} terms are "
+            "the most that can be resolved: take a finite m"
+        )
+    return Choice(kept, left_out, patches.METHOD, settings)
 
 
-def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
+def _fewest_terms(surface: Waves, most_omitted: float, least: int = 1) -> tuple[Waves, float]:
     """Return the first terms of a surface whose tail is at most `most_omitted`, and that tail, in g_0.
 
     If more are needed than can be resolved, return the largest number of terms that can.
@@ -131,7 +140,7 @@ def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
         patches.METHOD.check_applies(surface)
         return surface, 0.0
     most = terms_within(surface, MAX_WAVES)
-    kept = next((k for k in range(1, most) if surface.amplitude_beyond(k) <= most_omitted), most)
+    kept = next((k for k in range(least, most) if surface.amplitude_beyond(k) <= most_omitted), most)
     return surface.truncated(kept), surface.amplitude_beyond(kept)
 
 
@@ -149,6 +158,8 @@ def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float
 
 def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
     choice = choose(profile, tolerance, quantity)
+    if quantity == RESISTANCE and choice.left_out and isinstance(profile, Profile):
+        return _extrapolated(profile, choice, loads, tolerance)
     with converting(lambda solved: (solved[0], _as_curve(profile, choice, *solved))):
         solved = choice.method.solve(choice.kept, loads, **choice.settings)
     if quantity == RESISTANCE:
@@ -180,6 +191,44 @@ def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Cu
         contact_edge=np.empty((loads.size, 0)),
         **unknown,
     )
+
+
+def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: float) -> Curve:
+    """Return the curve of an infinite series with as many terms as its resistance requires, and the estimated error.
+
+    The differences of successive truncations decay about as the amplitudes, by the factor q = gamma^(D-2) a term, so
+    that the remaining ones sum to the last one times q/(1 - q). No terms are added where the tolerance cannot be
+    expected from as many as can be resolved.
+    """
+    q, most, curves = float(profile.gamma) ** (profile.D - 2), terms_within(profile, MAX_WAVES), list[Curve]()
+    for k in range(1, most + 1):
+        # Next to full contact of a truncation, where R vanishes, its difference to the next one says nothing.
+        if loads[-1] > 0.5 * profile.truncated(k).full_contact_load:
+            continue
+        with converting(lambda _: None):  # curves of fewer terms are not the one asked for
+            curves.append(choice.method.solve(profile.truncated(k), loads, **choice.settings))
+        if len(curves) < 3:
+            continue
+        solved, R = curves[-1], [curve.resistance for curve in curves[-3:]]
+        difference = np.maximum(np.abs(R[2] - R[1]), q * np.abs(R[1] - R[0]))
+        error = DIFFERENCES * q / (1 - q) * difference + solved.values()["resistance_error"]
+        excess = float(np.max(error / np.fmax(solved.resistance, 1))) / tolerance
+        if (excess <= 1 and k >= choice.kept.m) or q ** (most - k) * excess > 1:
+            break
+    if len(curves) < 3:
+        raise OutOfReachError(
+            f"the resistance under {loads[-1]:.6g} p_0* cannot be estimated for {profile.describe()}: the {most} "
+            "terms that can be resolved are nearly in full contact; take lighter loads"
+        )
+    if not excess <= 1:
+        least = f"tolerance must be at least {MARGIN * excess * tolerance:.1e}, got {tolerance:g}:"
+        raise OutOfReachError(
+            f"{'no tolerance is within reach:' if MARGIN * excess * tolerance >= 1 else least} the resistance of "
+            f"{profile.describe()} is known to {excess * tolerance:.1e} from the first {k} terms, and each of the "
+            f"{most - k} more that can be resolved leaves about {q:.2f} of that; take heavier loads or a finite m"
+        )
+    reached = replace(choice, kept=profile.truncated(k), left_out=profile.amplitude_beyond(k))
+    return replace(_as_curve(profile, reached, loads, solved), resistance_error=error)
 
 
 def _check_resistance(solved: Curve, loads: Array, tolerance: float) -> None:
