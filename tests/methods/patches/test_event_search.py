@@ -107,7 +107,7 @@ def test_contacts_followed_past_another_event_are_not_in_contact(dual):
 
 def test_a_search_that_stays_uncertain_ends(monkeypatch):
     monkeypatch.setattr(event_search._Search, "_changes", lambda self, low, high: ([], False, False))
-    with pytest.raises(ConvergenceError, match="remain uncertain after 101 bisections"):
+    with pytest.raises(ConvergenceError, match="remain uncertain after 101 divisions"):
         patches.events(Profile(1.25, 2, 2), 1e-3, 2.0)
 
 
@@ -167,6 +167,17 @@ def test_events_of_symmetric_profiles_come_in_pairs():
     assert events.x[1] + events.x[2] == pytest.approx(1)
     merge = patches.events(TWIN_CRESTS, 1e-3, 1.0)
     np.testing.assert_array_equal(merge.birth, [False])
+
+
+def test_a_search_may_begin_and_end_at_an_event():
+    profile = Profile(1.25, 5, 2, 1.0)
+    whole = patches.events(profile, 1e-3, 3.0)
+    for number, load in enumerate(whole.mean_pressure):
+        for low, high, found in ((load, 3.0, whole.birth[number + 1 :]), (1e-3, load, whole.birth[:number])):
+            birth = patches.events(profile, low, high).birth
+            assert birth.size - found.size in (0, 1)  # the event at the end itself, to rounding
+            inside = birth[-found.size :] if low == load else birth[: found.size]
+            np.testing.assert_array_equal(inside if found.size else birth[:0], found)
 
 
 def test_events_of_nearly_one_load_are_told_apart():

@@ -1,8 +1,8 @@
 """Search for the loads at which contacts are born or merge (docs/patches.md, "Births and mergers").
 
 Contacts never split or vanish as the load increases, so that a contact at a heavier load contains two contacts of the
-lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` bisects in ln(p) until the changes are
-certain (`_Search._has_no_more_minima`, `_needed_load`) and few; `_Search._locate` then finds the root of the minimum
+lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` divides the interval until the changes are
+certain (`_Search._has_no_more_minima`, `_needed_load`) and expected under one load; `_Search._locate` then finds the root of the minimum
 of the gap before a birth, or of the pressure after a merger.
 """
 
@@ -51,7 +51,7 @@ MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
-# bisections per event of intervals over which no edge advances farther than `MAX_ADVANCE`, three times those from a
+# divisions per event of intervals over which no edge advances farther than `MAX_ADVANCE`, three times those from a
 # decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # loads solved up to full contact, for each of the finest waves and for each crest of height or tension: 1.0 to 1.1 of
@@ -217,7 +217,7 @@ class _Search(NamedTuple):
             if splits > MAX_SPLITS * (1 + len(located)):
                 raise ConvergenceError(
                     f"the changes of contacts between the mean pressures {low.load:.10g} and {high.load:.10g} p_0* "
-                    f"remain uncertain after {splits} bisections; take a smaller interval of loads"
+                    f"remain uncertain after {splits} divisions; take a smaller interval of loads"
                 )
             between = self.state(split)
             pending += [(between, high), (low, between)]
@@ -306,7 +306,7 @@ class _Search(NamedTuple):
         """
         first, surface = changes[0], self.starts.surface
         start = low if first.birth else high
-        followed = [start]
+        followed, values = [start], dict[float, float]()
 
         def nearest(load: float) -> ContactState:
             return min(followed, key=lambda state: abs(state.load - load))
@@ -316,7 +316,8 @@ class _Search(NamedTuple):
 
         def first_minimum(load: float) -> float:
             followed.insert(0, self._follow(nearest(load), load))
-            return minimum(followed[0], first)[1]
+            values[load] = minimum(followed[0], first)[1]
+            return values[load]
 
         relative = TARGET * TOLERANCE  # of the residual
         accuracy = {"xtol": relative * low.load, "rtol": relative}
@@ -324,7 +325,7 @@ class _Search(NamedTuple):
             root = nearest(scipy.optimize.brentq(first_minimum, low.load, high.load, **accuracy))
         except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
             return []
-        rate = minimum(start, first)[1] / abs(start.load - root.load)
+        rate = abs(values[high.load] - values[low.load]) / (high.load - low.load)
         located: list[_Located] = []
         for event in changes:
             y, value = minimum(root, event)
