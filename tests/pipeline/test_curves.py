@@ -95,10 +95,8 @@ def test_a_changed_default_of_a_setting_is_another_kind(tmp_path, monkeypatch):
     kinds = [names(tmp_path, methods=["layer"], settings={"layer": {"points": n}})[0] for n in (usual, usual + 1)]
     assert kinds[0] == names(tmp_path, methods=["layer"])[0] != kinds[1]
 
-    def solve(profile, loads, points=usual + 1, **others):
-        raise NotImplementedError
-
-    changed = replace(method, solve=solve)
+    points = method.settings["points"]._replace(default=usual + 1)
+    changed = replace(method, settings={**method.settings, "points": points})
     monkeypatch.setattr(registry, "METHODS", tuple(changed if one is method else one for one in registry.METHODS))
     assert names(tmp_path, methods=["layer"])[0] != kinds[0]
 

@@ -50,6 +50,8 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
         document = read_yaml(text)
     except TimeoutError:  # of a program with a time limit
         raise
+    except FileNotFoundError as error:
+        raise SceneError(one_line(error)) from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()

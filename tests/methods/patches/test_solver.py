@@ -307,7 +307,8 @@ def test_the_resistance_of_one_wave_is_within_its_error_near_full_contact(tolera
 
 @pytest.mark.parametrize(("load", "dual"), [(0.01, False), (0.4, False), (2.4, True), (3.0, True)])
 def test_far_from_births_no_contact_adds_to_the_error_of_the_resistance(load, dual):
-    R, error = (values[0] for values in patches.curve(THREE_WAVES, [load])[3:5])
+    found = patches.curve(THREE_WAVES, [load])
+    R, error = found.resistance[0], found.resistance_error[0]
     assert patches.solve_load(THREE_WAVES, load).state.dual == dual
     assert error < 1e-9 * max(R, 1)
 

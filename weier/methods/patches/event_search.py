@@ -1,9 +1,9 @@
 """Search for the loads at which contacts are born or merge (docs/patches.md, "Births and mergers").
 
 Contacts never split or vanish as the load increases, so that a contact at a heavier load contains two contacts of the
-lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` divides the interval until the changes are
-certain (`_Search._has_no_more_minima`, `_needed_load`) and expected under one load; `_Search._locate` then finds the root of the minimum
-of the gap before a birth, or of the pressure after a merger.
+lighter one (a merger) or none (a birth): `_Search._changes`. `_Search.between` divides the interval until the
+changes are certain (`_Search._has_no_more_minima`, `_needed_load`) and expected under one load; `_Search._locate`
+then finds the root of the minimum of the gap before a birth, or of the pressure after a merger.
 """
 
 from __future__ import annotations
