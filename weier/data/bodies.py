@@ -6,11 +6,12 @@ By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rh
 
 from __future__ import annotations
 
+import inspect
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -102,6 +103,7 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
+    __signature__: ClassVar[inspect.Signature]  # that of the generated `__init__`, which `__new__` would hide
 
     def __new__(cls, **given: Any) -> Self:
         """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
@@ -313,6 +315,9 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
         return scaled(numbers, self.scales[unit][0])
+
+
+Bodies.__signature__ = inspect.Signature(list(inspect.signature(Bodies.__init__).parameters.values())[1:])
 
 
 def scales_of(bodies: Bodies, data: xr.Dataset) -> dict[str, tuple[Array, str]]:

@@ -46,12 +46,13 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     """
     try:
         path = checked_file(path)
+    except FileNotFoundError as error:
+        raise SceneError(one_line(error)) from None
+    try:
         text = path.read_text(encoding="utf-8")
         document = read_yaml(text)
     except TimeoutError:  # of a program with a time limit
         raise
-    except FileNotFoundError as error:
-        raise SceneError(one_line(error)) from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()
