@@ -245,7 +245,8 @@ NONE_TOO = {
     "Trace.of": {"line"},
     "Trace.sampled_height": {"terms"},
     "fit": {"longest", "shortest"},
-    "Interface": {"E_1", "E_2"},
+    "Interface": {"E_1", "E_2", "k_1", "k_2", "hardness_1", "hardness_2"},
+    "gaussian": {"rolloff"},
     "composite_modulus": {"E_1", "E_2"},
     "cases": {"D", "gamma", "m", "phases", "seed", "study"},
 }
