@@ -107,7 +107,7 @@ class Bodies:
 
     def __new__(cls, **given: Any) -> Self:
         """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
-        known = cls.__dataclass_fields__
+        known = cls.__signature__.parameters
         for name in given.keys() - known.keys():
             raise TypeError(f"{cls.__name__} takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
         return super().__new__(cls)
