@@ -97,7 +97,8 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
 
     same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
     identical = all(same.values())
-    if part.kind.method == SURFACE or not same["status"]:  # nothing of a surface has a stated error
+    # Nothing of a surface has a stated error, nor has anything of an estimate.
+    if part.kind.method == SURFACE or both("compliance_error")[0] is None or not same["status"]:
         return identical, identical
     return identical, all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
 
