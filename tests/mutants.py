@@ -35,7 +35,7 @@ class Clock:
     """Let tests fail that take more than 2 s of the processor."""
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self):  # noqa: D102
+    def pytest_runtest_call(self):  # noqa: D102 - a hook of pytest
         signal.signal(signal.SIGPROF, lambda *_: pytest.fail("slow"))
         signal.setitimer(signal.ITIMER_PROF, 2)
         yield

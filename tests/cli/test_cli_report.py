@@ -70,7 +70,7 @@ def test_one_line_has_no_scatter_and_all_columns_are_there(run, lines):
     assert {"mean_pressure (MPa)", "resistance_numerical_error (ohm m^2)", "patch_count"} <= {*table}
 
 
-@pytest.mark.filterwarnings("ignore:.*no patches")
+@pytest.mark.filterwarnings("ignore:.*no patches")  # the warning of the line that fails
 def test_lines_that_failed_are_not_counted(run, lines, monkeypatch):
     own = CurveTask.solve
 

@@ -70,12 +70,7 @@ def test_code_that_changes_while_a_job_works_is_no_code_of_its_curves(tmp_path, 
 # --- 2. An edit that changes a number changes the numerics. 4. Words change nothing. ---
 
 EDITS = {
-    "Case.profile with another seed": (
-        "scene/case.py",
-        'random_phases(p["seed"])',
-        'random_phases(p["seed"] + 1)',
-        True,
-    ),
+    "Case.profile": ("scene/case.py", 'random_phases(p["seed"])', 'random_phases(p["seed"] + 1)', True),
     "other loads": ("api/task.py", "self.profile, self.loads", "self.profile, 2 * self.loads", True),
     "other loads of a kind": ("pipeline/curves.py", "np.array(self.loads)", "2 * np.array(self.loads)", True),
     "the order of phases": ("surface/profile.py", "2 * np.pi, m)", "2 * np.pi, m)[::-1]", True),

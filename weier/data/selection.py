@@ -85,11 +85,8 @@ class CurvesAccessor:
         data = as_cases(self._data)
         for name, wanted in {"D": D, "gamma": gamma, "m": m, "seed": seed, "study": study, **settings}.items():
             if wanted is not None:
-                data = data.isel(
-                    case=_having(
-                        data, name, [wanted] if isinstance(wanted, str) or not np.iterable(wanted) else list(wanted)
-                    )
-                )
+                is_one = isinstance(wanted, str) or not np.iterable(wanted)
+                data = data.isel(case=_having(data, name, [wanted] if is_one else list(wanted)))
         return data if phases is None else data.isel(case=_having_phases(data, phases))
 
     def table(self) -> pd.DataFrame:

@@ -2,7 +2,7 @@
 
 If terms of total amplitude G are left out, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the terms
 left out"). Half of the tolerance is for these terms, the rest for the solution of the others. R of an infinite series
-is estimated from successive truncations ("A tolerance" there).
+is estimated from successive truncations ("A tolerance of the resistance" there).
 """
 
 from __future__ import annotations

@@ -306,7 +306,7 @@ class InterfaceKeys(Section):
     )
     k_2: Number = Field(ABSENT, description="Thermal conductivity of the second body.")
     hardness_1: Number = Field(
-        ABSENT, description="Hardness of the first body, in Pa: results say where contacts come near the lower one."
+        ABSENT, description="Hardness of the first body, in Pa: results say from which load on contacts yield."
     )
     hardness_2: Number = Field(ABSENT, description="Hardness of the second body.")
     lambda_0: Number = Field(ABSENT, description="Longest wavelength of the series, in m; traces have their own.")

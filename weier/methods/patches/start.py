@@ -40,7 +40,6 @@ from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
 
-# limits of the tolerance of the compliance, in g_0: rounding, and the compliance of one wave
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
