@@ -19,9 +19,8 @@ from weier.methods.curve import QUANTITIES
 from weier.scene import Case
 
 DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # describe a case, besides its coordinates
-AMPLITUDES = "total_amplitude", "tail_amplitude", "first_contact"
 # the variables of the table that all comparisons have
-KEPT = (*AMPLITUDES, *QUANTITIES, "compliance_error", "compliance_deviation", "points", "settings")
+KEPT = (*DESCRIPTION, *QUANTITIES, "compliance_error", "compliance_deviation", "points", "settings")
 VARIANT = Variable(("variant",), "method and settings that are compared", content=LABEL)
 
 
