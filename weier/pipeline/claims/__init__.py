@@ -12,7 +12,7 @@ from weier.api.rows import BOUNDS
 from weier.checks import unknown
 from weier.data.files import write_text
 from weier.pipeline.claims import report
-from weier.pipeline.claims.case import Case, Study
+from weier.pipeline.claims.case import CaseRow, StudyArrays
 from weier.pipeline.claims.claim import Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
 from weier.pipeline.curves import Curves
@@ -58,7 +58,7 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
     # Only the studies of claims are read into memory, each once.
     scene = curves.scene
     without = unused(scene.claims)
-    cases = cache(lambda study: Study.of(gather.read_study(curves, study, without)).cases)
+    cases = cache(lambda study: StudyArrays.of(gather.read_study(curves, study, without)).cases)
     judged = {name: _judge(name, chain.from_iterable(map(cases, studies))) for name, studies in scene.claims.items()}
     step = "checked against the paper" if judged else "gathered"
     gather.write(curves, path, step, report.to_dataset(judged))
@@ -67,9 +67,9 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
 
 def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:
     """Judge a claim on these studies; a case of several studies counts once."""
-    return _judge(name, chain.from_iterable(Study.of(study).cases for study in studies))
+    return _judge(name, chain.from_iterable(StudyArrays.of(study).cases for study in studies))
 
 
-def _judge(name: str, cases: Iterable[Case]) -> Judgement:
+def _judge(name: str, cases: Iterable[CaseRow]) -> Judgement:
     distinct = {str(case["key"]): case for case in cases}
     return judge(CLAIMS[name], list(distinct.values()))

@@ -18,7 +18,7 @@ THIN = 2  # Every second load is omitted to test the dependence on the choice of
 Arrays = Mapping[str, NDArray[Any]]
 
 
-class Study:
+class StudyArrays:
     """The arrays of a study.
 
     own : of each case, which is their first dimension; that of the loads, if they have it, is the last one
@@ -30,7 +30,7 @@ class Study:
         self.own, self.common, self.over_loads = own, common, over_loads
 
     @classmethod
-    def of(cls, data: xr.Dataset) -> Study:
+    def of(cls, data: xr.Dataset) -> StudyArrays:
         """Return the arrays of a dataset over cases."""
         variables = data.transpose("case", ..., "mean_pressure").variables
         ordered = {str(name): values for name, values in variables.items()}
@@ -41,9 +41,9 @@ class Study:
         )
 
     @property
-    def cases(self) -> list[Case]:
+    def cases(self) -> list[CaseRow]:
         """All cases."""
-        return [Case(self, row) for row in range(len(self.own["key"]))]
+        return [CaseRow(self, row) for row in range(len(self.own["key"]))]
 
     @cached_property
     def numerical_methods(self) -> NDArray[np.object_]:
@@ -53,22 +53,22 @@ class Study:
         return names[np.where(solved, column, -1)]
 
     @cached_property
-    def thinned(self) -> Study:
+    def thinned(self) -> StudyArrays:
         """The study at every second load, and at the last."""
         every = slice((len(self.common["mean_pressure"]) - 1) % THIN, None, THIN)
         own, common = (
             {name: values[..., every] if name in self.over_loads else values for name, values in arrays.items()}
             for arrays in (self.own, self.common)
         )
-        return Study(own, common, self.over_loads)
+        return StudyArrays(own, common, self.over_loads)
 
 
-class Case:
+class CaseRow:
     """One case of a study; its variables are views."""
 
     __slots__ = "_row", "_study"
 
-    def __init__(self, study: Study, row: int) -> None:
+    def __init__(self, study: StudyArrays, row: int) -> None:
         self._study, self._row = study, row
 
     def __getitem__(self, name: str) -> Any:
@@ -82,12 +82,12 @@ class Case:
         return cast("str | None", self._study.numerical_methods[self._row])
 
     @property
-    def thinned(self) -> Case:
+    def thinned(self) -> CaseRow:
         """The case at every second load, and at the last."""
-        return Case(self._study.thinned, self._row)
+        return CaseRow(self._study.thinned, self._row)
 
-    def with_values(self, values: Arrays) -> Case:
+    def with_values(self, values: Arrays) -> CaseRow:
         """Return the case with other values of some variables."""
         own = {name: found[self._row, None] for name, found in self._study.own.items()}
         changed = {name: found[None] for name, found in values.items()}
-        return Case(Study(own | changed, self._study.common, self._study.over_loads), 0)
+        return CaseRow(StudyArrays(own | changed, self._study.common, self._study.over_loads), 0)

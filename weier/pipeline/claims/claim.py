@@ -16,9 +16,9 @@ import numpy as np
 from weier.data import curves
 from weier.data.markdown import significant
 from weier.data.variables import Check
-from weier.pipeline.claims.case import Case
+from weier.pipeline.claims.case import CaseRow
 
-Cases: TypeAlias = Sequence[Case]
+Cases: TypeAlias = Sequence[CaseRow]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided
 MIN_MEMBERS = 6  # smaller ensembles do not generalise
 MIN_FRACTION = 5 / 6  # fraction of an ensemble that decides on a tendency
@@ -230,7 +230,7 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome, decides)
 
 
-def stated_error(case: Case, quantity: str) -> float:
+def stated_error(case: CaseRow, quantity: str) -> float:
     """Return the median stated error of the most accurate numerical curve (h in g_0, R relative); 0 without one."""
     if not quantity:
         return 0.0

@@ -10,7 +10,7 @@ from weier.api.rows import BOUNDS
 from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
-from weier.pipeline.claims.case import Case
+from weier.pipeline.claims.case import CaseRow
 from weier.pipeline.claims.claim import (
     MIN_FRACTION,
     MIN_MEMBERS,
@@ -111,7 +111,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
 
 def _rows(cases: Cases, varied: str) -> list[Cases]:
     """Return one case of each value of a parameter, in its order, for the phases of each case of the last value."""
-    by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
+    by_value: dict[float, list[tuple[tuple[float, ...], CaseRow]]] = {}
     for case in cases:
         phases = case["phases"]
         own = tuple(phases[np.isfinite(phases)].round(PHASE_DIGITS).tolist())
