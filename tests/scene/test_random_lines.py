@@ -90,10 +90,6 @@ def test_lines_have_their_own_scale_under_pressures_in_si_units(tmp_path):
         ({"length": "1 s"}, "random: length must be in m, got .*$"),
         ({"rms_slope": 0.1}, "random: one of rms_height and rms_slope must be given, got both or neither$"),
         ({"seed": -1}, "random.seed: seed must be a non-negative integer, got -1$"),
-        (
-            {"seed": {"from": 0, "to": 20_000, "count": 20_001}},
-            "random.seed: a scene must have at most 10000 cases, .*",
-        ),
         ({"roll_off": 1e-4}, r"random.roll_off: Extra inputs are not permitted: did you mean 'rolloff'\?"),
     ],
 )

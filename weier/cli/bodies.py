@@ -29,19 +29,12 @@ def read_bodies(path: Path) -> Interface:
 
     Values may have units, as in "210 GPa".
     """
-    # each of these imports takes some tenths of a second
-    from pydantic import ValidationError
+    from weier.api.interface import Interface  # which takes some tenths of a second
 
-    from weier.api.interface import Interface
-    from weier.scene.models import InterfaceKeys
-    from weier.scene.sections import mistakes_of
-
-    given = _given(path)
     try:
-        return Interface(**InterfaceKeys.model_validate(given).values)
-    except ValidationError as error:
-        mistakes = [": ".join([*map(str, keys), text]) for keys, text in mistakes_of(error, given)]
-        raise ValueError(f"{path}: {'; '.join(mistakes)}") from None
+        return Interface.of_texts(_given(path))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def _given(path: Path) -> dict[str, Any]:

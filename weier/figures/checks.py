@@ -33,7 +33,7 @@ def load_scene(path: str | Path) -> Scene:
     ------
     SceneError
         If the file is missing, is not YAML, has unknown keys or values out of range, or figures that cannot be drawn:
-        all of its mistakes, each with its line, its key and what is allowed.
+        its mistakes, each with its line, its key and what is allowed.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Scenes: files that define what is solved and drawn, and the cases that follow from them.
 
-`weier.load_scene` reads a file and reports all of its mistakes; `load` here does not check figures and claims.
+`weier.load_scene` reads a file and reports its mistakes; `load` here does not check figures and claims.
 Imports data, methods, theory, surface and kernels only, and solves nothing itself.
 """
 

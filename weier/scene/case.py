@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import itertools
 import json
@@ -10,7 +11,6 @@ import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatch
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ from weier.units import METRE, NONE
 # Limit of scenes and commands, so that a typing error is refused before it costs hours.
 MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
-PATTERN, DIGITS = re.compile(r"[*?\[]"), re.compile(r"(\D*)(\d*)")  # of several files, and in their names
+DIGITS = re.compile(r"(\D*)(\d*)")  # in the names of files
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
 HURST = "hurst"  # a parameter of random lines, which measured ones do not have
@@ -137,8 +137,8 @@ def identity(name: str, value: Any) -> Any:
 def trace_files(file: str, folder: Path) -> list[str]:
     """Return the files of a scene in this folder that a name stands for: one, or those of a folder or a pattern.
 
-    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones,
-    those in hidden folders, and backup copies of editors, unless the pattern names them.
+    The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones and
+    backup copies of editors, unless the pattern names them.
 
     Raises
     ------
@@ -147,23 +147,17 @@ def trace_files(file: str, folder: Path) -> list[str]:
     """
     if (folder / file).is_dir():
         file = f"{file.rstrip('/')}/*"
-    elif not PATTERN.search(file) or (folder / file).exists():
+    elif glob.escape(file) == file or (folder / file).exists():
         checked_file(folder / file)
         return [file]
-    start = Path(file).anchor
-    base = Path(start) if start else folder
-    wanted = Path(file).relative_to(start)
-    shown = [part for part in wanted.parts if part.startswith(".")]
     found = [
-        path
-        for path in base.glob(str(wanted))
-        if path.is_file() and (BACKUP.search(wanted.name) or not BACKUP.search(path.name))
-        if all(part[0] != "." or any(fnmatch(part, one) for one in shown) for part in path.relative_to(base).parts)
+        name
+        for name in glob.glob(file, root_dir=folder, recursive=True)
+        if (folder / name).is_file() and (BACKUP.search(file) or not BACKUP.search(Path(name).name))
     ]
     if not found:
         raise FileNotFoundError(f"there is no file {folder / file}")
-    names = [str(path) if start else path.relative_to(folder).as_posix() for path in found]
-    return sorted(names, key=lambda name: [(int(part or 0), text) for text, part in DIGITS.findall(name)])
+    return sorted(found, key=lambda name: [(int(part or 0), text) for text, part in DIGITS.findall(name)])
 
 
 def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:

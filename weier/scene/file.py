@@ -1,4 +1,4 @@
-"""Scene files are read, checked and expanded into scenes; one error lists all mistakes with their lines."""
+"""Scene files are read, checked and expanded into scenes; an error lists the mistakes with their lines."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
 from weier.scene.cases import NAME, Scene
 from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
-from weier.scene.study import MAX_CASES, CaseProduct, Study, check_number
+from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import number, read_yaml
 from weier.surface.profile import PARAMETERS
 from weier.units import PASCAL
@@ -41,24 +41,24 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     Raises
     ------
     SceneError
-        If the file is missing, is not YAML, has unknown keys, or values out of range; the error lists all mistakes.
+        If the file is missing, is not YAML, has unknown keys, or values out of range. The error lists all of these
+        mistakes; without any, those of files, settings, figures and claims.
 
     """
     try:
-        path = checked_file(path)
+        text = (path := checked_file(path)).read_text(encoding="utf-8")
+        document = read_yaml(text)
     except FileNotFoundError as error:
         raise SceneError(one_line(error)) from None
-    try:
-        text = path.read_text(encoding="utf-8")
-        document = read_yaml(text)
     except TimeoutError:  # of a program with a time limit
         raise
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
     mistakes = Mistakes()
-    scene = _scene(_valid_keys(document.values, mistakes), text, path, mistakes)
-    for check in checks:
-        mistakes.add(check(scene))
+    if keys := _keys(document.values, mistakes):
+        scene = _scene(keys, text, path, mistakes)
+        for check in checks:
+            mistakes.add(check(scene))
     if mistakes:
         raise mistakes.error(path, document)
     return scene
@@ -70,42 +70,36 @@ def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequen
     return load(Path(folder, f"{checked_word(f'a scene of {folder}', name, known)}.yaml"), checks)
 
 
-def _valid_keys(raw: Any, mistakes: Mistakes) -> SceneKeys:
-    """Return the keys of a file whose values are valid, and the others at their defaults."""
+def _keys(raw: Any, mistakes: Mistakes) -> SceneKeys | None:
+    """Return the keys of a file; None if some are mistaken."""
     # Pydantic and the models take longer to import than the rest of a scene, and a job that solves needs neither.
     from pydantic import ValidationError
 
-    from weier.scene.models import Pressures, SceneKeys
+    from weier.scene.models import SceneKeys
     from weier.scene.sections import mistakes_of
 
-    valid: dict[str, Any] = {"title": "", "loads": Pressures(), "studies": {}}
-    most = raw.get("max_cases") if isinstance(raw, dict) else None
-    most = most if isinstance(most, int | float) and most == most // 1 else MAX_CASES  # which inf is not
     try:
-        SceneKeys.model_validate(raw, context={"valid": valid, "max_cases": most})
+        return SceneKeys.model_validate(raw)
     except ValidationError as error:
         mistakes.add(mistakes_of(error, raw))
-    return SceneKeys.model_construct(**valid)
+        return None
 
 
 def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
-    """Return the scene of valid keys, without the studies that have mistakes."""
+    """Return the scene of these keys, without the studies that have mistakes."""
     settings = _settings(("settings",), keys.settings, mistakes)
-    count = sum(study.count for study in keys.studies.values())
+    read = {name: _study(name, study, keys, settings, path.parent, mistakes) for name, study in keys.studies.items()}
+    count = sum(map(len, filter(None, read.values())))
     mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
-    wanted = {} if mistakes.within("max_cases") else keys.studies
-    read = {name: _study(name, study, keys, settings, path.parent, mistakes) for name, study in wanted.items()}
-    lines = sum(map(len, filter(None, read.values())))  # of maps, too, whose lines are counted when they are read
-    mistakes.attempt(("max_cases",), partial(check_number, lines, keys.max_cases), None)
-    mistakes.add(_mistakes_of_scene(keys, mistakes))
-    bodies = keys.interface.bodies() if keys.interface else None
+    mistakes.add(_mistakes_of_scene(keys))
+    bodies = keys.interface if keys.loads.in_si else None
     scene = Scene(
         name=path.stem,
         title=keys.title,
         load_unit=keys.loads.unit,
         studies={name: study for name, study in read.items() if study is not None},
-        figures={name: figure.figure(bodies if keys.loads.in_si else None) for name, figure in keys.figures.items()},
-        interface=bodies,
+        figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
+        interface=keys.interface,
         claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
         max_seconds=keys.max_seconds,
         contact_edges=keys.contact_edges,
@@ -116,16 +110,14 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
     return scene
 
 
-def _mistakes_of_scene(keys: SceneKeys, mistakes: Mistakes) -> Iterator[Mistake]:
+def _mistakes_of_scene(keys: SceneKeys) -> Iterator[Mistake]:
     """Yield mistakes in keys that go together, and names of studies that the scene does not have."""
-    if keys.loads.in_si and not keys.interface and not mistakes.within("interface"):
+    if keys.loads.in_si and not keys.interface:
         yield Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")
     if keys.loads.in_si and keys.claims:
         yield Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")
-    if mistakes.within("studies"):
-        return
     series = any(study.product or study.cases for study in keys.studies.values())
-    if keys.interface and not keys.interface.lambda_0 and series:
+    if keys.interface and keys.interface.lambda_0 is None and series:
         yield Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
     lists: dict[Keys, list[str]] = {("claims", name): studies for name, studies in keys.claims.items()}
     for name, figure in keys.figures.items():
@@ -157,14 +149,14 @@ def _study(
     methods = scene.methods if study.methods is None else study.methods
     if not methods and scene.tolerance is not None:
         methods = [default_method(within_tolerance=True)]
-    if not methods and not mistakes.within("methods"):
+    if not methods:
         mistakes.add([Mistake(("methods",), "Field required, or tolerance, or methods of each study")])
     made = [(place, _axes((*keys, *place), product, folder, mistakes)) for place, product in study.products]
     if study.settings is not None:
         settings = _settings((*keys, "settings"), study.settings, mistakes)
     settings = mistakes.attempt((TOLERANCE,), partial(_with_tolerance, methods, settings, scene.tolerance), settings)
     loads = study.loads or scene.loads
-    if scene.loads.values and loads.in_si != scene.loads.in_si:
+    if loads.in_si != scene.loads.in_si:
         what = f"loads of a study must be in the unit of the scene's loads, got {loads.unit}"
         mistakes.add([Mistake((*keys, "loads"), what)])
     if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), (TOLERANCE,))):

@@ -4,84 +4,39 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pydantic.json_schema import GenerateJsonSchema
-
 from weier.data.markdown import plain, table
-from weier.scene.models import (
-    AxisKeys,
-    FigureKeys,
-    InterfaceKeys,
-    LoadRange,
-    ProfileKeys,
-    RandomKeys,
-    Range,
-    SceneKeys,
-    StudyKeys,
-    TraceKeys,
-)
+from weier.scene import models
+from weier.scene.sections import Section
 
-# The parts of a scene, in the order of their tables.
-PARTS = (
-    SceneKeys,
-    StudyKeys,
-    ProfileKeys,
-    TraceKeys,
-    RandomKeys,
-    FigureKeys,
-    InterfaceKeys,
-    Range,
-    LoadRange,
-    AxisKeys,
-)
-HEAD = "key", "what it says", "value"
+# The parts of a scene with the headings of their tables, in their order.
+PARTS: dict[str, type[Section]] = {
+    "a scene": models.SceneKeys,
+    "a study": models.StudyKeys,
+    "a profile": models.ProfileKeys,
+    "a trace": models.TraceKeys,
+    "random lines": models.RandomKeys,
+    "a figure": models.FigureKeys,
+    "a range": models.Range,
+    "a range of loads": models.LoadRange,
+    "an axis": models.AxisKeys,
+}
 GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re.DOTALL)
-
-
-class _Schema(GenerateJsonSchema):
-    """The JSON schema without the titles that pydantic makes up."""
-
-    def field_title_should_be_set(self, schema: Any) -> bool:
-        return False
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON schema of scene files, with the names of all methods there are."""
-    made = SceneKeys.model_json_schema(schema_generator=_Schema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | made
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | models.SceneKeys.model_json_schema()
 
 
 def tables() -> Iterator[tuple[str, str]]:
-    """Yield the title of each part of a scene, and the Markdown table of its keys."""
-    known = schema()
-    for part in PARTS:
-        within = known if part is SceneKeys else known["$defs"][part.__name__]
-        needed = within.get("required", [])
-        rows = [_row(name, of, name in needed, known) for name, of in within["properties"].items()]
-        yield within["title"], table(HEAD, rows)
-
-
-def _row(name: str, of: Mapping[str, Any], needed: bool, known: Mapping[str, Any]) -> list[str]:
-    says = f"{of.get('description', '')}{' Required.' if needed else ''}"
-    return [f"`{name}`", plain(says), plain(_kind(of, known))]
-
-
-def _kind(part: Mapping[str, Any], known: Mapping[str, Any]) -> str:
-    """Return the values that a part of the schema allows, in words."""
-    if "title" in part:
-        return str(part["title"])
-    if "$ref" in part:
-        return _kind(known["$defs"][part["$ref"].rpartition("/")[2]], known)
-    if "enum" in part:
-        return ", ".join(part["enum"])
-    if alternatives := part.get("anyOf", part.get("oneOf")):
-        return " or ".join(dict.fromkeys(_kind(alternative, known) for alternative in alternatives))
-    if part["type"] == "array":
-        return f"a list of {_kind(part['items'], known)}"
-    return "mapping" if part["type"] == "object" else str(part["type"])
+    """Yield the heading of each part of a scene, and the Markdown table of its keys."""
+    for heading, part in PARTS.items():
+        rows = [[f"`{name}`", plain(says)] for name, says in part.keys().items()]
+        yield heading, table(("key", "what it says"), rows)
 
 
 def write(folder: Path) -> None:

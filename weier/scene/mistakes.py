@@ -1,4 +1,4 @@
-"""The mistakes of a scene file: all of them are found before any is reported."""
+"""The mistakes of a scene file: those of one kind are reported together."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import NamedTuple, TypeVar
 
 from weier.checks import MAX_SHOWN
 from weier.scene.yaml import Document
-
-MAX_LISTED = 30  # mistakes in a message, to fit on a screen
 
 Value = TypeVar("Value")
 Other = TypeVar("Other")
@@ -55,11 +53,10 @@ class Mistakes(dict[Keys, str]):
     def error(self, path: Path, document: Document) -> SceneError:
         """Return all mistakes as one error, in the order of their lines; several are listed one per line."""
         ordered = sorted((document.line(keys), _described(keys, text)) for keys, text in self.items())
-        listed = [f"line {line}: {text}" for line, text in ordered[:MAX_LISTED]]
+        listed = [f"line {line}: {text}" for line, text in ordered]
         if len(ordered) == 1:
             return SceneError(f"{path}, {listed[0]}")
-        more = [f"and {len(ordered) - MAX_LISTED} more"] if len(ordered) > MAX_LISTED else []
-        return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *listed, *more]))
+        return SceneError("\n  ".join([f"{path} has {len(ordered)} mistakes:", *listed]))
 
 
 def _described(keys: Keys, text: str) -> str:

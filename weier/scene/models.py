@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import (
@@ -31,29 +31,25 @@ from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
 from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys
-from weier.scene.sections import OneOf, OneOrMore, Section, distinct
-from weier.scene.study import MAX_CASES, check_number, check_value
+from weier.scene.sections import OneOrMore, Section, distinct
+from weier.scene.study import MAX_CASES, check_value
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import number, number_or_word
 from weier.surface.loads import check_pascal, check_range, listed_loads
-from weier.surface.profile import PARAMETERS
-from weier.theory.conduction import RANGES
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
 
 ABSENT: Any = None  # the value of a key that a file need not have
-NUMBERS = "a number, a range, or a list of these"
 SURFACES = ("product", "cases", "trace", "random")  # keys of a study, one of which it has
 
 
 class Range(Section):
     """Numbers in equal steps or ratios."""
 
-    model_config = ConfigDict(title="a range")
     first: float = Field(alias="from", description="First value.")
     last: float = Field(alias="to", description="Last value.")
     count: Annotated[Whole, Field(ge=2, le=10**6)] = Field(description="Number of values, both ends included.")
-    spacing: Annotated[str, OneOf(("linear", "log"))] = Field(
+    spacing: Literal["linear", "log"] = Field(
         "linear", description="Equal steps (linear, the default) or equal ratios (log)."
     )
 
@@ -75,7 +71,6 @@ class Range(Section):
 class LoadRange(Range):
     """Mean pressures in equal steps or ratios."""
 
-    model_config = ConfigDict(title="a range of loads")
     unit: Line = Field("", description="Unit of both ends, such as MPa, for two bodies; p_0* by default.")
 
 
@@ -102,36 +97,31 @@ def _load(value: Any) -> list[tuple[float, str]]:
     return [(float(text[1]), text[2])] if text else [(number("a load", value), "")]
 
 
-# Kinds of values, with their names in tables
-Number = Annotated[Any, PlainValidator(_number, json_schema_input_type=float | str), Field(title="a number")]
+# Kinds of values
+Number = Annotated[Any, PlainValidator(_number, json_schema_input_type=float | str)]
 TraceNumber = Annotated[Number, AfterValidator(partial(number, "this"))]
-NumberOrWord = Annotated[Number, AfterValidator(number_or_word), Field(title="a number or a text")]
+NumberOrWord = Annotated[Number, AfterValidator(number_or_word)]
 NumberOrRange = Annotated[Any, PlainValidator(_number_or_range, json_schema_input_type=float | str | Range)]
 Phase = Annotated[Any, PlainValidator(_phase, json_schema_input_type=float | str | list[float] | Range)]
 Load = Annotated[Any, PlainValidator(_load, json_schema_input_type=float | str | LoadRange)]
 Whole = Annotated[int, Field(strict=False)]  # also 1e4
 Position = Annotated[Whole, Field(ge=0)]
-Line = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200, title="a text")]
-Name = Annotated[str, Field(pattern=f"^{NAME}$", title="a name")]
-FileName = Annotated[str, Field(min_length=1, title="the name of a file")]
-Parameter = Annotated[str, OneOf(("method", *PARAMETERS, "phases", "seed", "trace"))]
+Line = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
+Name = Annotated[str, Field(pattern=f"^{NAME}$")]
+FileName = Annotated[str, Field(min_length=1)]
+Parameter = Literal["method", "D", "gamma", "m", "phases", "seed", "trace"]
 MethodName = Annotated[
     str,
     AfterValidator(lambda name: find_method(name).name),
     Field(json_schema_extra=lambda schema: schema.update(enum=names())),
 ]
-Names = Annotated[list[Name], Field(min_length=1, title="a list of names")]
+Names = Annotated[list[Name], Field(min_length=1)]
 Methods = Annotated[list[MethodName], Field(min_length=1), AfterValidator(distinct)]
-Numbers = Annotated[list[NumberOrRange], Field(min_length=1, title=NUMBERS), OneOrMore()]
-Phases = Annotated[list[Phase], Field(min_length=1, title=f"{NUMBERS}, or of lists"), OneOrMore()]
+Numbers = Annotated[list[NumberOrRange], Field(min_length=1), OneOrMore()]
+Phases = Annotated[list[Phase], Field(min_length=1), OneOrMore()]
 Parameters = Annotated[list[Parameter], Field(min_length=1), AfterValidator(distinct), OneOrMore()]
-FileNames = Annotated[
-    list[FileName],
-    Field(min_length=1, title="the name of a file, or a list of these"),
-    AfterValidator(distinct),
-    OneOrMore(),
-]
-Settings = Annotated[dict[MethodName, dict[str, Any]], Field(title="settings by method")]
+FileNames = Annotated[list[FileName], Field(min_length=1), AfterValidator(distinct), OneOrMore()]
+Settings = dict[MethodName, dict[str, Any]]
 
 
 class Pressures(NamedTuple):
@@ -162,14 +152,18 @@ def _pressures(parts: list[list[tuple[float, str]]]) -> Pressures:
 
 if TYPE_CHECKING:
     Loads = Pressures
+    Interface = Bodies
 else:
-    Loads = Annotated[list[Load], Field(min_length=1, title=NUMBERS), AfterValidator(_pressures), OneOrMore()]
+    Loads = Annotated[list[Load], Field(min_length=1), AfterValidator(_pressures), OneOrMore()]
+    Interface = Annotated[
+        dict[str, Any],
+        Field(json_schema_extra={"propertyNames": {"enum": [*Bodies.__dataclass_fields__]}}),
+        AfterValidator(Bodies.of_texts),
+    ]
 
 
 def _each_value(parts: list[Any], info: ValidationInfo) -> list[Any]:
-    """Return each value once. Too many are refused before they are made, since each is checked."""
-    most = (info.context or {}).get("max_cases", MAX_CASES)
-    check_number(sum(part.count if isinstance(part, Range) else 1 for part in parts), most)
+    """Return each value once, checked."""
     values = distinct([v for part in parts for v in (part.values() if isinstance(part, Range) else [part])])
     for value in values:
         check_value(str(info.field_name), value)
@@ -179,7 +173,6 @@ def _each_value(parts: list[Any], info: ValidationInfo) -> list[Any]:
 class ProfileKeys(Section):
     """A product of parameters of the series: each combination of their values is a case."""
 
-    model_config = ConfigDict(title="a profile")
     D: Numbers = Field(description="Fractal dimension, between 1 and 2.")
     gamma: Numbers = Field(description='Ratio of wavelengths: 5 or "5/2".')
     m: Numbers = Field(description="Number of terms, or inf.")
@@ -202,7 +195,7 @@ class ProfileKeys(Section):
 def _field(key: TraceKey) -> Any:
     """Return the field of a key of measured heights; `Trace.read` checks its value."""
     kinds = {float: TraceNumber, object: NumberOrWord, int: Position, str: Line}
-    one: Any = Annotated[str, OneOf(key.kind)] if isinstance(key.kind, tuple) else kinds[key.kind]
+    one: Any = Literal[key.kind] if isinstance(key.kind, tuple) else kinds[key.kind]
     if key.several:
         one = Annotated[list[one], Field(min_length=1), OneOrMore()]
     return one, Field(ABSENT, description=key.says)
@@ -214,7 +207,6 @@ _Trace: Any = create_model("_Trace", __base__=Section, **{name: _field(key) for 
 class TraceKeys(_Trace):  # type: ignore[misc]
     """Measured heights, as `weier.Trace.read` takes them."""
 
-    model_config = ConfigDict(title="a trace")
     file: FileNames = Field(
         description="A text or instrument file, a folder or a pattern such as lab/*.csv (files in natural order), or "
         "a list of these, relative to the folder of the scene."
@@ -224,7 +216,6 @@ class TraceKeys(_Trace):  # type: ignore[misc]
 class RandomKeys(Section):
     """Random self-affine lines, as `weier.gaussian` makes them: one case per seed."""
 
-    model_config = ConfigDict(title="random lines")
     hurst: Number = Field(description="Hurst exponent H = 2 - D, between 0 and 1.")
     length: Number = Field(description="Period of the line, in m, or with a unit, as in 2 mm.")
     shortest: Number = Field(description="Shortest wavelength.")
@@ -251,7 +242,7 @@ class RandomKeys(Section):
 class StudyKeys(Section):
     """A set of profiles or measured heights, and how they are solved."""
 
-    model_config = ConfigDict(title="a study", json_schema_extra={"oneOf": [{"required": [key]} for key in SURFACES]})
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": [key]} for key in SURFACES]})
     product: ProfileKeys = Field(ABSENT, description="Profiles: all combinations of the given values.")
     cases: Annotated[list[ProfileKeys], Field(min_length=1)] = Field(ABSENT, description="Profiles, one by one.")
     trace: TraceKeys = Field(ABSENT, description="Measured heights.")
@@ -265,13 +256,6 @@ class StudyKeys(Section):
         if len(given := [kind for kind in SURFACES if kind in self.model_fields_set]) != 1:
             raise ValueError(f"one of {', '.join(SURFACES)} must be given, and not {' and '.join(given) or 'none'}")
         return self
-
-    @property
-    def count(self) -> int:
-        """The number of cases; a map or a pattern of files is one until its lines or files are counted."""
-        if self.trace:
-            return len(self.trace.file) * len(self.trace.shortest or [None])
-        return sum(math.prod(map(len, axes.values())) for _, axes in self.products)
 
     @property
     def products(self) -> list[tuple[Keys, dict[str, Any]]]:
@@ -289,49 +273,10 @@ class StudyKeys(Section):
         ]
 
 
-class InterfaceKeys(Section):
-    """The values of `weier.Interface`."""
-
-    model_config = ConfigDict(title="the values of weier.Interface")
-    mu_1: Number = Field(ABSENT, description="Shear modulus of the first body, in Pa; inf for a rigid one.")
-    mu_2: Number = Field(ABSENT, description="Shear modulus of the second body.")
-    E_1: Number = Field(ABSENT, description="Young's modulus of the first body, in Pa, instead of mu_1.")
-    E_2: Number = Field(ABSENT, description="Young's modulus of the second body, instead of mu_2.")
-    nu_1: Number = Field(description="Poisson's ratio of the first body, in (-1, 0.5].")
-    nu_2: Number = Field(description="Poisson's ratio of the second body.")
-    rho_1: Number = Field(ABSENT, description="Resistivity of the first body, in ohm m.")
-    rho_2: Number = Field(ABSENT, description="Resistivity of the second body.")
-    k_1: Number = Field(
-        ABSENT, description="Thermal conductivity of the first body, in W/(m K): with k_2 instead of resistivities."
-    )
-    k_2: Number = Field(ABSENT, description="Thermal conductivity of the second body.")
-    hardness_1: Number = Field(
-        ABSENT, description="Hardness of the first body, in Pa: results say from which load on contacts yield."
-    )
-    hardness_2: Number = Field(ABSENT, description="Hardness of the second body.")
-    lambda_0: Number = Field(ABSENT, description="Longest wavelength of the series, in m; traces have their own.")
-    g_0: Number = Field(ABSENT, description="Amplitude of that wave, in m; traces have their own.")
-
-    @model_validator(mode="after")
-    def _possible(self) -> Self:
-        self.bodies()
-        return self
-
-    def bodies(self) -> Bodies:
-        """Return the two bodies."""
-        return Bodies(**self.values)
-
-    @property
-    def values(self) -> dict[str, float]:
-        """The numbers in SI units, by the names of the keys."""
-        return {name: number(name, value, RANGES[name][2]) for name, value in self.given.items()}
-
-
 class AxisKeys(Section):
     """The scale and the ends of an axis."""
 
-    model_config = ConfigDict(title="an axis")
-    scale: Annotated[str, OneOf(("linear", "log"))] = Field("", description="Scale of the axis, linear or log.")
+    scale: Literal["linear", "log"] = Field(ABSENT, description="Scale of the axis, linear or log.")
     first: float = Field(ABSENT, alias="from", description="Start of the axis.")
     last: float = Field(ABSENT, alias="to", description="End of the axis.")
 
@@ -349,11 +294,10 @@ if TYPE_CHECKING:
 else:
     Scale = Annotated[
         AxisKeys,
-        Field(title="log, linear, or {scale, from, to}"),
-        AfterValidator(lambda keys: Axis(keys.scale, keys.first, keys.last)),
+        AfterValidator(lambda keys: Axis(keys.scale or "", keys.first, keys.last)),
         BeforeValidator(
             lambda value: {"scale": value} if isinstance(value, str) else value,
-            json_schema_input_type=Annotated[str, OneOf(("linear", "log"))] | AxisKeys,
+            json_schema_input_type=Literal["linear", "log"] | AxisKeys,
         ),
     ]
 
@@ -367,17 +311,12 @@ def _band(value: Any) -> tuple[float, float]:
     return numbers[0], numbers[1]
 
 
-Band = Annotated[
-    Any,
-    PlainValidator(_band, json_schema_input_type=list[float] | Annotated[str, OneOf(("all", "mean"))]),
-    Field(title="two percentiles, all or mean"),
-]
+Band = Annotated[Any, PlainValidator(_band, json_schema_input_type=list[float] | Literal["all", "mean"])]
 
 
 class FigureKeys(Section):
     """What a figure draws, from which studies, and how."""
 
-    model_config = ConfigDict(title="a figure")
     draw: Name = Field(description="A module of weier.figures.")
     studies: Names = Field([], description="The studies it shows.")
     title: Line = Field("", description="Title of the figure, one line.")
@@ -386,7 +325,7 @@ class FigureKeys(Section):
     size: Annotated[list[Annotated[float, Field(gt=0, le=100)]], Field(min_length=2, max_length=2)] = Field(
         ABSENT, description="Width and height in inches; a journal column is 3.5 wide."
     )
-    colour: Parameter = Field("", description="Parameter shown by the colour of a curve.")
+    colour: Parameter = Field(ABSENT, description="Parameter shown by the colour of a curve.")
     facet: Annotated[Parameters, Field(max_length=2)] = Field(
         [], description="Parameter with one value per panel; or two, for the rows and columns of panels."
     )
@@ -406,7 +345,7 @@ class FigureKeys(Section):
 
     @model_validator(mode="after")
     def _shown_once(self) -> Self:
-        shown_by = [self.colour, *self.facet, *self.median_over]
+        shown_by: list[str] = [self.colour, *self.facet, *self.median_over]
         for name in filter(None, shown_by):
             if shown_by.count(name) > 1:
                 raise ValueError(f"{name} can be the colour, the facet or one to take the median over, not two")
@@ -414,7 +353,7 @@ class FigureKeys(Section):
 
     def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units with an interface."""
-        grouping = Grouping(self.colour, tuple(self.facet), tuple(self.median_over), self.band)
+        grouping = Grouping(self.colour or "", tuple(self.facet), tuple(self.median_over), self.band)
         size = (self.size[0], self.size[1]) if self.size else None
         studies, behind = tuple(self.studies), tuple(self.behind)
         return Figure(
@@ -425,7 +364,6 @@ class FigureKeys(Section):
 class SceneKeys(Section):
     """What to solve and what to draw: studies of profiles under one list of loads, and figures made from them."""
 
-    model_config = ConfigDict(title="a scene")
     title: Annotated[Line, Field(min_length=1)] = Field(description="Subject of the scene, one line.")
     max_cases: Annotated[Whole, Field(ge=1)] = Field(
         MAX_CASES, description=f"Largest number of cases of the scene; {MAX_CASES} by default."
@@ -450,10 +388,10 @@ class SceneKeys(Section):
     contact_edges: bool = Field(
         False, description="Keep the edges of all contacts, for figures that draw contact_tree."
     )
-    interface: InterfaceKeys = Field(
+    interface: Interface = Field(
         ABSENT,
-        description="The two bodies and the scale of their roughness, as in weier.Interface, for loads in Pa and "
-        "figures in SI units. Values may have units, as in 210 GPa.",
+        description="The two bodies and the scale of their roughness, with the keywords of weier.Interface, for "
+        "loads in Pa and figures in SI units. Values may have units, as in 210 GPa.",
     )
     studies: Annotated[dict[Name, StudyKeys], Field(min_length=1)] = Field(
         description="Named sets of profiles: each a product of D, gamma, m and phases or seed, a list of cases, a "
@@ -468,11 +406,3 @@ class SceneKeys(Section):
     claims: dict[Name, Names] = Field(
         {}, description="Statements of the paper to check: their names in weier.pipeline.claims, and their studies."
     )
-
-    @field_validator("*")
-    @classmethod
-    def _keep(cls, value: Any, info: ValidationInfo) -> Any:
-        """Keep each valid value in the context, so that checks of a scene go on after a mistake in another key."""
-        if info.context:
-            info.context["valid"][info.field_name] = value
-        return value

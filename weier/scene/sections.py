@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import ErrorDetails
-from pydantic_core.core_schema import CoreSchema, literal_schema, no_info_before_validator_function
+from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from weier.checks import shown, suggestion
 from weier.scene.mistakes import Mistake
@@ -28,17 +27,10 @@ class Section(BaseModel):
     @classmethod
     def keys(cls) -> dict[str, str]:
         """Return the description of each key, by its name in files."""
-        return {of.alias or name: of.description or "" for name, of in cls.model_fields.items()}
-
-
-@dataclass(frozen=True)
-class OneOf:
-    """One of some words."""
-
-    choices: Collection[str]
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return literal_schema(list(self.choices))
+        return {
+            of.alias or name: f"{of.description}{' Required.' if of.is_required() else ''}"
+            for name, of in cls.model_fields.items()
+        }
 
 
 class OneOrMore:
