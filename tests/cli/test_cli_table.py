@@ -106,7 +106,7 @@ WRONG_BODIES = [
     ("mu_1: 1.0\n", "bodies.yaml: missing 2 required keyword-only arguments: 'nu_1' and 'nu_2'"),
     ("mu_1: [\n", "weier: "),
     (bodies(E_1=1), "give one of mu_1, the shear modulus, and E_1, Young's modulus, got both"),
-    (bodies(mu=1), "bodies.yaml: got an unexpected keyword argument 'mu'"),
+    (bodies(mu=1), "E_2, got 'mu': did you mean 'mu_2'"),
     (bodies(mu_1="soft"), "mu_1 must be a number, got 'soft'"),
     (bodies(mu_1="80 mm"), "mu_1 must be in Pa, got values in mm"),
 ]

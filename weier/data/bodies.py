@@ -6,17 +6,18 @@ By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rh
 
 from __future__ import annotations
 
+import inspect
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_number, checked_numbers
+from weier.checks import checked_number, checked_numbers, suggestion
 from weier.data.curves import contact_pressure
 from weier.data.markdown import significant
 from weier.data.si import OF_DATASETS, check_normalised, converted, scaled
@@ -102,6 +103,14 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
+    __signature__: ClassVar[inspect.Signature]  # that of the generated `__init__`, which `__new__` would hide
+
+    def __new__(cls, **given: Any) -> Self:
+        """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
+        known = cls.__signature__.parameters
+        for name in given.keys() - known.keys():
+            raise TypeError(f"{cls.__name__} takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
+        return super().__new__(cls)
 
     @classmethod
     def of_texts(cls, given: Mapping[str, Any]) -> Self:
@@ -109,7 +118,7 @@ class Bodies:
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
         except TypeError as error:  # of a name that is missing or unknown
-            raise ValueError(str(error).rpartition("__() ")[2]) from None
+            raise ValueError(str(error).removeprefix(f"{Bodies.__name__}.__init__() ")) from None
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
         moduli = {
@@ -314,6 +323,9 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
         return scaled(numbers, self.scales[unit][0])
+
+
+Bodies.__signature__ = inspect.Signature(list(inspect.signature(Bodies.__init__).parameters.values())[1:])
 
 
 def _unit(name: str) -> str:
