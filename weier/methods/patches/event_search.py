@@ -12,7 +12,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
@@ -23,7 +22,6 @@ from weier.methods.patches.inequalities import find_negative_intervals, minima_o
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, curve, solve_state
-from weier.methods.patches.stages import TARGET
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -39,27 +37,28 @@ from weier.surface.waves import Waves
 # largest advance of an edge, in finest waves: beyond it, the edge may have passed a minimum and a maximum of the gap
 # between two of the `SAMPLES` samples of the slope
 MAX_ADVANCE = 0.15
-# least increment of the load over its trapezoidal rule (`_needed_load`): above the 2/3 of an edge that has just
-# jumped over a contact, and below the 1 of rates that are linear (docs/patches.md, "Births and mergers")
-MIN_SHARE_OF_LOAD = 0.7
+# least increment of the load over its trapezoidal rule: half-way between the 2/3 of an edge that has just jumped over
+# a contact and the 1 of rates that are linear (docs/patches.md, "Births and mergers")
+MIN_SHARE_OF_LOAD = 5 / 6
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
 # difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
 # farther apart are separated first, which changes no result
 SAME_LOAD = 1e-4
-MIN_INTERVAL = 1e-9  # in ln(p); closer events count as one load
+# in ln(p): closer events count as one load, and the search for a root ends at a shorter step
+MIN_INTERVAL = 1e-9
+MAX_ROOT_LOADS = 8  # after which an interval is divided instead; 3 are usual
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
-# divisions per event of intervals over which no edge advances farther than `MAX_ADVANCE`, three times those from a
-# decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
+# divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # loads solved up to full contact, for each of the finest waves and for each crest of height or tension: 1.0 to 1.1 of
-# those of seven surfaces of 5 to 40 waves, up to 2.4 of those of symmetric ones
-LOADS_PER_WAVE, LOADS_PER_CREST = 5, 5
+# those of five surfaces of 9 to 40 waves, 1.4 of those of beats, up to 2.4 of those of symmetric ones
+LOADS_PER_WAVE, LOADS_PER_CREST = 5, 2
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
-# minimum is located
-SAMPLES = 12
+# minimum is located: `ZOOMS` times, each in 2/13 of the last interval, so that a parabola is exact to 1e-12
+SAMPLES, ZOOMS = 12, 4
 
 
 class Events(NamedTuple):
@@ -90,9 +89,6 @@ class _Event(NamedTuple):
     left: float
     right: float
     load_per_advance: tuple[float, float] = (0.0, 0.0)
-
-
-_Located = tuple[_Event, ContactState]  # an event, and the state under its load
 
 
 def expected_loads(profile: Waves, low: float, high: float) -> int:
@@ -197,24 +193,23 @@ class _Search(NamedTuple):
     ) -> list[tuple[float, _Event]]:
         """Return the events between two states, each with its load.
 
-        Intervals over which edges advance too far are divided as often as the waves that they pass require.
-        ConvergenceError is raised if others remain uncertain after `MAX_SPLITS` splits per event.
+        ConvergenceError is raised after `MAX_SPLITS` splits for each finished interval.
         """
         period = self.starts.surface.heights.period
         start, end = (float(contact_pieces(state, period)[0][2].sum()) for state in (lightest, heaviest))
         located: list[tuple[float, _Event]] = []
-        pending, splits = [(lightest, heaviest)], 0
+        pending, splits, finished = [(lightest, heaviest)], 0, 0
         while pending:
             low, high = pending.pop()
-            changes, is_certain, is_long = self._changes(low, high)
-            found, split = self._finish(low, high, changes, is_certain)
+            found, split = self._finish(low, high, *self._changes(low, high))
             if found is not None:
                 located += found
+                finished += high.load > low.load * (1 + MIN_INTERVAL)
                 length = float(contact_pieces(high, period)[0][2].sum())
                 report((length - start) / max(end - start, EPS))
                 continue
-            splits += not is_long
-            if splits > MAX_SPLITS * (1 + len(located)):
+            splits += 1
+            if splits > MAX_SPLITS * (1 + finished):
                 raise ConvergenceError(
                     f"the changes of contacts between the mean pressures {low.load:.10g} and {high.load:.10g} p_0* "
                     f"remain uncertain after {splits} divisions; take a smaller interval of loads"
@@ -239,22 +234,15 @@ class _Search(NamedTuple):
             return [], middle
         if not is_certain or width >= MAX_ROOT_INTERVAL:
             return None, middle
-        expected = np.sort([_expected_load(low, high, change) for change in changes])
-        apart, margin = np.diff(expected, prepend=expected[0]), 0.1 * (high.load - low.load)
-        widest = int(apart.argmax())
-        if apart[widest] > SAME_LOAD * (high.load - low.load):
-            split = 0.5 * (expected[widest - 1] + expected[widest])
-            return None, float(np.clip(split, low.load + margin, high.load - margin))
-        located = self._locate(low, high, changes)
-        is_direct = all(_is_direct(low, high, *pair) for pair in zip(changes, located, strict=False))
-        if located and is_direct and self._is_in_contact(located[0][1]):
-            return [(state.load, event) for event, state in located], middle
-        return None, middle
+        expected = np.sort(np.clip([_expected_load(low, high, change) for change in changes], low.load, high.load))
+        widest = int(np.diff(expected, prepend=expected[0]).argmax())
+        if expected[widest] - expected[widest - 1] > SAME_LOAD * (high.load - low.load):
+            return None, float(0.5 * (expected[widest - 1] + expected[widest]))
+        return self._locate(low, high, changes), middle
 
-    def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool, bool]:
-        """Return contacts of `high` without one of `low` and gaps of `low` closed by it.
+    def _changes(self, low: ContactState, high: ContactState) -> tuple[list[_Event], bool]:
+        """Return contacts of `high` without one of `low`, gaps of `low` closed by it, and whether these are certain.
 
-        Also return whether these are certain, and whether an edge has advanced too far for that.
         A contact of `high` contains those of `low` whose midpoints lie within it.
         """
         period = self.starts.surface.heights.period
@@ -279,10 +267,9 @@ class _Search(NamedTuple):
             gaps = zip(end[:-1], start[1:], zip(at_edges[:-1, 1], at_edges[1:, 0], strict=True), strict=True)
             changes += [_Event(False, origin, *gap) for gap in gaps]
         length = np.array([advance.right - advance.left for advance in advances])
-        is_direct = _needed_load(length, np.array(expected)) < high.load - low.load
-        is_long = bool(np.any(length >= MAX_ADVANCE * finest))
-        is_certain = not is_long and bool(np.all(is_direct))
-        return changes, is_certain and self._has_no_more_minima(low, changes + advances), is_long
+        is_short, is_direct = length < MAX_ADVANCE * finest, _is_direct(length, np.array(expected), low, high)
+        is_certain = bool(np.all(is_short & is_direct)) and self._has_no_more_minima(low, changes + advances)
+        return changes, is_certain
 
     def _has_no_more_minima(self, low: ContactState, changes: list[_Event]) -> bool:
         """Return whether the gap of a state has at most one minimum where a contact is born, and none elsewhere.
@@ -297,42 +284,45 @@ class _Search(NamedTuple):
         minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
         return bool(np.all(minima <= births))
 
-    def _locate(self, low: ContactState, high: ContactState, changes: list[_Event]) -> list[_Located]:
-        """Return position and state at which the minimum of the gap (births) or of the pressure (mergers) vanishes.
+    def _locate(
+        self, low: ContactState, high: ContactState, changes: list[_Event]
+    ) -> list[tuple[float, _Event]] | None:
+        """Return load and position at which the minimum of the gap (births) or of the pressure (mergers) vanishes.
 
         Contacts are followed from the load where that minimum is positive, the lighter one for births and the
-        heavier one for mergers, to the other, where it is negative. Each state starts from the nearest one in load.
-        Without result if the changes are of both kinds, have no root, or have different ones.
+        heavier one for mergers, to the expected load and on by inverse interpolation. Each state starts from the
+        nearest one in load. Without result if the changes are of both kinds, have no root or different ones, or if
+        the contacts at the root violate the inequalities or edges have jumped.
         """
-        first, surface = changes[0], self.starts.surface
-        start = low if first.birth else high
-        followed, values = [start], dict[float, float]()
-
-        def nearest(load: float) -> ContactState:
-            return min(followed, key=lambda state: abs(state.load - load))
-
-        def minimum(state: ContactState, event: _Event) -> tuple[float, float]:
-            return _minimum(state, surface.series(state.dual), event)
-
-        def first_minimum(load: float) -> float:
-            followed.insert(0, self._follow(nearest(load), load))
-            values[load] = minimum(followed[0], first)[1]
-            return values[load]
-
-        relative = TARGET * TOLERANCE  # of the residual
-        accuracy = {"xtol": relative * low.load, "rtol": relative}
-        try:
-            root = nearest(scipy.optimize.brentq(first_minimum, low.load, high.load, **accuracy))
-        except (ValueError, ConvergenceError):  # no root between the ends, or the contacts could not be followed
-            return []
-        rate = abs(values[high.load] - values[low.load]) / (high.load - low.load)
-        located: list[_Located] = []
+        first, series_of = changes[0], self.starts.surface.series
+        followed = [low if first.birth else high]
+        loads, values = [followed[0].load], [_minimum(followed[0], series_of(followed[0].dual), first)[1]]
+        load = _expected_load(low, high, first)
+        while len(loads) < 2 or not abs(load - loads[-1]) <= MIN_INTERVAL * load:
+            if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
+                return None
+            nearest = min(followed, key=lambda state: abs(state.load - load))
+            try:
+                state = stages.follow_contacts(self.starts.surface, nearest, load)
+            except ConvergenceError:
+                return None
+            followed.append(state)
+            loads.append(load)
+            values.append(_minimum(state, series_of(state.dual), first)[1])
+            load = _root(loads, values)
+        rate = abs((values[-1] - values[0]) / (loads[-1] - loads[0]))
+        located: list[tuple[float, _Event]] = []
         for event in changes:
-            y, value = minimum(root, event)
-            if event.birth != first.birth or not abs(value) <= rate * MIN_INTERVAL * root.load:
-                return []
-            located.append((event._replace(left=y, right=y), root))
-        return located
+            y, value = _minimum(followed[-1], series_of(followed[-1].dual), event)
+            is_same = event.birth == first.birth and abs(value - values[-1]) <= rate * MIN_INTERVAL * load
+            length, between = (
+                np.array([y - event.left, event.right - y]),
+                (low, followed[-1], high)[event.birth :][:2],
+            )
+            if not (is_same and np.all(_is_direct(length, np.array(event.load_per_advance), *between))):
+                return None
+            located.append((load, event._replace(left=y, right=y)))
+        return located if self._is_in_contact(followed[-1]) else None
 
     def _is_in_contact(self, state: ContactState) -> bool:
         """Return whether the contacts followed to an event satisfy the inequalities at its load.
@@ -345,10 +335,6 @@ class _Search(NamedTuple):
         height = MAX_VIOLATION * state.load * self.starts.surface.heights.period
         limit = state.kind.limit_outside(state.load, height, MAX_VIOLATION)
         return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
-
-    def _follow(self, start: ContactState, load: float) -> ContactState:
-        """Follow the contacts of `start` to another load, without births and mergers."""
-        return start if load == start.load else stages.follow_contacts(self.starts.surface, start, load)
 
 
 def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:
@@ -364,26 +350,18 @@ def _loads_per_advance(state: ContactState, period: float) -> Sides:
     return strength / (2 * tangent)
 
 
-def _needed_load(length: Array, load_per_advance: Array) -> Array:
-    """Return the least increment of the load by which edges advance over these lengths without a jump.
+def _is_direct(length: Array, load_per_advance: Array, low: ContactState, high: ContactState) -> Flags:
+    """Return whether edges have advanced over these lengths between two states without a jump.
 
     load_per_advance : the sum of its values at both ends, of which one is 0 at a birth or merger
     """
-    return MIN_SHARE_OF_LOAD * 0.5 * load_per_advance * length
+    return np.asarray(MIN_SHARE_OF_LOAD * 0.5 * load_per_advance * length < high.load - low.load)
 
 
 def _expected_load(low: ContactState, high: ContactState, change: _Event) -> float:
     """Return the load of an event if its edges advance at a rate that is linear in their distance from it."""
     passed = 0.125 * sum(change.load_per_advance) * (change.right - change.left)
     return high.load - passed if change.birth else low.load + passed
-
-
-def _is_direct(low: ContactState, high: ContactState, change: _Event, located: _Located) -> bool:
-    """Return whether the edges of a new contact or of a gap have moved from or to its event without a jump."""
-    event, state = located
-    passed = high.load - state.load if event.birth else state.load - low.load
-    length = np.array([event.left - change.left, change.right - event.left])
-    return bool(np.all(_needed_load(length, np.array(change.load_per_advance)) < passed))
 
 
 def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
@@ -402,16 +380,26 @@ def _minimum(state: ContactState, series: CosineSeries, event: _Event) -> tuple[
 
     Its distance from the event's origin and its value, which may be negative.
     """
-    y = np.linspace(event.left, event.right, SAMPLES + 2)[1:-1]
-    lowest = int(np.argmin(_gaps_or_pressures(state, series, event.birth, event.origin, y)))
-    step = y[1] - y[0]
-    minimum = scipy.optimize.minimize_scalar(
-        lambda position: _gaps_or_pressures(state, series, event.birth, event.origin, np.full(1, position))[0],
-        bounds=(y[lowest] - step, y[lowest] + step),
-        method="bounded",
-        options={"xatol": np.sqrt(EPS) * step},  # The value has an error of second order.
-    )
-    return float(minimum.x), float(minimum.fun)
+    left, right = event.left, event.right
+    for _ in range(ZOOMS):
+        y = np.linspace(left, right, SAMPLES + 2)
+        value = _gaps_or_pressures(state, series, event.birth, event.origin, y[1:-1])
+        lowest = 1 + int(np.argmin(value))
+        left, right = y[lowest - 1], y[lowest + 1]
+    if not 1 < lowest < SAMPLES:
+        return float(y[lowest]), float(value[lowest - 1])
+    before, here, after = map(float, value[lowest - 2 : lowest + 1])
+    slope, curvature = 0.5 * (after - before), max(after - 2 * here + before, EPS * abs(here))
+    return float(y[lowest] - slope / curvature * (y[1] - y[0])), here - 0.5 * slope**2 / curvature
+
+
+def _root(loads: list[float], values: list[float]) -> float:
+    """Return the load at which the values vanish, by inverse interpolation with a polynomial through all of them."""
+    load, value = np.array(loads), np.array(values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for k in range(1, value.size):
+            load = (value[k:] * load[:-1] - value[:-k] * load[1:]) / (value[k:] - value[:-k])
+    return float(load[0])
 
 
 def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, origin: float, y: Array) -> Array:
