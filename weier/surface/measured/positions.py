@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -12,11 +11,10 @@ from weier.surface.measured.artefacts import MAX_HEIGHTS
 
 UNEVEN = 0.01  # tolerance of equal steps in files, in steps
 MOST_DECIMALS = 9  # of rounded positions
-MAX_ERROR = 0.0075  # largest error of the length, which is half the range of steps that rounded positions allow
-BY_CHANCE = 10  # A range of steps this many times narrower than a digit has a decimal number of it once in ten times.
-SLACK = 1 + 1e-6  # tolerance for rounded decimals as floats
-# One or two gaps of a row also look like rounding of a slightly larger step. More of them rarely do by chance.
-FEW_GAPS = 2
+MAX_ERROR = 0.0075  # largest error of the length
+# Steps that are known to a tenth of a digit have a decimal number of as few digits by chance once in ten times.
+BY_CHANCE = 10
+SLACK = 1.01  # tolerance for a fitted step and for rounded decimals as floats
 WAYS_OUT = (
     "interpolate the heights at equal steps, write the positions with more digits, or, if no row is left out, take "
     "the column of heights alone, as in columns=1, with the length"
@@ -50,7 +48,7 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
         )
     unit = _last_digit(x)
     number, step = _grid(x, unit)
-    if number is None:
+    if not step:
         even = x[0] + (x[-1] - x[0]) / rise.size * np.arange(x.size)
         at = int(np.abs(x - even).argmax())
         raise ValueError(f"positions must rise in equal steps, got {x[at]} at {place(at)}: {WAYS_OUT}")
@@ -65,11 +63,11 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     return full, own if length is None else length
 
 
-def _grid(x: Array, unit: float) -> tuple[Array | None, float]:
-    """Return the number of each position in a grid from the first one, and its step; None if there is none, or two.
+def _grid(x: Array, unit: float) -> tuple[Array, float]:
+    """Return the number of each position in a grid from the first one, and its step; 0 if there is none.
 
-    Exact positions are multiples of a step, of which some may be left out. Rounded ones stand within half a unit of
-    a straight line with one row a step.
+    Exact positions are multiples of a step, of which some may be left out if the step is above the unit of the
+    positions. Rounded ones stand within half a unit of a straight line with one row a step.
     """
     rows = np.arange(float(x.size))
     usual = float(np.median(np.diff(x))) or x[-1] - x[0]
@@ -77,48 +75,25 @@ def _grid(x: Array, unit: float) -> tuple[Array | None, float]:
     exact = np.rint((x - x[0]) / step)
     off = np.abs(x - x[0] - exact * step)
     is_exact = (off <= UNEVEN * step).all() and (np.diff(exact) > 0).all() and exact[-1] < MAX_HEIGHTS
-    if is_exact and exact[-1] - rows[-1] <= FEW_GAPS:
-        return exact, step
-    rounded = _rounded_step(x, unit)
-    if rounded and is_exact:
-        return None, 0.0
-    return (rows, rounded) if rounded else (exact, step) if is_exact else (None, 0.0)
+    if is_exact:
+        return exact, step if exact[-1] == rows[-1] or step > SLACK * unit else 0.0
+    return rows, _rounded_step(x, unit)
 
 
 def _rounded_step(x: Array, unit: float) -> float:
     """Return the step of positions that are rounded, or cut, to a unit; 0 if there is none.
 
-    It is the decimal number with the fewest digits among the steps that give exactly these digits. A gap shifts the
-    positions behind it, which no step then gives. Only a gap within less than a unit may leave a range of steps, but
-    hardly one with a decimal number of fewer digits than such a range has by chance.
+    It is the fitted one, rounded to as few decimals as these positions allow. A gap shifts the positions behind it,
+    which no step then gives. Only gaps within a unit may leave a step, but hardly one of few digits.
     """
-    half = unit / 2 * SLACK + np.spacing(np.abs(x).max())
-    low, high = (sign * _least_step(sign * x, half) for sign in (1, -1))
-    middle = (low + high) / 2
-    if not high - low <= 2 * MAX_ERROR * middle:
-        return 0.0
-    rounded = ((round(middle, decimals), 10.0**-decimals) for decimals in range(2 * MOST_DECIMALS))
-    step, digit = next(((step, digit) for step, digit in rounded if low <= step <= high), (middle, 0.0))
-    return step if step >= unit or digit >= BY_CHANCE * (high - low) else 0.0
-
-
-def _least_step(x: Array, half: float) -> float:
-    """Return the least slope of a straight line within `half` of equidistant values; NaN if there is none.
-
-    Each pair of values bounds the slope. The pair that stands farthest apart about a slope that is too small gives
-    the next one.
-    """
-    rows, x = np.arange(x.size), x - x[0]
-    before, step = -math.inf, float(x[-1] - 2 * half) / rows[-1]
-    while step > before:
-        off = x - step * rows
-        above, below = int(off.argmax()), int(off.argmin())
-        if off[above] - off[below] <= 2 * half:
-            return step
-        if above < below:
-            return math.nan
-        before, step = step, float(x[above] - x[below] - 2 * half) / (above - below)
-    return before
+    rows = np.arange(x.size)
+    fitted = float(np.polyfit(rows, x, 1)[0])
+    error = max(SLACK * unit - np.ptp(x - fitted * rows), unit / 2) / rows[-1]
+    for decimals in range(2 * MOST_DECIMALS if error <= MAX_ERROR * fitted else 0):
+        step = round(fitted, decimals)
+        if np.ptp(x - step * rows) <= SLACK * unit:
+            return step if step >= unit or 10.0**-decimals >= BY_CHANCE * error else 0.0
+    return 0.0
 
 
 def _last_digit(x: Array) -> float:

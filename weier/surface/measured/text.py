@@ -1,18 +1,19 @@
 """Text files with heights, or positions and heights, in the columns of one table.
 
-The table is one block of lines. A sample of the lines tells the signs between columns and before decimals; pandas
-reads the numbers, and whatever it does not read is refused with its line and the arguments that settle it. Lines
-above and below are kept as `Line.left_out`; those next to the table are refused if they may belong to it.
+The table is one block of lines. A sample of the lines tells the signs between columns and before decimals, and one
+pattern tells numbers from other texts: whatever it does not match is refused with its line and the arguments that
+settle it. Lines above and below are kept as `Line.left_out`; those next to the table are refused if they may belong
+to it.
 """
 
 from __future__ import annotations
 
 import codecs
 import csv
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import StringIO
 from pathlib import Path
 from statistics import mode
 from typing import Any, NamedTuple, NoReturn
@@ -37,8 +38,6 @@ PRINTED = {  # signs of typesetting, as those that numbers are written with
     ord("\u2019"): "'",
 }
 PREFIXES = "#%!/*; \t"  # in front of remarks and headings
-OF_VALID = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)  # a column that says which heights are valid
-VALID = re.compile(r"1([.,]0*)?|true|yes|valid", re.IGNORECASE)
 MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
 APART = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
 SAMPLE = 200  # lines that tell the signs of a table, about
@@ -60,8 +59,8 @@ class Layout:
     columns : numbers from 0: that of the heights, or those of the positions and of the heights
     delimiter, decimal, thousands : signs between columns, before decimals, and between thousands
     encoding : of the file
-    comment : prefixes of lines to skip; "" means empty lines
-    missing : further texts for missing heights; "" means empty lines
+    comment : prefixes of lines to skip
+    missing : further texts for missing heights
     """
 
     skip: int | None = None
@@ -92,7 +91,7 @@ class Layout:
                 "columns must be the number of the column of heights, from 0, or those of positions and heights, "
                 f"got {shown(own['columns'])}"
             )
-        if not all(isinstance(mark, str) for mark in own.get("comment", ())):
+        if not all(isinstance(mark, str) and mark for mark in own.get("comment", ())):
             raise ValueError(f"comment must be a text, or a list of texts, got {shown(given['comment'])}")
         if own.get("thousands") in (".", ","):
             own.setdefault("decimal", "," if own["thousands"] == "." else ".")
@@ -123,10 +122,11 @@ def read_columns(path: Path, layout: Layout | None = None) -> Line:
 
 
 class _Signs(NamedTuple):
-    """The signs of a table between columns and before decimals, its words for missing heights, and its numbers."""
+    """The signs of a table between columns and in numbers, its words for missing heights, and its numbers."""
 
     delimiter: str
     decimal: str
+    plain: Mapping[int, int | None]
     missing: frozenset[str]
     number: re.Pattern[str]
 
@@ -139,7 +139,8 @@ class _Signs(NamedTuple):
         exponent = r"(?:[eEdD](?:[+-]?0*\d{1,2}|-\d{3}))?"  # below 1e100
         number = rf"[+-]?(?:{whole}(?:{sign}\d{'*' if decimal == '.' else '+'})?|{sign}\d+){exponent}"
         missing = frozenset(["", *MISSING.split(), *layout.missing])
-        return cls(delimiter, decimal, missing, re.compile(number, re.ASCII))
+        plain = str.maketrans(f"{decimal}dD", ".ee", layout.thousands or "")
+        return cls(delimiter, decimal, plain, missing, re.compile(number, re.ASCII))
 
     def split(self, line: str) -> list[str]:
         """Return the fields of a line, without blanks and quotes around them."""
@@ -157,6 +158,12 @@ class _Signs(NamedTuple):
     def is_known(self, field: str) -> bool:
         return field in self.missing or self.is_number(field)
 
+    def value(self, field: str) -> float | None:
+        """Return a number, with an exponent of Fortran, too; NaN for a missing one, and None for anything else."""
+        if self.number.fullmatch(field):
+            return float(field.translate(self.plain))
+        return math.nan if field in self.missing else None
+
     def is_row(self, fields: Sequence[str], columns: Sequence[int] | None) -> bool:
         """Return whether these columns of a line, or all, have numbers or words for missing heights."""
         if columns is not None and len(fields) <= max(columns):
@@ -171,10 +178,7 @@ class _Table:
 
     def __init__(self, path: Path, lines: list[str], layout: Layout) -> None:
         self.path, self.lines, self.layout = path, lines, layout
-        comment = tuple(filter(None, layout.comment))
-        self.every = [
-            at for at, line in enumerate(lines) if not (line.startswith(comment) if line else "" in layout.comment)
-        ]
+        self.every = [at for at, line in enumerate(lines) if not line.startswith(layout.comment)]
         every = [at for at in self.every if at >= (layout.skip or 0)]
         filled = [at for at in every if lines[at]]
         if not filled:
@@ -231,39 +235,40 @@ class _Table:
 
     def _find_signs(self, sample: Sequence[int]) -> tuple[_Signs, list[list[str]]]:
         """Return the signs that make rows of the most lines, and the fields of these lines."""
-        layout = self.layout
-        found: dict[_Signs, list[int]] = {}
+        layout, lines = self.layout, self.lines
+        found = []
         for delimiter in layout.delimiter or ";\t, ":
             for decimal in layout.decimal or ".,":
                 if delimiter not in (decimal, layout.thousands):
                     signs = _Signs.of(delimiter, decimal, layout)
-                    fields = {at: signs.split(self.lines[at]) for at in sample}
-                    found[signs] = [at for at in sample if signs.is_row(fields[at], layout.columns)]
-        most = max(map(len, found.values()))
+                    found.append(
+                        (signs, [at for at in sample if signs.is_row(signs.split(lines[at]), layout.columns)])
+                    )
+        most = max(len(rows) for _, rows in found)
         if not most:
             remedy = "say columns=, delimiter=, decimal=, thousands= or encoding= if the file has columns of numbers"
             self._refuse(sample[len(sample) // 2], "and the others, are no rows of numbers", remedy)
-        best = [signs for signs, rows in found.items() if len(rows) == most]
-        rows = [self.lines[at] for at in found[best[0]]]
-        # The commas of `1:0,5` may be those of decimals, too.
-        hidden = best[0].delimiter == "," and all(re.search("[:|]", row) and "." not in row for row in rows)
-        if best[0].delimiter == "," and len(layout.columns or ()) == 1 and not layout.decimal:
-            whole = _Signs.of(BLANK, ",", layout)
-            hidden = hidden or all(whole.is_number(row.strip("\t ")) for row in rows)
-        commas = [at for at in found[best[0]] if "," in self.lines[at]]
-        if not layout.delimiter and commas and (hidden or len({signs.delimiter == "," for signs in best}) == 2):
-            problem = "has a comma of decimals, between columns or between thousands"
-            self._refuse(
-                commas[0], problem, "say decimal=',', thousands=',', or delimiter= for the sign between columns"
-            )
-        return best[0], [best[0].split(row) for row in rows]
+        (best, rows), *others = [(signs, rows) for signs, rows in found if len(rows) == most]
+        commas = [at for at in rows if "," in lines[at]]
+        if commas and not layout.delimiter:
+            hidden = any((best.delimiter == ",") != (signs.delimiter == ",") for signs, _ in others)
+            if best.delimiter == ",":  # The commas of `1:0,5` may be those of decimals, too.
+                hidden |= all(re.search("[:|]", lines[at]) and "." not in lines[at] for at in rows)
+                if len(layout.columns or ()) == 1 and not layout.decimal:
+                    whole = _Signs.of(BLANK, ",", layout)
+                    hidden |= all(whole.is_number(lines[at].strip("\t ")) for at in rows)
+            if hidden:
+                problem = "has a comma of decimals, between columns or between thousands"
+                remedy = "say decimal=',', thousands=',', or delimiter= for the sign between columns"
+                self._refuse(commas[0], problem, remedy)
+        return best, [best.split(lines[at]) for at in rows]
 
     def _find_block(self, every: list[int]) -> list[int]:
         """Return the lines from the first row to the last, where the arguments do not name them."""
         rows = self.layout.rows
         if self.layout.skip is None:
             every = every[next(n for n, at in enumerate(every) if self._is_row(at)) :]
-        counted = [at for at in every if self.lines[at] or "" in self.layout.missing]
+        counted = [at for at in every if self.lines[at]]
         if rows is not None and len(counted) < rows:
             raise ValueError(f"rows must be at most the {len(counted)} rows of {self.path}, got {rows}")
         last = counted[rows - 1] if rows else next(at for at in reversed(every) if self._is_row(at))
@@ -289,75 +294,28 @@ class _Table:
 
     def _texts(self) -> list[list[str]]:
         """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
-        above = [line for line in self.lines[: self.block[0]] if OF_VALID.search(line)]
-        cells = {at: cell for line in above for at, cell in enumerate(self._cells(line)) if OF_VALID.fullmatch(cell)}
-        flags = cells.keys() - {*self.columns}
         texts = []
         for at in self.block:
             fields = self.signs.split(self.lines[at])
-            if not self.lines[at] and "" in self.layout.missing:
-                fields = [""] * self.width
-            elif not self.lines[at]:
-                remedy = "say missing_value='' if heights are missing in empty lines, or comment='' if not"
-                self._refuse(at, "is empty", remedy)
+            if not self.lines[at]:
+                self._refuse(at, "is empty", "write nan if a height is missing, or leave out the line")
             elif len(fields) != self.width:
                 problem = f"has {len(fields)} columns, and most others have {self.width}"
                 self._refuse(at, problem, self._arguments(ENDS, self.lines[at]))
             elif not APART.isdisjoint(fields):
                 problem = f"has {min(APART & {*fields})!r} in a column of its own, which may be the sign of a number"
                 self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
-            elif fields[self.columns[-1]] not in self.signs.missing:
-                self._check_flags(at, [(cells[flag], fields[flag]) for flag in flags])
             texts.append([fields[column] for column in self.columns])
         return texts
 
-    def _check_flags(self, at: int, flags: Sequence[tuple[str, str]]) -> None:
-        """Refuse a height that another column, of this heading and with this word, says is not valid."""
-        for heading, word in flags:
-            if not VALID.fullmatch(word):
-                problem = f"has {shown(word)} in the column {shown(heading)}, which is not read"
-                self._refuse(at, problem, "write nan for heights that are not valid, or leave out this column")
-
     def _values(self, texts: Sequence[Sequence[str]]) -> Array:
         """Return the numbers in the texts of rows, shape (rows, columns), NaN where one is missing."""
-        try:
-            return self._converted(texts)
-        except ValueError:
-            at, text = next(
-                (
-                    (at, text)
-                    for at, row in zip(self.block, texts, strict=True)
-                    for text in row
-                    if not self.signs.is_known(text)
-                ),
-                (self.block[0], texts[0][0]),
-            )
-            self._refuse(at, f"has {shown(text)} for a number", self._arguments(ENDS, text))
-
-    def _converted(self, texts: Sequence[Sequence[str]]) -> Array:
-        """Return the numbers that pandas reads in texts; ValueError if there is anything else."""
-        import pandas as pd  # which takes half a second
-
-        table = "\n".join("\t".join(row) or "nan" for row in texts)
-        if self.layout.thousands:
-            sign = re.escape(self.layout.thousands)
-            if re.search(rf"\d{{4}}{sign}|(?<!\d)0*{sign}|{sign}(?!\d{{3}}(?!\d))", table):
-                raise ValueError("separators of thousands must stand between groups of three digits")
-        values: Array = pd.read_csv(
-            StringIO(re.sub(r"[dD](?<=[\d.,].)(?=[+-]?\d)", "e", table)),  # exponents of Fortran
-            sep="\t",
-            header=None,
-            dtype=float,
-            decimal=self.signs.decimal,
-            thousands=self.layout.thousands,
-            na_values=list(self.signs.missing),
-            keep_default_na=False,
-            skip_blank_lines=False,
-            quoting=csv.QUOTE_NONE,
-        ).to_numpy()
-        if np.isinf(values).any():
-            raise ValueError("numbers must be finite")
-        return values
+        values = [list(map(self.signs.value, row)) for row in texts]
+        for at, row, own in zip(self.block, texts, values, strict=True):
+            if None in own:
+                wrong = row[own.index(None)]
+                self._refuse(at, f"has {shown(wrong)} for a number", self._arguments(ENDS, wrong))
+        return np.array(values, float)
 
     def _check_neighbours(self) -> None:
         """Refuse a line above or below the table that may belong to it, unless `skip` or `rows` is given."""
@@ -451,14 +409,11 @@ def _text(path: Path, encoding: str | None) -> str:
     own = encoding or next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
     bare = content.rstrip(END_OF_FILE.encode())
     if not own and (first := BINARY.search(bare)):
-        if len(BINARY.findall(bare)) > 0.01 * len(bare):  # Random bytes have ten times as many.
-            raise NoTextError(
-                f"{path} is no text: save the heights as text, such as the sheet of a workbook as CSV, unpack an "
-                "archive, or say encoding='utf-16-le' or the like"
-            )
         line = bare.count(b"\n", 0, first.start()) + 1
-        problem = f"must be text, got the control character {first[0]!r}"
-        raise ValueError(f"{path}, line {line}, {problem}: leave it out, or say encoding=")
+        raise NoTextError(
+            f"{path} is no text, got the control character {first[0]!r} in line {line}: save the heights as text, "
+            "such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or say encoding="
+        )
     if len(content) > MAX_BYTES:
         raise ValueError(f"{path} must be a text of at most {MAX_BYTES:.0e} bytes: keep one line of heights in it")
     try:

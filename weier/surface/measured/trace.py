@@ -281,7 +281,8 @@ class Trace(Waves):
         shortest, ends
             As of a trace; `shortest` is in the unit of `length`.
         x_unit, height_unit : str, optional
-            Units of positions and heights, whatever the file says of them; `unit` is for both.
+            Units of positions and heights, whatever the file says of them. `unit` is for both, and must agree with
+            the file.
         line : int, optional
             Which line of a map, from 0.
         across : "x" or "y", optional
@@ -299,10 +300,9 @@ class Trace(Waves):
         encoding : str, optional
             Encoding of a file of text, by its name in Python.
         comment : str or list of str, optional
-            Lines within the table of a file of text that begin with one of these are left out; "" stands for empty
-            lines.
+            Lines of a file of text that begin with one of these are left out.
         missing_value : float, str or list, optional
-            Numbers and words for missing heights; "" means empty lines in one column.
+            Numbers and words for missing heights.
         **options
             `unit`, `detrend`, `missing`, `max_gap` and `source`, as of a trace.
 
@@ -334,10 +334,11 @@ class Trace(Waves):
             encoding=encoding,
             comment=comment,
         )
-        # The arguments have precedence over what a file says.
         lines = [
-            _overridden(one, options.get("unit"), x_unit, height_unit)._replace(
-                length=one.length if length is None else None
+            one._replace(
+                length=one.length if length is None else None,
+                x_units=() if x_unit else one.x_units,
+                height_units=() if height_unit else one.height_units,
             )
             for one in read_lines(checked_file(path), layout, line, across, channel)
         ]
@@ -528,37 +529,6 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
             f"detrend must be {measured.MEAN} where the ends are periodic, got {detrend!r}: leave it out"
         )
     return detrend
-
-
-def _overridden(one: Line, unit: str | None, x_unit: str | None, height_unit: str | None) -> Line:
-    """Return a line of a file without its own units where a call gives others.
-
-    Raises
-    ------
-    ValueError
-        If `unit`, which is for positions and heights, contradicts the file in one of them and not in the other.
-    """
-    if unit in UNITS:
-        own = {
-            name: named
-            for name, given, named in (
-                ("x_unit", x_unit, one.x_units),
-                ("height_unit", height_unit, one.height_units),
-            )
-            if named and not given
-        }
-        wrong = [name for name, named in own.items() if any(UNITS[other] != UNITS[unit] for other in named)]
-        if wrong == ["x_unit"] or (wrong and len(own) > 1 and len(wrong) < len(own)):
-            (name,) = wrong
-            raise ValueError(
-                f"unit={unit!r} is for positions and heights, and the file says {own[name][0]!r} for "
-                f"{'positions' if name == 'x_unit' else 'heights'}: leave unit out, and say height_unit={unit!r} "
-                f"for heights, or x_unit={unit!r} for positions"
-            )
-    return one._replace(
-        x_units=() if x_unit or unit else one.x_units,
-        height_units=() if height_unit or unit else one.height_units,
-    )
 
 
 def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
