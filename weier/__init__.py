@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from weier.api.inverse import find_load as find_load
     from weier.api.solve import solve as solve
     from weier.data.dataset import open_dataset as open_dataset
-    from weier.data.selection import profile_of as profile_of
     from weier.figures.checks import load_scene as load_scene
     from weier.methods.auto import choose as choose
     from weier.methods.errors import ConvergenceError as ConvergenceError
@@ -47,7 +46,6 @@ _MODULES = {
     "gaussian": "surface.gaussian",
     "load_scene": "figures.checks",
     "open_dataset": "data.dataset",
-    "profile_of": "data.selection",
     "random_phases": "surface.profile",
     "solve": "api.solve",
 }

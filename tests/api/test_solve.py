@@ -10,7 +10,7 @@ import xarray as xr
 import weier
 from tests.scenes import scene_in
 from weier.api.batch import solve_batch
-from weier.data import provenance
+from weier.data import curves, provenance
 from weier.methods.registry import find_method, names
 from weier.methods.settings import defaults
 
@@ -41,7 +41,7 @@ def test_a_curve_knows_its_profile_and_all_settings_also_in_a_file_and_a_table(m
     curve = weier.solve(profile, LOADS, method)
     assert (curve.D, curve.gamma, curve.m, curve.solution_method) == (1.25, 5, profile.m, method)
     assert np.isnan(curve.seed)
-    again = weier.profile_of(curve)
+    again = curves.profile(curve)
     assert (again.D, again.gamma, again.m) == (profile.D, profile.gamma, profile.m)
     assert np.array_equal(again.listed_phases, profile.listed_phases)
     used = {name: value for name, value in defaults(find_method(method)).items() if value is not None}

@@ -136,7 +136,7 @@ def test_a_stopped_solution_keeps_the_loads_that_are_solved(error, method, setti
         assert curve.mean_pressure.equals(whole.mean_pressure[solved])
         for name in ("compliance", "resistance", "compliance_error"):
             np.testing.assert_array_equal(curve[name], whole[name][solved])
-        assert np.array_equal(weier.profile_of(curve).phase, PROFILE.phase)
+        assert np.array_equal(curve.phases, PROFILE.phase)
 
 
 def test_a_stopped_list_keeps_its_cases():

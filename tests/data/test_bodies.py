@@ -131,16 +131,18 @@ def test_interface_refuses_what_cannot_be(changed, message):
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is below 1e\+06 Pa: is it in GPa or MPa\?"),
-        ({"rho_1": None, "rho_2": None, "k_1": 16.0, "k_2": 39e3}, r"k_2 = 39000 W/\(m K\) is above 10000 W/\(m K\)"),
         (
-            {"hardness_1": 150},
-            r"hardness_1 = 150 Pa is below .* is it in MPa, or a Vickers number\? 1 HV is 9.8e6 Pa",
+            {"mu_1": None, "E_1": 210},
+            r"^E_1 = 210 Pa is not from 1e\+06 to 1e\+13 Pa, .*: is the unit right\?",
         ),
-        ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is above 1e\+13 Pa"),
-        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is below 1e-08 ohm m: .* 1 micro-ohm cm is 1e-8 ohm m"),
-        ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is above 0.001 ohm m: conductors have 1e-8 to 1e-3 ohm m"),
-        ({"rho_2": 4.5e7}, r"rho_2 = 4.5e\+07 ohm m is above 0.001 ohm m: .* or is it a conductivity, in S/m\?"),
+        (
+            {"rho_1": None, "rho_2": None, "k_1": 16.0, "k_2": 39e3},
+            r"k_2 = 39000 W/\(m K\) is not from 0.01 to 10000",
+        ),
+        ({"hardness_1": 150}, "hardness_1 = 150 Pa is not from"),
+        ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is not from"),
+        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is not from 1e-08 to 0.001 ohm m"),
+        ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is not from"),
         ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
         (
             {"lambda_0": 0.1, "g_0": 1e-9},

@@ -17,7 +17,7 @@ import weier
 from tests.scenes import blank, curves_in
 from weier import Profile
 from weier.api.rows import surface_row
-from weier.data import dataset
+from weier.data import curves, dataset
 from weier.pipeline.curves import SURFACE
 from weier.scene import load
 
@@ -119,8 +119,6 @@ def test_a_selection_that_is_no_curve_any_more_is_refused():
         solved().stack(row=("case", "mean_pressure")).weier.table()
     with pytest.raises(ValueError, match="phases are not among the coordinates"):
         solved()[["compliance"]].weier.cases(phases=1.0)
-    with pytest.raises(ValueError, match="data must have the coordinate phases"):
-        weier.profile_of(solved()[["compliance"]].isel(case=0))
 
 
 def test_names_of_files_may_have_commas():
@@ -299,13 +297,11 @@ def test_a_curve_gives_its_profile_back(profile, tmp_path):
     both = weier.solve([PROFILES[0], profile], [0.1, 1.0], ["demelio"])
     curve.to_netcdf(tmp_path / "one.nc")
     with weier.open_dataset(tmp_path / "one.nc") as again:
-        for data in (curve, both.isel(case=[1]), again):
-            found = weier.profile_of(data)
+        for data in (curve, both.isel(case=1), again.isel(case=0)):
+            found = curves.profile(data)
             assert (found.D, found.gamma, found.m) == (profile.D, profile.gamma, profile.m)
             terms = 3 if math.isinf(profile.m) else profile.m
             assert np.array_equal(found.truncated(terms).phase, profile.truncated(terms).phase)
-    with pytest.raises(ValueError, match="one case, got 2"):
-        weier.profile_of(both)
 
 
 def test_neighbouring_seeds_are_told_apart():
@@ -314,7 +310,7 @@ def test_neighbouring_seeds_are_told_apart():
     data = weier.solve(profiles, [0.1], ["demelio"])
     assert np.unique(data["case"]).size == len(seeds)
     for seed, profile in zip(seeds, profiles, strict=True):
-        assert np.array_equal(weier.profile_of(data.weier.cases(seed=seed)).phase, profile.phase)
+        assert np.array_equal(data.weier.cases(seed=seed).phases[0], profile.phase)
     with pytest.raises(ValueError, match=r"no case has seed = 1000002: choose from 1000000, 1000001, 45"):
         data.weier.cases(seed=10**6 + 2)
 

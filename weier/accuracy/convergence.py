@@ -12,20 +12,21 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from weier.accuracy import comparison
+from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import by_resolved_terms
 from weier.accuracy.report import Page, measurement, number
 from weier.accuracy.runner import run
 from weier.accuracy.variants import Variant
-from weier.data import dataset, variables
+from weier.data import variables
 from weier.data.markdown import table
 from weier.data.selection import case_names
 from weier.data.variables import LABEL, Status, Variable
-from weier.kernels.arrays import Array
 from weier.methods import bem
 from weier.methods.errors import ConvergenceError, OutOfReachError
-from weier.scene import load
+from weier.scene import Case, load
 from weier.surface.loads import checked_loads
-from weier.surface.profile import PARAMETERS, Profile
+from weier.surface.profile import Profile
 from weier.theory.bounds import complete_bounds
 
 SCENE = Path("config/accuracy/infinite.yaml")
@@ -63,32 +64,22 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
 
     """
     loads = checked_loads(mean_pressure)
-    data = _blank(len(profiles), loads, max_terms)
-    for case, profile in enumerate(profiles):
-        values = {name: float(getattr(profile, name)) for name in PARAMETERS}
-        for name, value in {**values, "tail_amplitude": 0.0, "total_amplitude": profile.total_amplitude}.items():
-            data[name].values[case] = value
-        data["phases"].values[case] = profile.truncated(max_terms).phase
-        for terms in range(1, max_terms + 1):
-            for name, value in _solve(profile, loads, terms).items():
-                data[name].values[case, terms - 1] = value
-    return data
-
-
-def _blank(cases: int, loads: Array, max_terms: int) -> xr.Dataset:
-    counts = np.arange(1, max_terms + 1)
-    data = dataset.blank(cases, [str(count) for count in counts], loads, max_terms, returned=KEPT)
-    data = data.drop_vars(["solution_method", *set(data.data_vars) - set(KEPT)])
-    data = data.rename_dims(solution_method="resolved_terms")
+    variants = tuple(Variant(str(terms), bem.METHOD.name, {}) for terms in range(1, max_terms + 1))
+    compared = [Comparison(profile.describe(), Case.of(profile, (), {}), loads, variants) for profile in profiles]
+    data = comparison.blank(compared, KEPT, {})
+    comparison.fill(data, compared, _solve)
+    counts = np.array(data["variant"].values, int)
+    data = data.drop_vars(["solution_method", "variant"]).rename_dims(variant="resolved_terms")
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))
 
 
-def _solve(profile: Profile, loads: Array, terms: int) -> Mapping[str, Any]:
+def _solve(compared: Comparison, variant: Variant) -> Mapping[str, Any]:
     """Return the bounds from the first terms by boundary elements, and their middle as the estimate."""
+    profile, terms = compared.case.profile, int(variant.name)
     kept = profile.truncated(terms)
     tolerance = min(MESH_FRACTION * kept.tail_amplitude, MAX_TOLERANCE)
     try:
-        solved = run(Variant(f"bem {terms}", bem.METHOD.name, {"tolerance": tolerance}), kept, loads)
+        solved = run(variant._replace(settings={"tolerance": tolerance}), kept, compared.loads)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {terms} terms resolved: {error}", file=sys.stderr)
         return {"status": Status.not_converged}

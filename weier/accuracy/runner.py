@@ -23,8 +23,6 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
-# runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
-REPEAT = 5
 MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
 # The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
@@ -70,53 +68,47 @@ class Run(NamedTuple):
     warned: tuple[str, ...] = ()
 
 
-def run(variant: Variant, profile: Waves, loads: Array) -> Run:
-    """Return the curve of a variant; raises what `weier.solve` raises."""
-    start = process_time()
-    solved, _ = CurveTask(profile, variant.method, variant.settings, loads).solve()
-    seconds, values = process_time() - start, solved.values()
+def run(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
+    """Return the curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
+    task, seconds = CurveTask(profile, variant.method, variant.settings, loads), list[float]()
+    if repeat > 1:
+        task._replace(loads=loads[:1]).solve()  # loads compiled code
+    while not seconds or (len(seconds) < repeat and seconds[-1] <= MAX_REPEATED):
+        start = process_time()
+        solved, _ = task.solve()
+        seconds.append(process_time() - start)
+    values = solved.values()
     h, R = values["compliance"], values["resistance"]
     h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
     solution_error = values.get(STATED[0], 0.0)
     outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, seconds, values)
-
-
-def median_run(variant: Variant, profile: Waves, loads: Array) -> Run:
-    """Return the curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
-    run(variant, profile, loads[:1])  # loads compiled code
-    runs = [run(variant, profile, loads)]
-    while len(runs) < REPEAT and runs[-1].seconds <= MAX_REPEATED:
-        runs.append(run(variant, profile, loads))
-    return sorted(runs, key=lambda result: result.seconds)[len(runs) // 2]
+    median = sorted(seconds)[len(seconds) // 2]
+    return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, median, values)
 
 
 def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
     """Solve all loads as one curve and, after an error, each load separately. Errors are results, and not raised."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        outcome = _attempt(variant, profile, loads)
-        if outcome.message and loads.size > 1:
-            parts = [_attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-            outcome = _join(parts)._replace(message=outcome.message)
-    return outcome._replace(warned=tuple(dict.fromkeys(str(warning.message) for warning in caught)))
-
-
-def _attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
-    try:
-        return run(variant, profile, loads)
-    except FAULTS as error:
-        none = np.full(loads.size, np.nan)
-        outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
-        outcomes = np.full(loads.size, outcome, np.int8)
-        return Run(none, none, none, none, 0.0, outcomes, message=_description(error))
+        try:
+            found = run(variant, profile, loads)
+        except FAULTS as error:
+            none = np.full(loads.size, np.nan)
+            outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
+            outcomes = np.full(loads.size, outcome, np.int8)
+            found = Run(none, none, none, none, 0.0, outcomes, message=_description(error))
+            if loads.size > 1:
+                parts = [attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
+                found = _join(parts)._replace(message=found.message)
+    warned = (*(str(warning.message) for warning in caught), *found.warned)
+    return found._replace(warned=tuple(dict.fromkeys(warned)))
 
 
 def _join(parts: list[Run]) -> Run:
     """Return runs of single loads as one, without their other results."""
-    h, R, h_error, R_error, solution_error, outcome, *_ = zip(*parts, strict=True)
+    h, R, h_error, R_error, solution_error, outcome, *_, warned = zip(*parts, strict=True)
     h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
-    return Run(h, R, h_error, R_error, max(solution_error), outcome)
+    return Run(h, R, h_error, R_error, max(solution_error), outcome, warned=sum(warned, ()))
 
 
 def is_clear(error: Exception, method: Method) -> bool:

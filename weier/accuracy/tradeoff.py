@@ -16,7 +16,7 @@ from weier.accuracy.comparison import Comparison
 from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
 from weier.accuracy.reference import contact_reference
 from weier.accuracy.report import Page, measurement, number
-from weier.accuracy.runner import median_run
+from weier.accuracy.runner import run
 from weier.accuracy.variants import Variant, variants_of
 from weier.data.markdown import plain, table
 from weier.data.variables import LOAD_DIMS, VARIABLES, Status, Variable
@@ -29,6 +29,8 @@ from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
 
 SCENE = Path("config/accuracy/tradeoff.yaml")
+# runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
+REPEAT = 5
 # those of the table of variables
 KEPT = (
     *comparison.KEPT,
@@ -92,7 +94,7 @@ def variants(profile: Profile) -> list[Variant]:
 def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
     profile, loads = compared.case.profile, compared.loads
     try:
-        result = median_run(variant, profile, loads)
+        result = run(variant, profile, loads, REPEAT)
     except ConvergenceError as error:
         print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
         return {"status": Status.not_converged}

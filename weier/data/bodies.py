@@ -38,17 +38,8 @@ if TYPE_CHECKING:
 
 CURRENT, HEAT = ("rho_1", "rho_2"), ("k_1", "k_2")
 CONDUCTORS = "give rho_1 and rho_2, the resistivities, or k_1 and k_2, the thermal conductivities"
-# ranges outside which a warning names the likely mistake
-MODULUS = (1e6, 1e13, "Pa", "is it in GPa or MPa? Moduli are in Pa")
-RESISTIVITY = (
-    1e-8,
-    1e-3,
-    "ohm m",
-    "conductors have 1e-8 to 1e-3 ohm m, and 1 micro-ohm cm is 1e-8 ohm m; or is it a conductivity, in S/m?",
-)
-HARDNESS = (1e6, 2e11, "Pa", "is it in MPa, or a Vickers number? 1 HV is 9.8e6 Pa")
-OF_HEAT = (0.01, 1e4, units.CONDUCTIVITY, "solids have 0.02 to 4000 W/(m K)")
-USUAL = {"mu": MODULUS, "E": MODULUS, "rho": RESISTIVITY, "k": OF_HEAT, "hardness": HARDNESS}
+# ranges outside which a warning asks for the unit; those of lambda_0 and g_0 depend on each other
+USUAL = {"mu": (1e6, 1e13), "E": (1e6, 1e13), "rho": (1e-8, 1e-3), "k": (0.01, 1e4), "hardness": (1e6, 2e11)}
 # Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
 YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
@@ -58,10 +49,10 @@ OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
     """Yield a warning for each modulus, resistivity, conductivity and hardness of no usual material."""
     for name, value in bodies.items():
-        least, most, unit, slip = USUAL.get(name[:-2], (-math.inf, math.inf, "", ""))
+        least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
         if value not in (0, math.inf) and not least <= value <= most:
-            limit = f"below {least:g}" if value < least else f"above {most:g}"
-            yield f"{name} = {value:g} {unit} is {limit} {unit}: {slip}"
+            usual = f"from {least:g} to {most:g} {_unit(name)}, as in solids"
+            yield f"{name} = {value:g} {_unit(name)} is not {usual}: is the unit right?"
 
 
 def _doubts_of_scale(lambda_0: float, g_0: float, full: float, modulus: float) -> Iterator[str]:

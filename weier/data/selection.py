@@ -20,7 +20,7 @@ from weier.data import curves, ensembles
 from weier.data.ensembles import CLOSE
 from weier.data.variables import CURVE, VARIABLES
 from weier.kernels.arrays import Flags
-from weier.surface.profile import MAX_SEED, PARAMETERS, Profile, checked_ratio
+from weier.surface.profile import MAX_SEED, PARAMETERS, checked_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -184,38 +184,6 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
     # A coordinate that becomes a dimension needs a new index.
     kept = {label: variable for label, variable in data.variables.items() if label not in changed}
     return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords)) if changed else data
-
-
-def profile_of(data: xr.Dataset) -> Profile:
-    """Return the profile of one curve, or of one case of a file.
-
-    Parameters
-    ----------
-    data : Dataset
-        A result of `weier.solve`, or one case of `weier.open_dataset`, with coordinates D, gamma, m, seed and phases.
-
-    Raises
-    ------
-    ValueError
-        If there are several cases, or the curve is of a trace, whose heights are in their own file.
-
-    Examples
-    --------
-    >>> import weier
-    >>> curve = weier.solve(weier.Profile(D=1.5, gamma="5/2", m=2, phases=1.0), [0.1, 1.0], "demelio")
-    >>> weier.profile_of(curve)
-    Profile(D=1.5, gamma='5/2', m=2, phases=(0.0, 1.0))
-    """
-    if not hasattr(data, "data_vars"):
-        raise ValueError(f"data must be a Dataset of curves, got {shown(data)}")
-    cases = as_cases(data)
-    if cases.sizes["case"] != 1:
-        raise ValueError(f"data must have one case, got {cases.sizes['case']}: select it by data.isel(case=[0])")
-    if "phases" not in cases.coords:
-        raise ValueError("data must have the coordinate phases: take the whole curve, not some of its variables")
-    if np.isnan(cases["D"]).all():
-        raise ValueError("the curve is of a trace, which has no D: read its heights again by weier.Trace.read")
-    return curves.profile(cases.isel(case=0))
 
 
 def name_cases(data: xr.Dataset) -> xr.Dataset:
