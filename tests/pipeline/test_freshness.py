@@ -205,7 +205,6 @@ KEYS = {
     "figure.colour": (figures(colour="m"), {DATA, "one"}),
     "figure.facet": (figures(facet="m"), {DATA, "one"}),
     "figure.median over": (figures(**{"median over": ["m"]}), {DATA, "one"}),
-    "figure.band": (figures(band="all"), {DATA, "one"}),
     "figure.behind": (figures(behind=["long"]), {DATA, "one"}),
 }
 

@@ -54,8 +54,7 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     variants = {variant.name: variant for own in lists for variant in own}
     methods = [variant.method for variant in variants.values()]
     loads = np.unique(np.concatenate([comparison.loads for comparison in comparisons]))
-    finite = [comparison.case.profile for comparison in comparisons if np.isfinite(comparison.case.profile.m)]
-    terms = max((profile.terms for profile in finite), default=1)
+    terms = max(np.size(comparison.case.profile.listed_phases) for comparison in comparisons)
     data = dataset.blank(len(comparisons), methods, loads, terms, returned=kept)
     data = data.drop_vars(set(data.data_vars) - {*DESCRIPTION, *kept})
     sizes = {str(dim): size for dim, size in data.sizes.items()}

@@ -50,10 +50,8 @@ def _describe_curves(grouping: Grouping, methods: Collection[str]) -> str:
         sentences.append(f"Colours show {NOUNS[grouping.colour]}{dashes}.")
     if grouping.median_over:
         over = (f"the {PLURALS[name]}" if name in PLURALS else name for name in grouping.median_over)
-        line, band = f"{grouping.line_name}s over {' and '.join(dict.fromkeys(over))}", grouping.band_name
-        sentences.append(
-            f"Lines are {line}, and bands hold {'all curves' if band == 'all' else f'{band} of the curves'}."
-        )
+        medians = f"medians over {' and '.join(dict.fromkeys(over))}"
+        sentences.append(f"Lines are {medians}, and bands hold 10 to 90 % of the curves.")
     others = [method.label for method in METHODS if method.name in methods and not method.in_paper]
     if others:
         sentences.append(f"Not of the paper: {', '.join(others)}.")

@@ -94,7 +94,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     if (bodies := figure.interface) and figure.draw == "resistance" and not sum(bodies.resistivities):
         yield "draw", "two perfect conductors have no resistance: give rho_1 or rho_2 of the interface a value"
     if not kind.grouped and (figure.grouping != BY_DEFAULT or figure.behind):
-        keys = "colour, facet, median over, band or behind"
+        keys = "colour, facet, median over or behind"
         yield "", f"{figure.draw} takes no {keys}: leave them out, or draw {others}"
 
 

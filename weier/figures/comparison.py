@@ -40,6 +40,8 @@ BELOW: dict[str, Any] = {"linewidth": 2.6, "alpha": 0.5}
 STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 # A narrower band of stated errors is hidden by its line: widths over the largest compliance, and over the resistance.
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
+PERCENTILES = 50, 10, 90  # the median and the ends of its band
+BAND_NAME = "10 to 90 %"
 SURFACES = (*PARAMETERS, "trace")  # distinguish surfaces, besides phases
 MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 
@@ -114,7 +116,7 @@ def compare(
         axes.set_autoscale_on(False)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [curve for curve in drawn if tuple(curve.first[name] for name in grouping.facet) == value]
-        if band := _draw_behind(axes, ensembles, members, quantity, grouping):
+        if band := _draw_behind(axes, ensembles, members, quantity):
             bands["behind"] = band
         _draw(axes, members, drawn, grouping)
         if grouping.colour in ("", "method") and not grouping.median_over:
@@ -145,7 +147,7 @@ def _curves(table: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
 
 
 def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> PlottedCurve:
-    """Return the median or mean of curves that look alike, and their band, or the single curve."""
+    """Return the median of curves that look alike, and their band, or the single curve."""
     first = same.iloc[0].to_dict()
     own = tables[first["study"]]
     points = bool(first["beside"]) and "method" not in grouping.facet
@@ -155,21 +157,22 @@ def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
     differing = _differing(same)
     if hidden := grouping.hidden(differing):
         raise ValueError(grouping.proposal(hidden))
-    loads, (line, *band) = _reduce(same, tables, quantity, grouping)
+    loads, (line, *band) = _reduce(same, tables, quantity)
     return PlottedCurve(own, first, loads, line, np.array(band), len(same), points, differing)
 
 
-def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str, grouping: Grouping) -> tuple[Array, Array]:
+def _reduce(same: pd.DataFrame, tables: Sequence[Values], quantity: str) -> tuple[Array, Array]:
     """Return loads, and the line and both ends of the band there, shape (3, loads)."""
     parts = [(tables[study], part["row"], part["column"]) for study, part in same.groupby("study", sort=False)]
     loads = parts[0][0].loads
     values = np.concatenate([own.values[rows, columns] for own, rows, columns in parts])
     slope = np.concatenate([own.slope[rows, columns] for own, rows, columns in parts])
     if quantity != COMPLIANCE or loads.size < 2 or not np.isfinite(slope).all():
-        return loads, grouping.reduce(values)
+        return loads, np.percentile(values, PERCENTILES, axis=0)
     fine = lines.between(loads)
     pieces = np.array_split(fine, math.ceil(fine.size * len(same) / MAX_VALUES))
-    reduced = [grouping.reduce(lines.compliance_at(piece, loads, values, slope)) for piece in pieces]
+    each = (lines.compliance_at(piece, loads, values, slope) for piece in pieces)
+    reduced = [np.percentile(values, PERCENTILES, axis=0) for values in each]
     return fine, np.concatenate(reduced, axis=1)
 
 
@@ -223,11 +226,11 @@ def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCu
         name = _join(_label(drawn, part, curve.first[part]) for part in (grouping.colour, "method") if part)
         line(axes, name, curve.loads, curve.values, **look | {"label": name})
         if curve.band is not None:
-            band(axes, f"{name}, {grouping.band_name}", curve.loads, *curve.band, color=look["color"], **BAND)
+            band(axes, f"{name}, {BAND_NAME}", curve.loads, *curve.band, color=look["color"], **BAND)
 
 
 def _draw_behind(
-    axes: Axes, tables: Sequence[Values], members: Sequence[PlottedCurve], quantity: str, grouping: Grouping
+    axes: Axes, tables: Sequence[Values], members: Sequence[PlottedCurve], quantity: str
 ) -> Patch | None:
     """Draw the band of the most accurate curves of an ensemble behind a panel; returns its legend entry."""
     table = table_of(tables)
@@ -237,8 +240,8 @@ def _draw_behind(
     here = pd.Series(list(zip(*(table[name] for name in PARAMETERS), strict=True))).isin(drawn)
     entry = None
     for _, same in table[here & table["best"]].groupby("method", sort=False):
-        loads, reduced = _reduce(same, tables, quantity, grouping)
-        label = f"{grouping.band_name} of {len(same)} phases"
+        loads, reduced = _reduce(same, tables, quantity)
+        label = f"{BAND_NAME} of {len(same)} phases"
         band(axes, label, loads, *reduced[1:], **BEHIND)
         entry = Patch(label=label, **BEHIND)
     return entry
@@ -293,8 +296,8 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
         counts = sorted({curve.members for curve in drawn})
         number = " to ".join(map(str, dict.fromkeys([counts[0], counts[-1]])))
         handles += [
-            Line2D([], [], color=style.GREY, label=f"line: {grouping.line_name} over {' and '.join(over)}"),
-            Patch(color=style.GREY, label=f"band: {grouping.band_name} of {number}", **BAND),
+            Line2D([], [], color=style.GREY, label=f"line: median over {' and '.join(over)}"),
+            Patch(color=style.GREY, label=f"band: {BAND_NAME} of {number}", **BAND),
         ]
     return handles
 

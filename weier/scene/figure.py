@@ -5,17 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from weier.data.bodies import Bodies
-from weier.kernels.arrays import Array
 
 PHASES = ("phases", "seed")  # Profiles of the same D, gamma and m differ in one of these.
 MAX_PANELS = 4  # A column of more panels does not fit on a page.
-
-
-# The bands around medians: by default most curves, which does not widen with every case more.
-PERCENTILES, ALL, MEAN = (10.0, 90.0), (0.0, 100.0), (-1.0, -1.0)
 
 
 class Grouping(NamedTuple):
@@ -24,39 +17,17 @@ class Grouping(NamedTuple):
     colour : the parameter shown by colour
     facet : the parameter shown by panels, or two for the rows and the columns of panels
     median_over : the parameters over which a median is drawn, in a band
-    band : the percentiles between which the band lies, or MEAN for the mean and its standard error
     """
 
     colour: str = ""
     facet: tuple[str, ...] = ()
     median_over: tuple[str, ...] = ()
-    band: tuple[float, float] = PERCENTILES
 
     def of(self, cases: int) -> Grouping:
         """Return the grouping; by default a panel for each of few cases, or a median over phases."""
-        if self != BY_DEFAULT._replace(band=self.band):
+        if self != BY_DEFAULT:
             return self
-        return (EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES)._replace(band=self.band)
-
-    def reduce(self, values: Array) -> Array:
-        """Return the line and both ends of the band of curves of shape (curves, loads): shape (3, loads)."""
-        if self.band == MEAN:
-            mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
-            return np.stack([mean, mean - error, mean + error])
-        return np.percentile(values, [50, *self.band], axis=0)
-
-    @property
-    def line_name(self) -> str:
-        """What the line is, in a word."""
-        return "mean" if self.band == MEAN else "median"
-
-    @property
-    def band_name(self) -> str:
-        """What the band holds, in words."""
-        if self.band == MEAN:
-            return "the standard error"
-        low, high = self.band
-        return "all" if self.band == ALL else f"{low:g} to {high:g} %"
+        return EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
 
     def hidden(self, varying: Iterable[str]) -> list[str]:
         """Return the parameters that vary among the curves without being shown; methods are always shown."""

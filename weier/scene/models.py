@@ -29,7 +29,7 @@ from weier.data.bodies import Bodies
 from weier.methods.registry import find_method, names
 from weier.scene.case import Case, random_parameters
 from weier.scene.cases import NAME
-from weier.scene.figure import ALL, FREE, MEAN, PERCENTILES, Axis, Figure, Grouping
+from weier.scene.figure import FREE, Axis, Figure, Grouping
 from weier.scene.mistakes import Keys
 from weier.scene.sections import OneOrMore, Section, distinct
 from weier.scene.study import MAX_CASES, check_value
@@ -302,18 +302,6 @@ else:
     ]
 
 
-def _band(value: Any) -> tuple[float, float]:
-    if value in ("all", "mean"):
-        return ALL if value == "all" else MEAN
-    numbers = value if isinstance(value, list) and all(type(one) in (int, float) for one in value) else []
-    if len(numbers) != 2 or not 0 <= numbers[0] < numbers[1] <= 100:
-        raise ValueError(f"a band is all, mean, or two percentiles, the lower one first, got {shown(value)}")
-    return numbers[0], numbers[1]
-
-
-Band = Annotated[Any, PlainValidator(_band, json_schema_input_type=list[float] | Literal["all", "mean"])]
-
-
 class FigureKeys(Section):
     """What a figure draws, from which studies, and how."""
 
@@ -330,12 +318,7 @@ class FigureKeys(Section):
         [], description="Parameter with one value per panel; or two, for the rows and columns of panels."
     )
     median_over: Parameters = Field(
-        [], alias="median over", description="Parameters over which a median is drawn, in a band."
-    )
-    band: Band = Field(
-        PERCENTILES,
-        description="Percentiles of the band; or all, from the smallest to the largest curve; or mean, the mean with "
-        "its standard error instead of the median.",
+        [], alias="median over", description="Parameters over which a median is drawn, in a band from 10 to 90 %."
     )
     behind: Names = Field(
         [],
@@ -353,7 +336,7 @@ class FigureKeys(Section):
 
     def figure(self, interface: Bodies | None) -> Figure:
         """Return the figure, in SI units with an interface."""
-        grouping = Grouping(self.colour or "", tuple(self.facet), tuple(self.median_over), self.band)
+        grouping = Grouping(self.colour or "", tuple(self.facet), tuple(self.median_over))
         size = (self.size[0], self.size[1]) if self.size else None
         studies, behind = tuple(self.studies), tuple(self.behind)
         return Figure(
