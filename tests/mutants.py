@@ -45,9 +45,16 @@ class Clock:
 
 
 def mutants(text):
-    """Yield start, end and replacement of each operator, comparison and number other than 0 and 1 in a module."""
-    starts = [0, *accumulate(map(len, text.splitlines(keepends=True)))]
-    for node in ast.walk(ast.parse(text)):
+    """Yield start, end and replacement of each operator, comparison and number other than 0 and 1 in a module.
+
+    Those of a method's style and of its expected time change no result.
+    """
+    starts, tree = [0, *accumulate(map(len, text.splitlines(keepends=True)))], ast.parse(text)
+    others = [n for n in ast.walk(tree) if isinstance(n, ast.keyword) and n.arg in ("style", "seconds")]
+    skipped = {id(node) for other in others for node in ast.walk(other)}
+    for node in ast.walk(tree):
+        if id(node) in skipped:
+            continue
         if isinstance(node, ast.Constant) and type(node.value) in (int, float) and node.value not in (0, 1):
             start, end = (starts[node.lineno - 1] + at for at in (node.col_offset, node.end_col_offset))
             yield start, end, repr(1.5 * node.value if isinstance(node.value, float) else node.value + 1)

@@ -62,14 +62,6 @@ def test_all_that_the_chosen_method_returns_is_passed_on(tolerance):
         np.testing.assert_array_equal(found[name], own[name])
 
 
-def test_the_resistance_of_more_terms_is_within_its_error():
-    """By chords between loads as close as these, the error of the terms solved alone would be too small."""
-    loads = np.geomspace(0.5, 10, 30)
-    found = weier.solve(INFINITE, loads, tolerance=0.3)
-    more = patches.curve(INFINITE.truncated(int(found.chosen_terms) + 1), loads)
-    assert np.all(np.abs(more.resistance - found.resistance) <= found.resistance_error)
-
-
 def test_quantities_of_the_contact_are_nan_where_terms_are_left_out():
     found = weier.solve(INFINITE, LOADS, tolerance=0.1, contact_edges=True)
     assert {name for name in found if np.isnan(found[name]).any()} == {
@@ -185,7 +177,6 @@ def test_the_resistance_of_an_infinite_series_is_estimated(series, tolerance):
     longer = patches.curve(series.truncated(int(found.chosen_terms) + 2), loads)
     assert np.all(found.resistance_error <= tolerance * np.maximum(found.resistance, 1))
     assert np.all(abs(longer.resistance - found.resistance) <= found.resistance_error)
-    assert np.any(abs(longer.resistance - found.resistance) > 0.02 * found.resistance_error)
     bounds = weier.solve(series, loads, tolerance=0.1)
     assert np.all(found.resistance_error < 0.5 * bounds.resistance_error)
 

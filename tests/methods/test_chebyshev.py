@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.special import eval_chebyt, eval_chebyu, roots_chebyt, roots_chebyu
 
 from weier.methods import chebyshev
 
@@ -29,3 +30,17 @@ def test_closed_forms_of_integrals_agree_with_quadrature(t):
     else:
         direct = mp.quad(lambda s: mp.sqrt(1 - s * s) * density(s) / (t - s), ends)
     assert cauchy == pytest.approx(float(direct), rel=1e-7)
+
+
+@pytest.mark.parametrize("count", [1, 8, 33])
+@pytest.mark.parametrize(
+    ("of_second_kind", "roots", "polynomial"), [(False, roots_chebyt, eval_chebyt), (True, roots_chebyu, eval_chebyu)]
+)
+def test_rules_are_those_of_scipy_and_their_expansions_invert_the_polynomials(
+    count, of_second_kind, roots, polynomial
+):
+    rule, (node, weight) = chebyshev.gauss_rule(count, of_second_kind), roots(count)
+    assert rule.node == pytest.approx(node, abs=1e-14)
+    assert rule.weight == pytest.approx(weight, rel=1e-12)
+    np.testing.assert_allclose(rule.polynomial, polynomial(np.arange(count)[:, None], node), atol=1e-11)
+    np.testing.assert_allclose(rule.expansion @ rule.polynomial.T, np.eye(count), atol=1e-12)

@@ -28,6 +28,13 @@ def test_full_contact_has_the_amplitude_and_no_resistance():
     np.testing.assert_array_equal(westergaard.contact_half_width([1.0, 1e300]), 0.5)
 
 
+@pytest.mark.parametrize("xi", [1e-3, 0.3, 1.0, 1.7])
+def test_energy_is_the_work_of_the_load(xi):
+    """int p dh = int p R dp; beyond full contact h stays."""
+    work, _ = quad(lambda p: p * float(westergaard.resistance(p)), 0, min(xi, 1.0))
+    assert westergaard.elastic_energy(xi) == pytest.approx(work, rel=1e-9)
+
+
 @pytest.mark.parametrize("xi", [1e-3, 0.1, 0.5, 0.999, 1.0, 1.7])
 def test_pressure_carries_the_load_over_the_contact(xi):
     a = float(westergaard.contact_half_width(xi))

@@ -84,6 +84,16 @@ def test_the_bend_of_each_kind_is_found_where_it_is(scatter):
         assert found.gain > bends.BENT
 
 
+@pytest.mark.parametrize(("beta", "is_law"), [(0.85, False), (0.95, True), (3.9, True), (4.2, False), (5.5, False)])
+def test_laws_have_the_exponents_of_rough_surfaces(beta, is_law):
+    """Self-affine ones have 1 to 3, and steps in the slope, kinks, 4; rolled off at a quarter of the band."""
+    k = np.arange(8, 808)
+    band = Spectrum(k, np.maximum(k, 30.0) ** -beta, 1.0, 2.0)
+    rated = bends._rated(band, [Bend(LONG, FLAT, math.log(30), 8.0)])
+    assert len(rated) == is_law
+    assert all(bend.beta == pytest.approx(beta, abs=0.02) for bend in rated)
+
+
 def test_power_laws_seldom_have_bends():
     gains = [likeliest_bend(random_spectrum(lambda k: k**-2.2, 2.0, seed), 4.0).gain for seed in range(100)]
     assert np.mean(np.array(gains) > bends.BENT) < 0.12

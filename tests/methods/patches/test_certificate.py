@@ -9,7 +9,6 @@ from scipy.special import jv
 from tests.methods.patches.westergaard_states import WAVES, OneWave
 from tests.profiles import THREE_WAVES
 from weier import Profile
-from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.patches import certificate
@@ -547,17 +546,3 @@ def test_edges_respond_to_the_waves_of_a_residual():
             change = HEIGHT * 2 * np.pi / np.tan(np.pi * a) * abs(drift)
             ratios.append(change / (stated(wave, roughness=roughness) - stated(wave)))
     assert 0.9 < max(ratios) <= 1
-
-
-@pytest.mark.parametrize(("waves", "fall"), [(range(1, 32, 2), 2.0), (range(1, 48, 2), 2.0), (range(1, 49), 2.5)])
-def test_errors_of_contacts_many_waves_wide_are_stated_and_nearly_attained(waves, fall):
-    """Triangular waves of 16 and 24 terms, and a power law: few nodes leave a residual of their own degree."""
-    surface = Cosines(np.array(waves) ** -fall, list(waves))
-    loads = np.geomspace(1e-4, 0.98, 60) * surface.full_contact_load
-    exact, found = patches.curve(surface, loads, 1e-12), patches.curve(surface, loads, 1e-6)
-    of_h = abs(found.compliance - exact.compliance) / found.compliance_error
-    of_R = abs(found.resistance - exact.resistance) / found.resistance_error
-    of_A = abs(found.contact_fraction - exact.contact_fraction) / found.contact_fraction_error
-    assert 0.2 < of_h.max() <= 1
-    assert 1 / 3 < of_R.max() <= 1
-    assert 1 / 3 < of_A.max() <= 1
