@@ -30,7 +30,7 @@ def test_the_public_interface_has_examples(name):
 def test_examples_are_true(name, tmp_path):
     path = tmp_path / "contact.nc"
     parameters = {"D": 1.25, "gamma": 5, "m": 2, "phases": 1.0}
-    result.write(single.solve_one(parameters, np.array([0.1, 1.0]), ["demelio"], {}), path)
+    result.write(single.solve_one(single.case_of(parameters, ["demelio"], {}), np.array([0.1, 1.0])), path)
     done = doctest.testmod(import_module(name), extraglobs={"path": path})
     assert done.attempted > 0
     assert done.failed == 0

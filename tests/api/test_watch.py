@@ -9,7 +9,7 @@ import weier
 from weier.api import progress
 from weier.methods import layer
 from weier.methods.progress import reporting_to
-from weier.pipeline.single import solve_one
+from weier.pipeline.single import case_of, solve_one
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 LOADS = np.geomspace(1e-2, 1, 20)
@@ -56,7 +56,7 @@ def test_what_is_refused_is_not_announced(capsys):
     with pytest.raises(ValueError, match=refusal):
         weier.solve([series], [0.1], ["patches", "bem"], bem={"tolerance": 1e-12})
     with pytest.raises(ValueError, match=refusal):
-        solve_one({"D": 1.25, "gamma": 5, "m": 5}, np.array([0.1]), ["bem"], {"bem": {"tolerance": 1e-12}})
+        solve_one(case_of({"D": 1.25, "gamma": 5, "m": 5}, ["bem"], {"bem": {"tolerance": 1e-12}}), np.array([0.1]))
     assert capsys.readouterr() == ("", "")
 
 

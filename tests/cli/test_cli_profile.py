@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -15,7 +14,6 @@ import xarray as xr
 import weier
 from weier import scene
 from weier.cli import profile
-from weier.methods.progress import reporting_to
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
@@ -254,48 +252,6 @@ def test_a_file_that_exists_is_only_overwritten_by_force(run, tmp_path):
         assert (tmp_path / taken).read_bytes() == b"notes"
         assert run(*own, "--force")[0] == 0
         assert (tmp_path / taken).read_bytes() != b"notes"
-
-
-@contextmanager
-def stopping_after(loads, cause):
-    """Raise an exception after this number of loads, as Ctrl-C or a time limit does."""
-    count = iter(range(1, 10**6))
-
-    def listener():
-        if next(count) == loads:
-            raise cause("enough")
-
-    with reporting_to(listener):
-        yield
-
-
-@pytest.mark.parametrize("cause", [KeyboardInterrupt, TimeoutError])
-@pytest.mark.parametrize("suffix", [".csv", ".json", ".nc"])
-def test_what_is_solved_is_written_beside_the_file_where_a_solution_is_stopped(run, tmp_path, capsys, cause, suffix):
-    """The old file stays, and so does a part of an earlier run."""
-    path, options = tmp_path / f"curve{suffix}", ["solve", *SERIES, "--loads", "0.01:1:12"]
-    assert run(*options, "-o", str(path))[0] == 0
-    whole = path.read_bytes()
-    for part in ("curve.part", "curve.part1"):
-        with stopping_after(5, cause):
-            if cause is KeyboardInterrupt:
-                with pytest.raises(KeyboardInterrupt):
-                    run(*options, "--force", "-o", str(path))
-                err = capsys.readouterr().err
-            else:
-                code, _, err = run(*options, "--force", "-o", str(path))
-                assert code == 1
-                assert "enough" in err
-        assert f"5 of 12 loads are solved, and in {tmp_path / part}{suffix}\n" in err
-        assert path.read_bytes() == whole
-    assert {file.name for file in tmp_path.iterdir()} == {f"curve{end}{suffix}" for end in ("", ".part", ".part1")}
-    if suffix == ".csv":
-        found, expected = pd.read_csv(tmp_path / "curve.part.csv"), pd.read_csv(path)
-        own = [name for name in found if "_lower" not in name and "_upper" not in name]  # which follow from all loads
-        pd.testing.assert_frame_equal(found[own], expected[own].iloc[:5], rtol=1e-15)
-    if suffix == ".nc":
-        with weier.open_dataset(tmp_path / "curve.part.nc") as found:
-            assert found.sizes["mean_pressure"] == 5
 
 
 def test_a_limit_of_the_time_ends_a_solution(run):

@@ -16,7 +16,7 @@ LOADS = np.array([0.1, 1.0])
 
 
 def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
-    found = single.solve_one(SERIES, LOADS, ["layer"], {"layer": {"accuracy": 1e-6}})
+    found = single.solve_one(single.case_of(SERIES, ["layer"], {"layer": {"accuracy": 1e-6}}), LOADS)
     again = scene_in(tmp_path, found.attrs["scene"])
     assert [case.key(LOADS) for case in again.studies["one"]] == found["key"].values.tolist()
     assert parse_yaml(found.attrs["scene"])["settings"] == {"layer": {"accuracy": 1e-6}}
@@ -25,11 +25,10 @@ def test_the_text_of_the_scene_makes_the_same_case(tmp_path):
 @pytest.mark.second_attempt
 def test_what_no_method_finds_raises():
     with pytest.raises(ValueError, match="bem: m = inf has no finest wave"):
-        single.solve_one(SERIES | {"m": np.inf, "phases": 0.0}, LOADS, ["bem"], {})
+        single.solve_one(single.case_of(SERIES | {"m": np.inf, "phases": 0.0}, ["bem"], {}), LOADS)
+    wanted = single.case_of(SERIES | {"gamma": "6/5", "m": 4}, ["patches"], {"patches": {"tolerance": 1e-13}})
     with pytest.raises(ConvergenceError, match=r"patches: the compliance .* is known to .*: take .* or more"):
-        single.solve_one(
-            SERIES | {"gamma": "6/5", "m": 4}, np.array([1.0]), ["patches"], {"patches": {"tolerance": 1e-13}}
-        )
+        single.solve_one(wanted, np.array([1.0]))
 
 
 def test_a_trace_whose_name_no_text_can_hold_is_solved(tmp_path, monkeypatch):
@@ -38,7 +37,7 @@ def test_a_trace_whose_name_no_text_can_hold_is_solved(tmp_path, monkeypatch):
     heights = "\n".join(f"{np.cos(2 * np.pi * x / 32):.9f}" for x in range(64))
     Path("a\udcff.csv").write_text(heights)
     trace = {"file": "a\udcff.csv", "length": 1e-3, "height_unit": "um"}
-    found = single.solve_one({"trace": trace}, LOADS, ["bem"], {})
+    found = single.solve_one(single.case_of({"trace": trace}, ["bem"], {}), LOADS)
     assert found["trace"].values.tolist() == ["a\ufffd.csv"]
     for text in (found.attrs["scene"], found.attrs["title"]):
         assert "a\ufffd.csv" in text

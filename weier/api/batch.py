@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from weier.api.progress import LOG_SECONDS
 from weier.api.rows import BOUNDS, curve_row, surface_row
-from weier.api.task import CurveTask
+from weier.api.task import CurveTask, Known
 from weier.api.workers import solve_curves
 from weier.data import dataset
 from weier.data.variables import LOADS, VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
-from weier.methods.progress import STOPS
+from weier.methods.progress import keeping
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case
@@ -72,6 +72,7 @@ def solve_batch(
     pause: float = LOG_SECONDS,
     workers: int = 1,
     loads_of: LoadsOf | None = None,
+    known: Mapping[str, Known] | None = None,
 ) -> xr.Dataset:
     """Solve cases under common loads, and report the progress every few seconds.
 
@@ -92,6 +93,8 @@ def solve_batch(
         Number of processes.
     loads_of : callable, optional
         From a surface to its loads in p_0*, for loads in Pa.
+    known : mapping, optional
+        Of a single case: the curves that are known under some of the loads, by method.
 
     Returns
     -------
@@ -111,13 +114,24 @@ def solve_batch(
     rows = arrays(data)
     own = [loads if loads_of is None else loads_of(case.profile) for case in cases]
     curves = [
-        CurveTask(case.profile, name, case.settings.get(name, {}), loads)
+        CurveTask(case.profile, name, case.settings.get(name, {}), loads, (known or {}).get(name))
         for case, loads in zip(cases, own, strict=True)
         for name in case.methods
     ]
     outcomes, position, again = iter(solve_curves(curves, workers, pause, done)), iter(curves), 0
     number, curve = 0, curves[0]
-    try:
+
+    def begun(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
+        """Return what is solved with a part of the curve that is being solved."""
+        if part is not None:
+            _store_curve(rows, number, methods, curve, _row_of_part(curve, part))
+        found = data.isel(case=slice(number + 1))
+        return found if np.isfinite(found["compliance"]).any() else None
+
+    for one in curves:
+        if one.known is not None:
+            _store_curve(rows, number, methods, one, _row_of_part(one, one.known[:2]))
+    with keeping(begun):
         for number, case in enumerate(cases):
             describe_case(rows, number, case, loads)
             for name in case.methods:
@@ -128,12 +142,6 @@ def solve_batch(
                 found = curve_row(curve, outcome)
                 _store_curve(rows, number, methods, curve, found)
                 again += found.get("second_attempts", 0)
-    except STOPS as stop:
-        if (part := getattr(stop, "curve", None)) is not None:
-            _store_curve(rows, number, methods, curve, _row_of_part(curve, part))
-        begun = data.isel(case=slice(number + 1))
-        vars(stop)["curve"] = begun if np.isfinite(begun["compliance"]).any() else None
-        raise
     if again > 0:
         done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
     return data

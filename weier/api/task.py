@@ -6,21 +6,36 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from weier.api.progress import clock
 from weier.kernels.arrays import Array
-from weier.methods.curve import Curve
+from weier.methods.curve import Curve, joined
+from weier.methods.progress import keeping
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves
 
 
+class Known(NamedTuple):
+    """A curve that is solved under some of the loads, in the seconds that it took."""
+
+    loads: Array
+    curve: Curve
+    seconds: float
+
+
 class CurveTask(NamedTuple):
-    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*."""
+    """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*.
+
+    Where some loads are known, the others are solved, and what depends on all loads is computed again.
+    """
 
     profile: Waves
     method: str
     settings: Mapping[str, Any]
     loads: Array
+    known: Known | None = None
 
     @property
     def series(self) -> object:
@@ -40,7 +55,20 @@ class CurveTask(NamedTuple):
         method = find_method(self.method)
         method.check_applies(self.profile)
         start = clock()
-        return method.solve(self.profile, self.loads, **self.settings), clock() - start
+        if self.known is None or not method.by_load(**self.settings):
+            return method.solve(self.profile, self.loads, **self.settings), clock() - start
+        known, seconds = self.known[:2], self.known.seconds
+        lacking = self.loads[~np.isin(self.loads, known[0])]
+
+        def whole(solved: tuple[Array, Curve] | None) -> tuple[Array, Curve]:
+            loads, curve = joined([known] if solved is None else [known, solved])
+            return loads, method.complete(self.profile, loads, curve, **self.settings)
+
+        if lacking.size == 0:
+            return whole(None)[1], seconds
+        with keeping(whole):
+            solved = method.solve(self.profile, lacking, **self.settings)
+        return whole((lacking, solved))[1], seconds + clock() - start
 
 
 def distinct(curves: Iterable[CurveTask]) -> list[CurveTask]:

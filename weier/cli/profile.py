@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,17 +32,19 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
-from weier.methods.progress import STOPS
+from weier.methods.progress import STOPS, reporting_to
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import TOLERANCE
-from weier.scene import Figure
+from weier.scene import Case, Figure
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from weier.api.interface import Interface
+    from weier.api.task import Known
 
 ERROR = "mean_pressure_error"
+RESUMED = ".nc"  # the suffix of files from which a solution goes on
 
 
 class Request(NamedTuple):
@@ -107,15 +109,14 @@ def _request(
     return Request(profile, loads, both)
 
 
-def _solve(
+def _case(
     default: Sequence[str],
     request: Request,
     methods: Sequence[str],
     tolerance: float | None,
     settings: dict[str, Any],
-    workers: int,
-    max_seconds: float | None = None,
-) -> xr.Dataset:
+) -> Case:
+    """Return the profile with the methods that are asked for, or with those of the default that apply."""
     from weier.pipeline import single
 
     if not methods:
@@ -123,7 +124,7 @@ def _solve(
         for refusal in refusals:
             click.echo(refusal, err=True)
     settings = settings if tolerance is None else settings | {TOLERANCE: tolerance}
-    return single.solve_one(request.profile, np.unique(request.loads), methods, settings, workers, max_seconds)
+    return single.case_of(request.profile, methods, settings)
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
@@ -154,7 +155,8 @@ def solve(
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. After Ctrl-C or --max-seconds, the loads that
-    patches, bem or auto have solved are printed, or written beside the output, as curve.part.nc for curve.nc. Lengths
+    patches, bem or auto have solved are printed, or with an output in curve.part.nc, from which the same command goes
+    on; a kill loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths
     along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
     netCDF has each once, increasing.
 
@@ -172,36 +174,39 @@ def solve(
     weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character
     from weier.cli import result  # xarray takes half a second, and the help of the command needs none of it
+    from weier.cli.output import Output
+    from weier.pipeline.single import solve_one
 
-    wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
-    request = _request(wanted=wanted, **options)
     if output is not None:
-        check_free(output, force)
-    stop = None
+        check_free(output, force or output.suffix == RESUMED)
+    wanted = {"resistance": resistance, "compliance": compliance, "contact_fraction": contact_fraction}
+    request, stop = _request(wanted=wanted, **options), None
+    known: dict[str, Known] = {}
+    case = _case((), request, methods, tolerance, settings)
+    kept = None if output is None else Output(output, request)
+    if kept is not None and not force:
+        known = kept.known(case)
+        request = kept.request
     try:
-        data = _solve((), request, methods, tolerance, settings, workers, max_seconds)
+        with nullcontext() if kept is None else reporting_to(kept):
+            data = solve_one(case, np.unique(request.loads), workers, max_seconds, known)
     except STOPS as stopped:
         if getattr(stopped, "curve", None) is None:
             raise
         data, stop = vars(stopped)["curve"], stopped
     done = np.isin(request.loads, data["mean_pressure"].values)
-    in_order = request.with_units(data.sel(mean_pressure=request.loads[done]))
-    if output is None:
+    in_order, where = request.with_units(data.sel(mean_pressure=request.loads[done])), "printed"
+    if kept is None:
         click.echo(result.as_csv(in_order) if csv else result.as_json(in_order))
+    elif stop is None:
+        kept.finish(data, in_order)
     else:
-        path = output if stop is None else _part_beside(output)
-        result.write(in_order if output.suffix in result.TEXTS else request.with_units(data), path)
+        kept.save(data)
+        where = f"in {kept.part}, from which the same command goes on"
     if stop is not None:
-        where = "printed" if output is None else f"in {path}"
         click.echo(f"weier: {done.sum()} of {done.size} loads are solved, and {where}", err=True)
         raise stop
     result.check_solved(data)
-
-
-def _part_beside(path: Path) -> Path:
-    """Return the name of a new file for a part of the curve, such as curve.part.nc for curve.nc."""
-    names = (path.with_name(f"{path.stem}.part{number or ''}{path.suffix}") for number in itertools.count())
-    return next(name for name in names if not name.exists())
 
 
 @click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
@@ -231,6 +236,7 @@ def plot(
     """  # noqa: D301 - click wants the character
     from weier.cli import result
     from weier.figures import METADATA, draw  # matplotlib takes half a second, and only some commands need it
+    from weier.pipeline.single import solve_one
 
     path = path or Path(f"{quantity}.png")
     formats = [path.suffix[1:]] if path.suffix else list(METADATA)
@@ -242,7 +248,8 @@ def plot(
             f"a curve takes at least {MIN_LOADS} loads, got {count}: give a range, such as {LOADS}",
             param_hint="--loads",
         )
-    data = _solve(PLOTTED, request, methods, tolerance, settings, workers)
+    case = _case(PLOTTED, request, methods, tolerance, settings)
+    data = solve_one(case, np.unique(request.loads), workers)
     if request.bodies:
         data = data.assign_coords(mean_pressure=request.with_units(data)["mean_pressure"])
     figure = Figure(quantity, interface=request.bodies)

@@ -176,21 +176,34 @@ def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Cu
     solved = replace(solved, chosen_method=choice.method.name, chosen_terms=float(choice.kept.m))
     if not choice.left_out:
         return solved
-    R, known = solved.resistance, solved.values()
+    known = solved.values()
     low, high = complete_bounds(
         solved.compliance, choice.left_out, profile.total_amplitude, known["compliance_error"]
     )
-    h, error = (low + high) / 2, (high - low) / 2
-    shallowest, steepest = resistance_bounds(loads, h, 0.0, first_contact(choice.kept), error)
     unknown: dict[str, Any] = {name: np.full(loads.size, np.nan) for name in OF_CONTACT if name in known}
-    return replace(
+    whole = replace(
         solved,
-        compliance=h,
-        compliance_error=error,
-        resistance_error=np.maximum(steepest - R, R - shallowest),
+        compliance=(low + high) / 2,
+        compliance_error=(high - low) / 2,
         contact_edge=np.empty((loads.size, 0)),
         **unknown,
     )
+    return _with_resistance_error(choice, loads, whole)
+
+
+def _with_resistance_error(choice: Choice, loads: Array, curve: Curve) -> Curve:
+    """Return a curve, where terms are left out, with the error of its resistance by chords over all loads."""
+    R, error = curve.resistance, curve.values()["compliance_error"]
+    shallowest, steepest = resistance_bounds(loads, curve.compliance, 0.0, first_contact(choice.kept), error)
+    return replace(curve, resistance_error=np.maximum(steepest - R, R - shallowest))
+
+
+def _complete(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
+    """Return a curve of a tolerance of the compliance with what depends on all loads."""
+    choice = choose(profile, **settings)
+    if choice.left_out:
+        return _with_resistance_error(choice, loads, curve)
+    return choice.method.complete(choice.kept, loads, curve, **choice.settings)
 
 
 def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: float) -> Curve:
@@ -275,6 +288,8 @@ METHOD = Method(
     takes_traces=True,
     infinite=True,
     check=_check,
+    by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R takes terms by the heaviest load
+    complete=_complete,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,
 )

@@ -129,6 +129,12 @@ class Method:
     seconds : callable
         From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
         factor of 5: `CURVE_SECONDS`, and a power law with one measured number.
+    by_load : callable
+        From settings as keywords to whether each load is solved by itself, and costs so much that a curve should go
+        on from the loads that are known.
+    complete : callable
+        From a surface, loads, a Curve joined of curves of some of these loads, and settings as keywords to this Curve
+        with what depends on all loads.
     run_kernels : callable
         Runs compiled functions that usual curves do not reach, for `weier compile`.
     """
@@ -151,6 +157,8 @@ class Method:
     in_paper: bool = False
     style: Style = DEFAULT_STYLE
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
+    by_load: Callable[..., bool] = lambda **settings: False
+    complete: Callable[..., Curve] = lambda profile, loads, curve, **settings: curve
     run_kernels: Callable[[], None] = lambda: None
 
     def check_applies(self, profile: Waves) -> None:

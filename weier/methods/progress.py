@@ -1,20 +1,21 @@
 """Progress over the loads: functions called after each load that a solver has done, and the curve so far.
 
 Ctrl-C, or a listener with a time limit, stops a solver between two loads or within one. The exception carries the
-curve of the loads that were solved before, as `curve`: the loops over the loads set it, and callers convert it.
+curve of the loads that were solved before, as `curve`: the loops over the loads set it, and callers convert it. A
+listener has the same by `curve_so_far`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
+from functools import reduce
 from typing import Any
-
-from weier.kernels.arrays import Array
 
 STOPS = (KeyboardInterrupt, TimeoutError)  # that end a solution from outside
 _LISTENERS: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("listeners", default=())
+_CONVERSIONS: ContextVar[tuple[Callable[[Any], Any], ...]] = ContextVar("conversions", default=())  # innermost first
 
 
 def count_load() -> None:
@@ -38,22 +39,26 @@ def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def keeping(solved: Callable[[], tuple[Array, Any] | None]) -> Iterator[None]:
-    """In a `with` statement, give an exception that stops the solver the loads and curve that `solved` returns."""
+def keeping(so_far: Callable[[Any], Any]) -> Iterator[None]:
+    """In a `with` statement, give an exception that stops the solver a curve.
+
+    `so_far` returns it, or None, from that of the innermost such statement, which is None without one.
+    """
+    token = _CONVERSIONS.set((so_far, *_CONVERSIONS.get()))
     try:
         yield
     except STOPS as stop:
-        if (found := solved()) is not None:
-            vars(stop)["curve"] = found
+        vars(stop)["curve"] = so_far(getattr(stop, "curve", None))
         raise
+    finally:
+        _CONVERSIONS.reset(token)
 
 
-@contextmanager
-def converting(convert: Callable[[Any], Any]) -> Iterator[None]:
+def converting(convert: Callable[[Any], Any]) -> AbstractContextManager[None]:
     """In a `with` statement, convert the curve of an exception that stops the solver, if it has one."""
-    try:
-        yield
-    except STOPS as stop:
-        if (found := getattr(stop, "curve", None)) is not None:
-            vars(stop)["curve"] = convert(found)
-        raise
+    return keeping(lambda found: None if found is None else convert(found))
+
+
+def curve_so_far() -> Any:
+    """Return the curve that an exception would carry if it stopped the solver now, or None; for listeners."""
+    return reduce(lambda found, so_far: so_far(found), _CONVERSIONS.get(), None)

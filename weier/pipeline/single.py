@@ -13,15 +13,17 @@ import xarray as xr
 from weier.api.batch import solve_batch
 from weier.api.progress import TERMINAL_SECONDS, Watch, waiting
 from weier.api.solve import settings_by_method
+from weier.api.task import Known
 from weier.checks import readable
-from weier.data.variables import Status
+from weier.data.variables import Status, attributes
+from weier.digests import numerics
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.progress import converting, reporting_to
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case
-from weier.scene.case import trace_parameters
+from weier.scene.case import short_keys, trace_parameters
 from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
 from weier.surface.measured.trace import Trace
@@ -30,13 +32,29 @@ from weier.surface.waves import Waves
 OF_CASES = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
 
 
+def case_of(profile: Mapping[str, Any], methods: Sequence[str], settings: Mapping[str, Any]) -> Case:
+    """Return the case of one profile.
+
+    Parameters
+    ----------
+    profile : mapping
+        D, gamma, m and phases or seed, or `trace`, as in a scene.
+    methods : sequence of str
+        As in `solve`.
+    settings : mapping
+        As of `weier.solve` for several methods.
+    """
+    case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
+    case.check_ranges()
+    return case
+
+
 def solve_one(
-    profile: Mapping[str, Any],
+    case: Case,
     loads: Array,
-    methods: Sequence[str],
-    settings: Mapping[str, Any],
     workers: int = 1,
     max_seconds: float | None = None,
+    known: Mapping[str, Known] | None = None,
 ) -> xr.Dataset:
     """Return the curves of one profile, as a dataset of one case with the seconds of each method.
 
@@ -44,18 +62,16 @@ def solve_one(
 
     Parameters
     ----------
-    profile : mapping
-        D, gamma, m and phases or seed, or `trace`, as in a scene.
+    case : Case
+        The profile with its methods and their settings.
     loads : ndarray, shape (loads,)
         Mean pressures, increasing, in p_0*.
-    methods : sequence of str
-        As in `solve`.
-    settings : mapping
-        As of `weier.solve` for several methods.
     workers : int
         Number of processes.
     max_seconds : float, optional
         Limit of the time.
+    known : mapping, optional
+        Curves that are known under some of the loads, by method.
 
     Raises
     ------
@@ -63,26 +79,26 @@ def solve_one(
         If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
     """
     check_range(loads)
-    case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
-    case.check_ranges()
-    lines = [*filter(None, [unit_doubt(case.profile, loads)]), *forecast(case, loads)]
+    known = known or {}
+    lacking = [~np.isin(loads, known[name].loads) if name in known else loads > 0 for name in case.methods]
+    expected = forecast(case, loads[np.any(lacking, axis=0)])
+    lines = [*filter(None, [unit_doubt(case.profile, loads)]), *expected]
     print(*lines, sep="\n", end="\n" * bool(lines), file=sys.stderr, flush=True)
-    title = case.profile.describe() if "trace" in profile else f"Weierstrass profile, {case.profile.describe()}"
     failures: list[str] = []
 
-    def described(data: xr.Dataset) -> xr.Dataset:
-        return data.assign_attrs(title=title, scene=_text(title, case, data["mean_pressure"].values))
-
     def part(data: xr.Dataset) -> xr.Dataset:
-        return described(data.isel(mean_pressure=np.isfinite(data["compliance"].values).any(axis=(0, 1))))
+        return _described(data.isel(mean_pressure=np.isfinite(data["compliance"].values).any(axis=(0, 1))), case)
 
     watch = Watch(loads.size, 0.0, max_seconds, silent=True)
-    with waiting(f"solving by {', '.join(methods)}") as show, reporting_to(watch), converting(part):
-        data = solve_batch([case], loads, done=show, failed=failures.append, pause=TERMINAL_SECONDS, workers=workers)
-    if not (data["status"] == Status.solved).any():
+    with waiting(f"solving by {', '.join(case.methods)}") as show, reporting_to(watch), converting(part):
+        data = solve_batch(
+            [case], loads, False, show, failures.append, TERMINAL_SECONDS, workers=workers, known=known
+        )
+    missing = data["status"].values[0] != Status.solved
+    if missing.all() or known.keys() & {*data["solution_method"].values[missing].tolist()}:
         raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
-    return described(data)
+    return _described(data, case)
 
 
 def applicable(
@@ -126,12 +142,31 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
     return {"trace": traces[0]}
 
 
-def _text(title: str, case: Case, loads: Array) -> str:
+def _described(data: xr.Dataset, case: Case) -> xr.Dataset:
+    """Return curves of a case with what identifies their surface, loads and code, and a scene that gives them."""
+    loads = data["mean_pressure"].values
+    keys = {"key": case.key(loads), "surface_key": surface_key(case)}
+    named = {name: ("case", np.array([key], object), attributes(name)) for name, key in keys.items()}
+    own = {"title": _title(case), "scene": scene_text(case, loads), "numerics": numerics()}
+    return data.assign_coords(named).assign_attrs(own)
+
+
+def surface_key(case: Case) -> str:
+    """Return the digest of a surface as files have it."""
+    return short_keys(np.array([case.surface_key]))[0]
+
+
+def _title(case: Case) -> str:
+    described = str(case.profile.describe())
+    return described if "trace" in case.parameters else f"Weierstrass profile, {described}"
+
+
+def scene_text(case: Case, loads: Array) -> str:
     """Return a scene file that gives the same curves."""
     # a scene has one list of phases per profile
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
-    scene = {"title": title, "loads": loads.tolist(), "methods": list(case.methods)}
+    scene = {"title": _title(case), "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
     trace |= {"file": readable(trace["file"])} if trace else {}
     studies = {"one": {"trace": trace} if trace else {"product": product}}

@@ -8,7 +8,7 @@ from typing import Any
 from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
 from weier.methods.bem import error_model
-from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curve
+from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curve, with_errors
 from weier.methods.curve import Curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
@@ -138,5 +138,7 @@ METHOD = Method(
         CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
     ),
     check=_check,
+    by_load=lambda **settings: True,
+    complete=with_errors,
     run_kernels=_run_kernels,
 )

@@ -6,6 +6,9 @@ errors ("Bounds").
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -97,7 +100,7 @@ def curve(
             own = loads[partial.size - len(found) :]
             return own, _as_curve(profile, own, found[::-1], points, with_resistance)
 
-        with keeping(lambda: solved() if found else None):
+        with keeping(lambda _: solved() if found else None):
             for load, solution in zip(map(float, partial[::-1]), solutions, strict=True):
                 check_residual(solution.residual, load, points, max_residual)
                 check_resistance(solution.resistance, load, points)
@@ -121,12 +124,9 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
     compliance = profile.total_amplitude - plane
     if not with_resistance:
         resistance = np.full(loads.size, np.nan)
-    h_error, R_error = error_model.errors(profile, loads, points, (compliance, resistance), residual)
-    return Curve(
+    solved = Curve(
         compliance,
         resistance,
-        compliance_error=h_error,
-        resistance_error=R_error,
         contact_fraction=fraction,
         patch_count=count,
         residual=residual,
@@ -134,6 +134,14 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
         contact_edge=edge,
         points=points,
     )
+    return with_errors(profile, loads, solved)
+
+
+def with_errors(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
+    """Return a curve with its stated errors; that of the resistance depends on all loads."""
+    points, residual = int(curve.values()["points"]), curve.values()["residual"]
+    h_error, R_error = error_model.errors(profile, loads, points, (curve.compliance, curve.resistance), residual)
+    return replace(curve, compliance_error=h_error, resistance_error=R_error)
 
 
 def full_contact_load(profile: Waves, points: int) -> float:

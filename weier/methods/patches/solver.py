@@ -130,7 +130,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         values: dict[str, Any] = {name: np.array([point[name] for point in points]) for name in points[0]}
         return Curve(**values, contact_edge=padded, second_attempts=again)
 
-    with keeping(lambda: (loads[: len(points)], solved()) if points else None):
+    with keeping(lambda _: (loads[: len(points)], solved()) if points else None):
         for load in map(float, loads):
             state, steps = solve_state(starts, load)
             contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]

@@ -1,0 +1,65 @@
+"""The file of `weier solve`, from which an interrupted solution, or one of fewer loads, goes on."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+import xarray as xr
+
+from weier.api.task import Known
+from weier.cli import result
+from weier.methods.progress import curve_so_far
+from weier.pipeline import resume
+from weier.pipeline.jobs import APPEND_SECONDS
+from weier.scene.case import Case
+
+if TYPE_CHECKING:
+    from weier.cli.profile import Request
+
+
+class Output:
+    """The file of `weier solve`, and the file beside it of the loads that are solved so far.
+
+    The latter, such as curve.part.nc for curve.csv, is written every `APPEND_SECONDS`, and removed in the end.
+    """
+
+    def __init__(self, path: Path, request: Request) -> None:
+        self.path, self.part, self.request = path, path.with_name(f"{path.stem}.part.nc"), request
+        self.saved = monotonic()
+
+    def known(self, case: Case) -> dict[str, Known]:
+        """Return the curves of the files, whose loads replace those of the request that differ by rounding."""
+        bodies, known = self.request.bodies, dict[str, Known]()
+        for path in filter(Path.exists, (self.path, self.part)):
+            loads, known = resume.read(path, case, bodies and bodies.at(case.profile))
+            same = np.isclose(self.request.loads[:, None], loads, 1e-15, 0.0)
+            if (others := ~same.any(axis=0)).any():
+                raise ValueError(
+                    f"{path} exists, with {others.sum()} loads that are not asked for, such as "
+                    f"{loads[others][0]:.6g} p_0*: add them, or {resume.OTHERWISE}"
+                )
+            own = np.where(same.any(axis=1), loads[same.argmax(axis=1)], self.request.loads)
+            self.request = self.request._replace(loads=own)
+            click.echo(f"{path} has {loads.size} of {np.unique(own).size} loads", err=True)
+        return known
+
+    def __call__(self) -> None:
+        """Write what is solved so far, every few seconds."""
+        if monotonic() - self.saved > APPEND_SECONDS and (data := curve_so_far()) is not None:
+            self.save(data)
+
+    def save(self, data: xr.Dataset) -> None:
+        """Write what is solved beside the file."""
+        with warnings.catch_warnings(action="ignore"):  # of yield, which the whole curve gives
+            result.write(self.request.with_units(data), self.part)
+        self.saved = monotonic()
+
+    def finish(self, data: xr.Dataset, in_order: xr.Dataset) -> None:
+        """Write the file: texts have the loads in the order given."""
+        result.write(in_order if self.path.suffix in result.TEXTS else self.request.with_units(data), self.path)
+        self.part.unlink(missing_ok=True)

@@ -1,0 +1,111 @@
+"""Files of `weier solve` that lack loads: what they must have in common with a request, and the curves they have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weier.api.task import Known
+from weier.data import dataset
+from weier.data.si import OF_INTERFACE
+from weier.data.variables import LOADS, VARIABLES
+from weier.digests import numerics
+from weier.kernels.arrays import Array
+from weier.methods.curve import QUANTITIES, Curve
+from weier.methods.registry import find_method
+from weier.methods.settings import all_settings
+from weier.pipeline.single import scene_text, surface_key
+from weier.scene.case import Case
+from weier.scene.yaml import parse_yaml
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from weier.data.bodies import Bodies
+
+OTHERWISE = "name another file, or solve anew by --force"
+
+
+def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str, Known]]:
+    """Return the loads of a file of `weier solve`, in p_0*, and the curves that it has, by method.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    case : Case
+        The surface, the methods and their settings that are asked for.
+    bodies : Bodies, optional
+        Both bodies with the scale of the surface, of a file in SI units.
+
+    Raises
+    ------
+    ValueError
+        If the file is of another problem or of other code: the message says in what it differs.
+    """
+    try:
+        data = dataset.read(path)
+    except ValueError:
+        raise ValueError(f"{path} exists, and is no file of weier: {OTHERWISE}") from None
+    if (code := data.attrs.get("numerics")) != numerics():
+        reason = f"solved by other code ({code}, not {numerics()})" if code else "not of `weier solve`"
+        raise ValueError(f"{path} exists, and is {reason}: {OTHERWISE}")
+    scene, wanted = parse_yaml(data.attrs["scene"]), parse_yaml(scene_text(case, np.empty(0)))
+    loads, settings = np.array(scene["loads"], float), _settings(wanted)
+    own = {} if bodies is None else {name: value for name, value in vars(bodies).items() if value is not None}
+    differences = {
+        "another surface": _differing(_surface(scene), _surface(wanted)) or ("heights", "others"),
+        "other methods": _differing(_settings(scene), settings),
+        "other bodies": _differing({name: data.attrs[name] for name in OF_INTERFACE if name in data.attrs}, own),
+    }
+    if data["surface_key"].values[0] == surface_key(case):  # however it is written
+        del differences["another surface"]
+    for what, pair in differences.items():
+        if pair:
+            raise ValueError("{} exists, of {}: {}, not {}: {}".format(path, what, *pair, OTHERWISE))
+    pressures, methods = data["mean_pressure"].values, data["solution_method"].values.tolist()
+    whole = pressures.size == loads.size and np.allclose(pressures * loads[-1], loads * pressures[-1], 1e-12, 0.0)
+    if not whole or methods != [*settings]:
+        raise ValueError(f"{path} exists, and was changed since it was solved: {OTHERWISE}")
+    scales = {} if bodies is None else {unit: float(value) for unit, (value, _) in bodies.scales.items()}
+    known = {}
+    for method, given in settings.items():
+        if find_method(method).by_load(**given) and all(scales.values()):  # perfect conductors leave no R
+            known[method] = _known(data.isel(case=0).sel(solution_method=method), loads, scales)
+    return loads, {method: one for method, one in known.items() if one.loads.size}
+
+
+def _known(run: xr.Dataset, loads: Array, scales: Mapping[str, float]) -> Known:
+    """Return the curve of a file by one method at the loads that are solved, in normalised units."""
+    solved, values = np.isfinite(run["compliance"].values), dict[str, Any]()
+    for name in (*QUANTITIES, *find_method(str(run["solution_method"].values)).returns):
+        if name not in run.data_vars:
+            continue
+        found = run[name].values
+        if LOADS in run[name].dims:
+            values[name] = found[solved] / scales.get(VARIABLES[name].unit, 1.0)
+        elif found.dtype.kind in "UO" or np.isfinite(found):
+            values[name] = found.item()
+    return Known(loads[solved], Curve(**values), float(run["seconds"]) if "seconds" in run else np.nan)
+
+
+def _surface(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters of the only surface of a scene."""
+    ((_, parameters),) = scene["studies"]["one"].items()
+    return dict(parameters)
+
+
+def _settings(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Return all settings of each method of a scene."""
+    given = scene.get("settings", {})
+    return {name: all_settings(find_method(name), given.get(name, {})) for name in scene["methods"]}
+
+
+def _differing(*given: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the values in which two mappings differ, in a few words each; nothing if they do not."""
+    names = [name for name in {**given[0], **given[1]} if given[0].get(name) != given[1].get(name)]
+    both = (", ".join(f"{name} = {one[name]}" for name in names if name in one) or "none" for one in given)
+    return tuple(both) if names else ()
