@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from weier import Profile
 
-DATA = Path(__file__).parent / "data" / "contact.json"
+DATA = Path(__file__).parent / "data" / "contact.csv"
 
 
 class Reference(NamedTuple):
@@ -34,10 +34,11 @@ class Reference(NamedTuple):
         return f"D{self.profile.D}-gamma{self.profile.gamma}-phases{phases}"
 
 
-def _reference(entry: dict) -> Reference:
-    profile = Profile(entry["D"], entry["gamma"], entry["m"], entry["phases"])
-    names = ("mean_pressure", "compliance", "resistance", "contact_fraction", "patches")
-    return Reference(profile, *(np.array([row[name] for row in entry["rows"]]) for name in names))
+def _reference(rows: pd.DataFrame) -> Reference:
+    D, gamma, phases = rows.iloc[0, :3]
+    listed = [float(phase) for phase in phases.split()]
+    return Reference(Profile(D, gamma, len(listed), listed), *(rows[name].to_numpy() for name in rows.columns[3:]))
 
 
-REFERENCES = [_reference(entry) for entry in json.loads(DATA.read_text())]
+TABLE = pd.read_csv(DATA, dtype={"gamma": str, "phases": str})
+REFERENCES = [_reference(rows) for _, rows in TABLE.groupby(["D", "gamma", "phases"], sort=False)]

@@ -15,13 +15,6 @@ from weier.kernels.arrays import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-CONTACT, THERMAL = "specific contact resistance", "specific thermal contact resistance"
-SLOPE = " dh/dp"  # The end of the long name of a resistance that is normalised.
-# The symbol changes where the conversion includes more than a unit, here M and the resistivities.
-SI_SYMBOLS = {
-    ("dh/dp", units.OF_CURRENT): "M (rho_1 + rho_2) dh/dp",
-    ("dh/dp", units.OF_HEAT): "M (1/k_1 + 1/k_2) dh/dp",
-}
 # The units of the scalars of `weier.fields`, which are attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # The coordinates with normalised units.
@@ -129,10 +122,7 @@ def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[A
         return variable.dims, variable.values, dict(variable.attrs)
     factor, attributes["units"] = known[unit]
     if "long_name" in attributes:
-        name = str(attributes["long_name"]).removesuffix(units.in_words(unit)).removesuffix(SLOPE)
-        attributes["long_name"] = THERMAL if (name, known[unit][1]) == (CONTACT, units.OF_HEAT) else name
-    if "symbol" in attributes:
-        attributes["symbol"] = SI_SYMBOLS.get((attributes["symbol"], attributes["units"]), attributes["symbol"])
+        attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit))
     dims, values = variable.dims, variable.values
     if factor.ndim:
         dims = (CASE, *(dim for dim in dims if dim != CASE))

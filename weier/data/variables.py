@@ -178,9 +178,10 @@ VARIABLES = {
     ),
     "resistance": Variable(
         CURVE,
-        "specific contact resistance dh/dp",
+        "specific contact resistance",
         "g_0/p_0*",
-        "dh/dp",
+        "R",
+        comment="The slope dh/dp; in SI units times M and the sum of the resistivities or of 1/k, for heat.",
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
         plot="resistance (dh/dp) p_0*/g_0",
     ),

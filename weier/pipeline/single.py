@@ -44,9 +44,7 @@ def case_of(profile: Mapping[str, Any], methods: Sequence[str], settings: Mappin
     settings : mapping
         As of `weier.solve` for several methods.
     """
-    case = Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
-    case.check_ranges()
-    return case
+    return Case(_parameters(profile), tuple(methods), settings_by_method(methods, settings))
 
 
 def solve_one(

@@ -30,8 +30,6 @@ from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 from weier.units import METRE, NONE
 
-# Limit of scenes and commands, so that a typing error is refused before it costs hours.
-MAX_TERMS = 1000  # The closed forms add the terms of a finite series one by one.
 MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 DIGITS = re.compile(r"(\D*)(\d*)")  # in the names of files
 # Copies and locks that editors and office programs leave beside a file.
@@ -91,21 +89,13 @@ class Case:
         return found.seconds(self.profile, loads, **self.settings.get(method, {}))
 
     def check(self) -> None:
-        """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it."""
-        self.check_ranges()
+        """Refuse a series too fine for a method, and settings that do not apply to it."""
         methods = [find_method(method) for method in self.methods]
         if any(method.numerical for method in methods) and math.isfinite(self.profile.m):
             check_resolvable(self.profile)
         for method in methods:
             if method.takes(self.profile):
                 method.check(self.profile, **self.settings.get(method.name, {}))
-
-    def check_ranges(self) -> None:
-        """Refuse a series beyond the limits."""
-        if "trace" in self.parameters:  # The waves of a trace are counted when it is made.
-            return
-        if MAX_TERMS < self.profile.m < math.inf:
-            raise ValueError(f"m must be at most {MAX_TERMS}, or inf, got {self.profile.m:g}")
 
 
 def short_keys(keys: Keys) -> list[str]:

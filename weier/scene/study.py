@@ -106,7 +106,7 @@ def check_value(name: str, value: Any) -> None:
         random_phases(value)
         return
     length = {"m": len(value)} if name == "phases" and isinstance(value, list) else {}
-    Case({"D": 1.5, "gamma": 2, "m": 1} | length | {name: value}, (), {}).check()
+    _ = Case({"D": 1.5, "gamma": 2, "m": 1} | length | {name: value}, (), {}).profile
 
 
 class Study(Sequence[Case]):
