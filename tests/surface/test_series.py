@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.surface.series import amplitude, full_contact_pressure, leading_amplitude, tail_amplitude
+from weier.surface.series import amplitude, checked_terms, full_contact_pressure, leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
 
@@ -34,3 +34,10 @@ def test_sums_of_amplitudes_against_mpmath(D, gamma, m):
     rounding = (4 + abs(float(mp.log(ratio)) * min(m, 1000))) * EPS
     assert leading_amplitude(m, D, gamma) == pytest.approx(float(first), rel=4 * EPS)
     assert tail_amplitude(m, D, gamma) == pytest.approx(float(rest), rel=rounding, abs=1e-300)
+
+
+def test_terms_are_whole_numbers_up_to_a_million_or_inf():
+    assert [checked_terms(m) for m in (1, 3.0, 10**6, np.inf, " Inf")] == [1, 3, 10**6, np.inf, np.inf]
+    for m in (0, 2.5, 10**6 + 1, -np.inf, np.nan):
+        with pytest.raises(ValueError, match="m must be a whole number of terms, from 1 to 1000000, or inf"):
+            checked_terms(m)

@@ -5,7 +5,7 @@ import pytest
 from numpy.polynomial import Chebyshev, Polynomial
 
 from tests.methods.patches.westergaard_states import WAVES
-from weier import Profile
+from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
@@ -15,6 +15,7 @@ from weier.methods.patches.edge_iteration import (
     edge_moves,
     make_guess,
     next_guess,
+    rearrange,
     take_step,
 )
 from weier.methods.patches.gaps import GAPS
@@ -217,6 +218,25 @@ def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     np.testing.assert_allclose(step.a[:count], exact.coefficient[:count], rtol=0, atol=1e-10 * scale)
     assert -step.forces.plane == pytest.approx(exact.approach, abs=1e-12)
     assert step.moves.relative < 1e-9
+
+
+@pytest.mark.parametrize("dual", [False, True])
+def test_a_rearranged_guess_has_the_segments_that_remain_and_the_new_ones_in_order(dual):
+    wave = WAVES[0]
+    problem, exact, scale = problem_of(wave, dual)
+    step = take_step(problem, make_guess(problem, exact, TOLERANCE), RESIDUAL)
+    beside = exact.middle[0] - 0.5 * wave.period
+    added = beside + 0.1 * scale * np.array([[-2.0, 1.0]])
+    one = np.ones(1, bool)
+    found = rearrange(problem, step, exact, one, added, TOLERANCE, np.array([30])).punches.segments
+    at = int(np.argmax(found.half_width))
+    assert found.half_width[[at, 1 - at]] == pytest.approx([exact.half_width[0], 0.15 * scale], rel=1e-12)
+    assert found.node_count[at] == 30
+    turns = (found.middle[[at, 1 - at]] - [exact.middle[0], beside - 0.05 * scale]) / wave.period
+    assert turns == pytest.approx(np.rint(turns), abs=1e-9)
+    assert 0 <= found.middle[0] < found.middle[1] < wave.period
+    with pytest.raises(ConvergenceError, match="no contact is left"):
+        rearrange(problem, step, exact, ~one, np.empty((0, 2)), TOLERANCE, np.array([30]))
 
 
 def test_contacts_merge_if_the_moves_of_their_edges_leave_no_gap_and_vanish_without_a_force():
