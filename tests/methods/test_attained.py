@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import weier
-from tests.profiles import half_a_node_off
+from tests.profiles import THREE_WAVES, half_a_node_off
 from weier import Profile
 from weier.accuracy.cosines import Cosines
 from weier.methods import bem, layer, patches, westergaard
@@ -58,6 +58,13 @@ def extrapolated():
 def of_patches(name, surface, tolerance=1e-6):
     loads = np.geomspace(1e-4, 0.98, 30) * surface.full_contact_load
     return over_stated(patches.curve(surface, loads, tolerance), patches.curve(surface, loads, 1e-12), name)
+
+
+def beside_events(surface, is_birth, distances, tolerance):
+    """The resistance at relative distances from the births, or the mergers, of contacts."""
+    events = patches.events(surface, 1e-2, 0.999 * surface.full_contact_load)
+    loads = np.unique(np.outer(events.mean_pressure[events.birth == is_birth][:6], 1 + np.array(distances)))
+    return over_stated(patches.curve(surface, loads, tolerance), patches.curve(surface, loads, 1e-12), "resistance")
 
 
 def of_loads(name):
@@ -107,6 +114,9 @@ CASES = {
     "h of patches, many waves": (partial(of_patches, "compliance", POWER_LAW), THIRD),
     "R of patches, many waves": (partial(of_patches, "resistance", POWER_LAW), THIRD),
     "contact fraction of patches, many waves": (partial(of_patches, "contact_fraction", POWER_LAW), THIRD),
+    "R of patches, above births": (partial(beside_events, FIVE_WAVES, True, (1e-4, 1e-5, 1e-6), 1e-6), THIRD),
+    # what closing gaps and their neighbours do to each other is estimated to first order, and counts twice
+    "R of patches, below mergers": (partial(beside_events, THREE_WAVES, False, (-1e-2, -1e-3), 1e-8), TENTH),
     # whose distance to loads that are certainly on one side is found within a factor of ten
     "load of a resistance": (partial(of_loads, "resistance"), TENTH),
     "load of a compliance": (partial(of_loads, "compliance"), TENTH),

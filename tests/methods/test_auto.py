@@ -8,7 +8,6 @@ import pytest
 
 import weier
 from tests.scenes import scene_in
-from weier.api.task import CurveTask
 from weier.methods import auto, bem, patches, registry
 from weier.methods.errors import NotApplicableError, OutOfReachError
 from weier.methods.method import TOLERANCES
@@ -116,15 +115,6 @@ def test_a_refusal_names_the_least_tolerance_within_reach(profile):
         weier.choose(profile, 0.9 * least)
 
 
-@pytest.mark.parametrize("call", [weier.solve, STEEL.solve])
-@pytest.mark.parametrize("profile", [INFINITE, [THREE, INFINITE]], ids=["one", "list"])
-def test_a_tolerance_out_of_reach_is_refused_before_anything_is_solved(call, profile, monkeypatch, capsys):
-    monkeypatch.setattr(CurveTask, "solve", None)
-    with pytest.raises(OutOfReachError, match="tolerance must be at least"):
-        call(profile, LOADS, tolerance=1e-9)
-    assert capsys.readouterr() == ("", "")
-
-
 @pytest.mark.parametrize(
     ("method", "gamma", "m", "reached", "beyond", "refusal"),
     [
@@ -225,12 +215,6 @@ def test_no_method_means_auto_once_there_is_a_tolerance():
     several = weier.solve([THREE, INFINITE], [0.1], tolerance=0.1)
     assert several.solution_method.values.tolist() == ["auto"]
     assert np.all(several.compliance_error <= 0.1)
-
-
-def test_the_choice_is_a_sentence():
-    text = repr(weier.choose(INFINITE, 1e-2))
-    assert text.startswith('the first 5 terms by method "patches", tolerance 0.0066; the others change h by')
-    assert repr(weier.choose(THREE, 1e-2)).startswith("all terms by method")
 
 
 def test_expected_seconds_are_those_of_the_method_that_is_chosen():

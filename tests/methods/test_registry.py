@@ -18,12 +18,6 @@ INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
 
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
-def test_every_setting_says_what_it_is(method):
-    assert all(f"{method.name}.{name}" in solve.__doc__ for name in method.settings)
-    assert f'"{method.name}": ' in solve.__doc__
-
-
-@pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
 def test_the_help_tells_which_methods_take_the_infinite_series(method):
     (m,) = (option for option in options.OF_SERIES if option.name == "m")
     assert (method.name in m.help) == method.infinite == method.takes(INFINITE)
@@ -95,19 +89,6 @@ def test_what_a_method_returns_is_known_before_it_runs_and_is_in_the_table(metho
     assert method.stiffness or "contact fraction alone" in method.summary
 
 
-@pytest.mark.parametrize(
-    ("method", "setting", "hint"),
-    [
-        ("demelio", "tolerance", 'it takes none; \'tolerance\' is a setting of "bem", "patches", "auto"'),
-        ("layer", "tolerance_", 'did you mean \'tolerance\', of "bem", "patches", "auto"'),
-        ("layer", "Accuracy", "did you mean 'accuracy'[?]$"),
-    ],
-)
-def test_hints_name_the_method_that_has_a_setting(method, setting, hint):
-    with pytest.raises(ValueError, match=hint):
-        check_names(registry.find_method(method), [setting])
-
-
-def test_hints_do_not_depend_on_capitals():
-    with pytest.raises(ValueError, match="did you mean 'bem'"):
-        registry.find_method("BME")
+def test_hints_name_the_methods_that_have_a_setting():
+    with pytest.raises(ValueError, match='did you mean \'tolerance\', of "bem", "patches", "auto"'):
+        check_names(registry.find_method("layer"), ["tolerance_"])

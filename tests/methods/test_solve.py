@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import weier
-from weier.methods import bem, patches
+from weier.methods import patches
 
 PROFILE = weier.Profile(1.25, 5, 2, 1.0)
-LOADS = np.array([0.01, 0.1, 1.0])
 
 
 def test_loads_come_back_in_the_order_given_and_are_solved_once():
@@ -26,8 +25,6 @@ def test_loads_come_back_in_the_order_given_and_are_solved_once():
 def test_loads_in_pa_and_phases_in_degrees_are_doubted():
     with pytest.warns(UserWarning, match=r"all loads lie far beyond full contact, which takes .* p_0\*"):
         weier.solve(PROFILE, [1e7], "demelio")
-    with pytest.warns(UserWarning, match="all phases that are not 0 exceed 2 pi, got .*0, 90, 180.*radians"):
-        weier.Profile(1.25, 5, 3, (0, 90, 180))
     for phases in ((0, 5, 180), (0, 90, 1), (1, -360, 0), 7.0, (7200, 0, 7200)):
         with pytest.warns(UserWarning, match="exceed 2 pi, got .*: phases are in radians"):
             weier.Profile(1.25, 5, 3, phases)
@@ -40,22 +37,16 @@ def test_loads_in_pa_and_phases_in_degrees_are_doubted():
         weier.Profile(1.25, 5, 3, np.radians([0, 360, 180]))
 
 
-@pytest.mark.parametrize("curve", [weier.solve, bem.curve, patches.curve])
 @pytest.mark.parametrize(
     ("loads", "message"),
     [
         ([], "list of loads"),
-        ([[1.0]], "list of loads"),
         ([0.0, 1.0], "positive, got 0.0 at position 0"),
         ([0.1, np.nan], "finite, got nan at position 1"),
-        ([0.1, np.inf], "finite"),
         ([0.2, 0.1], "increase, got 0.2 before 0.1: sort the loads"),
-        ([9.0, 0.1], "increase, got 9.0 before 0.1"),  # the one is known without a solver
         ([0.1, 0.1], "got 0.1 at positions 0 and 1: give each load once"),
     ],
 )
-def test_bad_loads_are_refused(curve, loads, message):
-    if curve is weier.solve and ("increase" in message or "once" in message):
-        return  # it sorts them
+def test_bad_loads_are_refused(loads, message):
     with pytest.raises(ValueError, match=message):
-        curve(PROFILE, loads)
+        patches.curve(PROFILE, loads)

@@ -108,6 +108,10 @@ def test_bends_that_leave_no_room_for_a_law_are_refused():
         likeliest_bend(band, 4.0)
 
 
+def test_no_bend_is_told_within_an_octave_of_the_end():
+    assert likeliest_bend(random_spectrum(lambda k: np.maximum(k, 600.0) ** -2.2, 1.0), 4.0) is None
+
+
 def test_a_few_lines_tell_no_bend():
     """A series of three waves has as many bends as one likes."""
     k = np.arange(8, 1000)

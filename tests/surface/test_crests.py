@@ -1,5 +1,6 @@
 """The crests of a series: the highest one, and all of them where they stand closer together than samples."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -81,3 +82,13 @@ def test_heights_of_crests_hold_thirty_digits_at_positions_of_fifteen():
     for series, crest in ((one, [0.5, 2.0]), (two, [1.0])):
         heights = crest_heights(*map(np.array, series[:3]), series[3], np.array(crest) + 1e-9)
         assert max(abs(height - sum(series[0])) for height in heights) < 1e-28
+
+
+def test_crests_of_waves_that_peak_apart_hold_thirty_digits():
+    amplitude, waves, phase = np.array([1.0, 0.6]), np.array([1, 3]), np.array([0.0, 2.0])
+    x, _ = highest_crest(amplitude, waves.tolist(), phase, 1)
+    (height,) = crest_heights(amplitude, waves, phase, 1, np.array([x + 1e-9]))
+    with mp.workdps(40):
+        parts = [(mp.mpf(a), 2 * mp.pi * int(k), mp.mpf(p)) for a, k, p in zip(amplitude, waves, phase, strict=True)]
+        crest = mp.findroot(lambda x: mp.fsum(a * k * mp.sin(k * x + p) for a, k, p in parts), x)
+        assert abs(height - mp.fsum(a * mp.cos(k * crest + p) for a, k, p in parts)) < 1e-23

@@ -39,6 +39,7 @@ def test_the_spectrum_is_constant_and_falls_from_the_rolloff_to_the_cutoff(hurst
     )
     assert power[201:].max() < 1e-20 * power[1]
     assert (line.lambda_0, line.shortest, line.waves_per_period) == (LENGTH, SHORTEST, list(range(1, 201)))
+    assert line.samples == 402
 
 
 def test_a_seed_is_a_line_of_its_own_and_finer_waves_extend_it():

@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.surface.series import amplitude, checked_terms, full_contact_pressure, leading_amplitude, tail_amplitude
+from weier.surface.series import (
+    amplitude,
+    checked_dimension,
+    checked_terms,
+    full_contact_pressure,
+    leading_amplitude,
+    tail_amplitude,
+)
 
 EPS = np.finfo(float).eps
 
@@ -34,6 +41,13 @@ def test_sums_of_amplitudes_against_mpmath(D, gamma, m):
     rounding = (4 + abs(float(mp.log(ratio)) * min(m, 1000))) * EPS
     assert leading_amplitude(m, D, gamma) == pytest.approx(float(first), rel=4 * EPS)
     assert tail_amplitude(m, D, gamma) == pytest.approx(float(rest), rel=rounding, abs=1e-300)
+
+
+def test_dimensions_lie_between_those_of_a_line_and_a_plane():
+    assert checked_dimension(1.0001) == 1.0001
+    for D in (1.0, 2.0, 0.5, 2.5, np.nan):
+        with pytest.raises(ValueError, match=r"D must lie in \(1, 2\), got"):
+            checked_dimension(D)
 
 
 def test_terms_are_whole_numbers_up_to_a_million_or_inf():

@@ -179,12 +179,6 @@ def test_translation_and_mirror_change_nothing(load):
     np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
 
 
-@pytest.mark.parametrize("tolerance", [1e-17, 2.0])
-def test_a_tolerance_that_means_no_number_is_refused(tolerance):
-    with pytest.raises(ValueError, match="tolerance must lie in"):
-        patches.curve(THREE_WAVES, 0.1, tolerance=tolerance)
-
-
 @pytest.mark.second_attempt
 def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
     """A hundred contacts on a period of 100 lambda_0, where rounding of the sums exceeds 1e-13."""

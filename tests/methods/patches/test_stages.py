@@ -50,30 +50,6 @@ def test_hundreds_of_contacts_or_gaps(phases, load, count):
 
 
 @one_thread
-def test_the_set_of_many_contacts_is_found_at_the_loosest_tolerance(monkeypatch):
-    """With fewer nodes and larger residuals; the compliance is the same as without this, within the stated errors."""
-    steps = []
-
-    def recorded(problem, guess, residual):
-        steps.append((guess.punches.offset.size, residual))
-        return take_step(problem, guess, residual)
-
-    monkeypatch.setattr(stages, "take_step", recorded)
-    in_two, at_once = [], []
-    for found, largest in ((in_two, stages.MAX_DIRECT), (at_once, np.inf)):
-        monkeypatch.setattr(stages, "MAX_DIRECT", largest)
-        state, _ = solve_from_grid(Profile(1.25, 5, 5, np.arange(5.0)), 0.3)
-        found += [state, np.array(steps)]
-        steps.clear()
-    (nodes, residual), (all_nodes, residual_at_once) = in_two[1].T, at_once[1].T
-    assert nodes[0] < 0.8 * nodes[-1]
-    assert residual[0] == pytest.approx(1e-6 / TOLERANCE * residual[-1])
-    assert all_nodes[0] > 0.9 * all_nodes[-1]
-    assert np.all(residual_at_once == residual[-1])
-    assert abs(in_two[0].approach - at_once[0].approach) <= in_two[0].error + at_once[0].error
-
-
-@one_thread
 @pytest.mark.second_attempt
 def test_a_second_attempt_takes_no_part_of_the_route_of_the_first(monkeypatch):
     """If the set is not found at the loosest tolerance, it is sought at the one that is asked for."""
