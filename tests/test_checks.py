@@ -337,7 +337,7 @@ LIST, MANY = np.array([1.2, 1.3]), weier.Profile(1.5, 10**6, 3)
     [
         (lambda: weier.Profile("1.25", 5, 3), r"D must lie in \(1, 2\), got the text '1.25'"),
         (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
-        (lambda: weier.solve(PROFILE, [0.1], "layer", points=10**400), "points of layer must .* more than 40 digits"),
+        (lambda: weier.solve(PROFILE, [0.1], "layer", points=10**400), "points of layer must .*, got 10+[.][.][.]0+"),
         (lambda: INTERFACE.pressure(xr.Dataset()), "normalised must be a number or an array of numbers, got <x"),
         (lambda: weier.solve([], [0.1]), "profile must have at least one element"),
         (lambda: weier.solve(PROFILE, [0.1], "fem"), "one of westergaard, archard, .*bem.* got 'fem'"),

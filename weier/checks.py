@@ -25,9 +25,8 @@ from weier.kernels.arrays import Array, Flags
 
 MAX_SHOWN = 60  # characters of a value in a message
 MAX_LISTED = 300  # characters of a list of choices in a message
-MAX_DIGITS = 40  # digits of an integer in a message
 SHORT = Repr()  # which writes some elements only: a text of YAML may have 9^9
-SHORT.maxlevel, SHORT.maxother, SHORT.maxstring, SHORT.maxlong = 2, 2 * MAX_SHOWN, 2 * MAX_SHOWN, 2 * MAX_DIGITS
+SHORT.maxlevel, SHORT.maxother, SHORT.maxstring, SHORT.maxlong = 2, 2 * MAX_SHOWN, 2 * MAX_SHOWN, MAX_SHOWN
 ALL_CORES = -1  # value of `workers` for all cores, as in SciPy
 
 Condition = Callable[[Any], Any]
@@ -144,8 +143,6 @@ def shown(value: Any) -> str:
         return "a masked value"
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**MAX_DIGITS:
-        return f"a number of more than {MAX_DIGITS} digits"
     if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has the first alone
         return f"an array of shape {tuple(value.shape)}"
     try:

@@ -114,7 +114,8 @@ def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatc
     assert [line.split(" | ")[0] for line in rows] == ["| family", "| ---", "| usual", "| all"]
     assert len({line.count("|") for line in rows}) == 1
     assert "--seed" in result.stdout.splitlines()[-1]
-    result = CliRunner().invoke(coverage.main, ["--methods", "patches, bem", *page])
+    result = CliRunner().invoke(coverage.main, ["--methods", "patches", "--methods", "bem", *page])
+    assert "--methods patches --methods bem" in result.stdout.splitlines()[-1]
     assert "h by patches | R by patches | h by bem | R by bem | no solution" in result.stdout
     for option in ("--families", "--methods"):
         assert CliRunner().invoke(coverage.main, [option, "unknown", *page]).exit_code == 2

@@ -139,9 +139,7 @@ def test_interface_refuses_what_cannot_be(changed, message):
             r"k_2 = 39000 W/\(m K\) is not from 0.01 to 10000",
         ),
         ({"hardness_1": 150}, "hardness_1 = 150 Pa is not from"),
-        ({"mu_2": 45e15}, r"mu_2 = 4.5e\+16 Pa is not from"),
-        ({"rho_1": 1.4e-13}, "rho_1 = 1.4e-13 ohm m is not from 1e-08 to 0.001 ohm m"),
-        ({"rho_1": 2.2}, r"rho_1 = 2.2 ohm m is not from"),
+        ({"rho_1": 2.2}, "rho_1 = 2.2 ohm m is not from 1e-08 to 0.001 ohm m"),
         ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
         (
             {"lambda_0": 0.1, "g_0": 1e-9},

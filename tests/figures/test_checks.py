@@ -47,11 +47,11 @@ MISTAKES = [
         "f: profiles takes no colour.*or draw compliance or contact_fraction or r",
     ),
     # A figure with two D, coloured by gamma, would draw two lines of each colour.
-    ({"product": SWEEP, "colour": "gamma", "facet": "m"}, r"f: D and seed vary .*: add `facet: \[m, D\]` or `median"),
-    ({"product": SWEEP, "colour": "gamma", "facet": ["m", "D"]}, "f: seed varies .*: add `median over: seed`, or"),
-    ({"product": SWEEP, "facet": "m", "median over": ["seed", "D"]}, "f: gamma varies .*: add `colour: gamma` or "),
-    ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add `colour: D`"),
-    ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .* `colour: phases` or .* or `median"),
+    ({"product": SWEEP, "colour": "gamma", "facet": "m"}, "f: D and seed vary .*: add D to colour, facet or median"),
+    ({"product": SWEEP, "colour": "gamma", "facet": ["m", "D"]}, "f: seed varies .*: add seed to"),
+    ({"product": SWEEP, "facet": "m", "median over": ["seed", "D"]}, "f: gamma varies .*: add gamma to"),
+    ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add D to"),
+    ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .*: add phases to"),
     ({"studies": ["one", "two"], "other_studies": ANOTHER}, "f: the settings of bem differ between these studies"),
 ]
 

@@ -297,7 +297,7 @@ def mine(methods=("bem",), **options):
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
         (
             {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},
-            r"figures\.f: trace varies .* nothing shows it: add `facet: trace`",
+            r"figures\.f: trace varies .* nothing shows it: add trace to colour",
         ),
         ({"interface": BODIES}, r"interface: g_0 and lambda_0 must be given, the scale of the series in m"),
     ],

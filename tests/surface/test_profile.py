@@ -157,7 +157,7 @@ def test_one_phase_shifts_every_term_but_the_first():
         ((2.0, 5, 3), r"D must lie in \(1, 2\), got 2.0"),
         ((1.5, 1, 3), "gamma must exceed 1, .* got 1"),
         ((1.5, "5/0", 3), "gamma must be a finite number or a fraction .*, got '5/0'"),
-        ((1.5, 10**400, 3), "gamma must be a finite number or a fraction .*, got a number of more than 40 digits"),
+        ((1.5, 10**400, 3), "gamma must be a finite number or a fraction .*, got 10+[.][.][.]0+"),
         ((1.5, 5, 0), "m must be a whole number of terms, .* got 0"),
         ((1.5, 5, np.True_), "m must be a whole number of terms, .* got True"),
         ((1.5, 5, 3, (0.0, 1.0)), "one for each of the m = 3 terms, got 2"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import click
@@ -115,10 +115,12 @@ def _text(draw: Draw) -> str:
 @click.option(
     "--seed", type=int, default=lambda: secrets.randbits(32), show_default="a new one", help="Seed of the draws."
 )
-@click.option("--families", default=",".join(FAMILIES), help="Families to draw from, with commas.")
-@click.option("--methods", default=",".join(VARIANTS), help="Methods to compare, with commas.")
+@click.option(
+    "--families", multiple=True, type=click.Choice([*FAMILIES]), default=[*FAMILIES], help="Families to draw from."
+)
+@click.option("--methods", multiple=True, type=click.Choice(VARIANTS), default=VARIANTS, help="Methods to compare.")
 @click.option("--worst", default=20, help="Errors above the stated ones that are listed.")
-def main(count: int, seed: int, families: str, methods: str, worst: int) -> Page:
+def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str], worst: int) -> Page:
     """Compare stated errors with errors against the exact contact, on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
@@ -126,19 +128,10 @@ def main(count: int, seed: int, families: str, methods: str, worst: int) -> Page
     compared if the uncertainty of the reference, its distance from that of the reflected profile, is below a tenth of
     the stated or of the measured error. Ctrl-C ends the draws and keeps the results so far.
     """
-    of_families, of_methods = _names(families, FAMILIES), _names(methods, VARIANTS)
     found: Found = []
     try:
-        for draw in draws(of_families, np.random.default_rng(seed), count):
-            found.append((draw, judge_all(draw, of_methods)))
+        for draw in draws(families, np.random.default_rng(seed), count):
+            found.append((draw, judge_all(draw, methods)))
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
-    return Page([*tables(found, of_methods, worst)])
-
-
-def _names(text: str, known: Iterable[str]) -> list[str]:
-    """Return the names in a list with commas, which must be known."""
-    names = [name.strip() for name in text.split(",")]
-    if unknown := set(names) - set(known):
-        raise click.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(known)}")
-    return names
+    return Page([*tables(found, methods, worst)])

@@ -5,7 +5,7 @@ A family is made of features: of the series, its phases, its loads, and the sett
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from itertools import cycle
 from typing import Any, NamedTuple
@@ -250,7 +250,7 @@ def _variants(random: Generator, settings: Settings) -> tuple[Variant, ...]:
     return tuple(Variant(name, *each) for name, each in zip(VARIANTS, known, strict=True))
 
 
-def draws(names: list[str], random: Generator, count: int) -> Iterator[Draw]:
+def draws(names: Iterable[str], random: Generator, count: int) -> Iterator[Draw]:
     """Yield draws of the families in turn, with at least this number of loads."""
     for name in cycle(names):
         if count <= 0:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 import xarray as xr
+from click.core import ParameterSource
 
 from weier.data import dataset, provenance
 from weier.data.files import check_target, write_text
@@ -103,12 +104,14 @@ def _checked(context: click.Context, option: click.Parameter, path: Path) -> Pat
 
 
 def _made_by(context: click.Context) -> str:
-    """Return the command line, with the options that differ from their defaults, and versions and date."""
+    """Return the command line, with the seed that it drew, and versions and date."""
     words = [context.command_path]
     for option in context.command.params:
-        value = context.params[str(option.name)]
-        if option.name != "output" and value != option.default:
-            words += [option.opts[0], shlex.quote(str(value))]
+        name, value = str(option.name), context.params[str(option.name)]
+        given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE or callable(option.default)
+        if name != "output" and given:
+            for one in value if isinstance(value, tuple) else [value]:
+                words += [option.opts[0], shlex.quote(str(one))]
     names = {"product_version": "weier", "git_commit": "commit"}
     software = (
         f"{names.get(name, name.removesuffix('_version').replace('_', '-'))} {version}"

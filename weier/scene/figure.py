@@ -38,12 +38,9 @@ class Grouping(NamedTuple):
 
     def proposal(self, hidden: Sequence[str]) -> str:
         """Return a sentence that proposes how to show the parameters that are hidden."""
-        first, *others = self.facet or ("",)
-        facet = f"facet: [{first}, {hidden[0]}]" if first else f"facet: {hidden[0]}"
-        free = [f"colour: {hidden[0]}"] * (not self.colour) + [facet] * (not others)
-        keys = " or ".join(f"`{key}`" for key in [*free, f"median over: {hidden[0]}"])
         verb = "varies" if len(hidden) == 1 else "vary"
-        return f"{' and '.join(hidden)} {verb} among the curves and nothing shows it: add {keys}, or draw fewer cases"
+        ways = f"add {hidden[0]} to colour, facet or median over, or draw fewer cases"
+        return f"{' and '.join(hidden)} {verb} among the curves and nothing shows it: {ways}"
 
 
 BY_DEFAULT = Grouping()

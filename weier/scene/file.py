@@ -46,10 +46,12 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
 
     """
     try:
-        text = (path := checked_file(path)).read_text(encoding="utf-8")
-        document = read_yaml(text)
+        path = checked_file(path)
     except FileNotFoundError as error:
         raise SceneError(one_line(error)) from None
+    try:
+        text = path.read_text(encoding="utf-8")
+        document = read_yaml(text)
     except TimeoutError:  # of a program with a time limit
         raise
     except (OSError, ValueError) as error:
