@@ -46,9 +46,10 @@ EXAMPLES = [found for found in EXAMPLES if not found.startswith("weier table") a
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_every_example_of_the_help_runs(run, example, tmp_path, monkeypatch):
     shutil.copytree("config/scenes", tmp_path / "config/scenes")
-    (tmp_path / "shaft.csv").write_text(
-        "x (mm)\tz (um)\n" + "\n".join(f"{x / 1000} {math.cos(x / 30)}" for x in range(1000))
-    )
+    for name, phase in (("shaft.csv", 0), ("bush.csv", 1)):
+        (tmp_path / name).write_text(
+            "x (mm)\tz (um)\n" + "\n".join(f"{x / 1000} {math.cos(x / 30 + phase)}" for x in range(1000))
+        )
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lab.txt").write_text(
         "Laboratory\n" * 12 + "\n".join(f"{x}\t0\t{math.cos(x / 30):.6f}".replace(".", ",") for x in range(1000))

@@ -123,6 +123,24 @@ def column(tmp_path):
     return path
 
 
+def test_two_rough_bodies_are_two_files(run, shaft, tmp_path):
+    options = ["--trace", shaft, "--x-unit", "mm", "--height-unit", "um", "--shortest", "0.1", "--loads", "0.1,1"]
+    lines = shaft.read_text().splitlines()
+    (tmp_path / "bush.csv").write_text("\n".join([lines[0], *lines[:100:-1], *lines[100:0:-1]]))
+    code, out, _ = run("solve", *options, "--against", tmp_path / "bush.csv", "--ends", "periodic")
+    units = {"x_unit": "mm", "height_unit": "um", "ends": "periodic", "shortest": 0.1}
+    gap = weier.Trace.between(*(weier.Trace.read(file, **units) for file in (shaft, tmp_path / "bush.csv")))
+    assert (code, json.loads(out)["trace"]) == (0, "shaft.csv on bush.csv")
+    resistance = weier.solve(gap, [0.1, 1]).resistance.values.tolist()
+    assert json.loads(out)["methods"]["patches"]["resistance"] == resistance
+    (tmp_path / "bush.csv").write_text("\n".join(lines[:102]))
+    code, _, err = run("solve", *options, "--against", tmp_path / "bush.csv", "--ends", "mirrored")
+    assert (code, "both traces must have the same length in m, got 0.001 and 0.000505: read both with" in err) == (
+        1,
+        True,
+    ), err
+
+
 def test_one_column_has_its_length_in_the_unit_that_is_given(run, column):
     """Values that stand for missing heights are filled and counted with both options."""
     of_column = ["solve", "--trace", column, "--length", "1.0", "--x-unit", "mm", "--loads", "0.1"]

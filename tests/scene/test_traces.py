@@ -82,6 +82,41 @@ def test_a_file_is_read_once_for_all_that_ask_for_its_trace(folder, monkeypatch)
     assert len(reads) == 31
 
 
+def test_two_rough_bodies_are_the_sum_of_two_files(folder):
+    """The key of scenes and the option of the shell."""
+    write_heights(folder / "bush.csv", HEIGHTS[::-1])
+    write_heights(folder / "liner.csv", 0.3 * HEIGHTS + 1e-7 * np.cos(2 * np.pi * X / 8e-6))
+    study = {"trace": OPTIONS | {"file": ["shaft.csv", "bush.csv"], "against": "liner.csv"}, "methods": ["bem"]}
+    cases = load(folder, studies={"pairs": study}, figures={}).studies["pairs"]
+    shaft, bush, liner = (
+        Trace.read(folder / f"{name}.csv", shortest=8e-6, ends="periodic", unit="m")
+        for name in ("shaft", "bush", "liner")
+    )
+    for case, one in zip(cases, (shaft, bush), strict=True):
+        gap = Trace.between(one, liner)
+        assert case.profile.labels == gap.labels
+        np.testing.assert_array_equal(case.profile.amplitude, gap.amplitude)
+    write_heights(folder / "liner.csv", HEIGHTS)
+    with pytest.raises(ValueError, match="has changed since its scene was read"):
+        _ = Case(cases[0].parameters, ("bem",), {}).profile
+
+
+@pytest.mark.parametrize(
+    ("liner", "message"),
+    [
+        (None, r"there is no file .*liner\.csv"),
+        (np.repeat([1e-6, 5e-6], 32), r"liner\.csv: heights must not jump"),
+        (-HEIGHTS, "must leave a gap, got heights that cancel"),
+    ],
+)
+def test_another_body_that_does_not_fit_is_a_mistake_of_the_scene(folder, liner, message):
+    if liner is not None:
+        write_heights(folder / "liner.csv", liner)
+    study = {"trace": OPTIONS | {"against": "liner.csv"}}
+    with pytest.raises(scene.SceneError, match=f"scene.yaml, line [0-9]+: .*{message}"):
+        load(folder, studies={"mine": study}, figures={})
+
+
 def sources(study):
     return [case.profile.source for case in study]
 

@@ -170,6 +170,7 @@ def solve(
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
     weier solve --trace map.x3p --line 120 --detrend form --missing interpolate
     weier solve --trace shaft.csv --si bodies.yaml --pressures 1,10MPa -o ohms.csv
+    weier solve --trace shaft.csv --against bush.csv --si bodies.yaml --pressures 1,10MPa
     weier solve --trace shaft.csv --si bodies.yaml --resistance 1e-10
     weier solve -D 1.25 --gamma 5 -m 3 --contact-fraction 0.01,0.1
     """  # noqa: D301 - click wants the character

@@ -23,7 +23,7 @@ from weier.methods.progress import converting, reporting_to
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case
-from weier.scene.case import short_keys, trace_parameters
+from weier.scene.case import AGAINST, short_keys, trace_parameters
 from weier.scene.yaml import write_yaml
 from weier.surface.loads import check_range, unit_doubt
 from weier.surface.measured.trace import Trace
@@ -166,6 +166,6 @@ def scene_text(case: Case, loads: Array) -> str:
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
     scene = {"title": _title(case), "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
-    trace |= {"file": readable(trace["file"])} if trace else {}
+    trace |= {name: readable(trace[name]) for name in ("file", AGAINST) if name in trace}
     studies = {"one": {"trace": trace} if trace else {"product": product}}
     return write_yaml(scene | {"studies": studies})

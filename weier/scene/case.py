@@ -34,6 +34,7 @@ MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with th
 DIGITS = re.compile(r"(\D*)(\d*)")  # in the names of files
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
+AGAINST = "against"  # the file of the other body
 HURST = "hurst"  # a parameter of random lines, which measured ones do not have
 KEPT_TRACES = 100  # traces kept in memory, since each method of a case reads its trace: of 5 MB at most
 
@@ -184,9 +185,9 @@ def random_parameters(values: Mapping[str, Any], seeds: Iterable[Any]) -> list[d
 
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
     source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
-    parameters: dict[str, Any] = {"source": readable(source), **values, "file": str(folder / values["file"])}
-    found = _read(parameters)
-    traces = [found] if isinstance(found, Trace) else found
+    parameters: dict[str, Any] = {"source": readable(source), **values}
+    parameters |= {name: str(folder / values[name]) for name in ("file", AGAINST) if name in values}
+    traces = _read(parameters)
     if "longest" in values:  # in m
         parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
@@ -196,7 +197,7 @@ def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, A
 
 def _arguments(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return the parameters of a trace as arguments of `Trace.read`."""
-    others = ("file", "name", "digest", "longest")
+    others = ("file", AGAINST, "name", "digest", "longest")
     given = {name: value for name, value in parameters.items() if name not in others}
     return {"path": parameters["file"], **given}
 
@@ -205,17 +206,33 @@ def _trace(parameters: Mapping[str, Any]) -> Trace:
     """Return a random line, or the trace of a file; ValueError if it has changed since its digest was computed."""
     if HURST in parameters:
         return gaussian(**parameters)
-    trace: Trace = _read(parameters)
+    trace = _read(parameters)[0]
     if parameters["digest"] != trace.digest:
         raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")
     return trace
 
 
-def _read(parameters: Mapping[str, Any]) -> Any:
-    """Return the trace, or the traces, of a file, which are kept by the digest of its content."""
+def _read(parameters: Mapping[str, Any]) -> list[Trace]:
+    """Return the traces of a file, or the gaps between these and the trace of another body."""
+    traces = _of_file(parameters)
+    if AGAINST not in parameters:
+        return traces
+    file = parameters[AGAINST]
+    try:
+        others = _of_file({**parameters, "file": file, "source": readable(Path(file).name)})
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+    if len(others) > 1:
+        raise ValueError(f"{AGAINST} must be a file of one line, got {len(others)} lines of {file}: name one by line")
+    return [Trace.between(trace, others[0]) for trace in traces]
+
+
+def _of_file(parameters: Mapping[str, Any]) -> list[Trace]:
+    """Return the traces of a file, which are kept by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return _read_once(json.dumps(_arguments(parameters)), digest)
+    found = _read_once(json.dumps(_arguments(parameters)), digest)
+    return [found] if isinstance(found, Trace) else found
 
 
 @lru_cache(maxsize=KEPT_TRACES)

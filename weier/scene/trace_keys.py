@@ -20,6 +20,11 @@ class TraceKey(NamedTuple):
 
 
 TRACE_KEYS = {
+    "against": TraceKey(
+        str,
+        "File of the other body, one line that is read as this one: the surface is the sum of both heights, as of "
+        "weier.Trace.between.",
+    ),
     "shortest": TraceKey(
         float,
         "Shortest wavelength, in m or in x_unit or unit; two steps by default. Several make one case each per file.",

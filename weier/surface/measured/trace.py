@@ -424,12 +424,14 @@ class Trace(Waves):
         if not all(isinstance(trace, Trace) for trace in pair):
             raise ValueError(f"first and second must be traces, got {shown(first)} and {shown(second)}")
         names = ("lambda_0", "samples", "ends", "detrend", "shortest")
+        words = {"lambda_0": "length in m", "samples": "number of heights"}
         for name in names:
             one, other = getattr(first, name), getattr(second, name)
             if not (math.isclose(one, other, rel_tol=SAME_LENGTH) if isinstance(one, float) else one == other):
                 raise ValueError(
-                    f"both traces must have the same {name}, got {one} and {other}: read both with the same length, "
-                    "shortest, ends and detrend, or interpolate the heights of one at the steps of the other"
+                    f"both traces must have the same {words.get(name, name)}, got {one} and {other}: read both with "
+                    "the same length, shortest, ends and detrend, or interpolate the heights of one at the steps of "
+                    "the other"
                 )
         waves = np.union1d(first.waves_per_period, second.waves_per_period)
         coefficient = np.zeros(waves.size, complex)
