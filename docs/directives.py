@@ -100,7 +100,7 @@ class FigureKinds(SphinxDirective):
 
     def cells(self, kind):
         """Its cells after the name, as Markdown."""
-        text = " ".join(kind.caption.replace("{methods}", "").split())
+        text = kind.caption
         file = f"the file of `python -m weier.accuracy {kind.command}`" if kind.command else "studies"
         return markdown.plain(text), "yes" if kind.grouped else "", file
 

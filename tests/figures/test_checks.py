@@ -9,7 +9,6 @@ import weier
 from weier import figures, scene
 from weier.data.bodies import Bodies
 from weier.figures import checks
-from weier.figures.captions import caption
 from weier.scene import Grouping, SceneError
 
 OF_STUDIES = [name for name, kind in figures.KINDS.items() if not kind.command]
@@ -115,6 +114,3 @@ def test_a_scene_names_the_parameters(tmp_path):
     one = {"seed": [0, 1], "gamma": [2, 3]}
     loaded = scene.load(write(tmp_path, one, colour="gamma", facet="method", **{"median over": "seed"}))
     assert loaded.figures["f"].grouping == Grouping("gamma", ("method",), ("seed",))
-    text = caption(loaded, "f").text
-    assert "Each panel has one method. Colours show gamma." in text
-    assert "Lines are medians over the phases, and bands hold 10 to 90 % of the curves." in text

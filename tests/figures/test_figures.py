@@ -71,18 +71,21 @@ def file_bytes(kind: str, given: list[xr.Dataset], folder: Path, formats: tuple[
 
 def sketch(kind: str, given: list[xr.Dataset]) -> Figure:
     """A figure that is laid out but not saved."""
-    figure: Figure = import_module(f"weier.figures.{kind}").draw(given, "")
+    figure: Figure = figures._drawn(scene.Figure(kind), given)
     figure.draw_without_rendering()
     return figure
 
 
-@pytest.mark.parametrize("kind", OF_STUDIES)
-def test_same_data_same_bytes(kind: str, studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
-    """Without the variables that are not read for it, too; an SVG has every line and word of a figure."""
+@pytest.mark.parametrize(
+    "kind", ["compliance", "contact_fraction", "contact_tree", "message", "truncated_resistance"]
+)
+def test_a_figure_shows_nothing_of_the_variables_that_are_not_read_for_it(
+    kind: str, studies: dict[str, xr.Dataset], tmp_path: Path
+) -> None:
+    """An SVG has every line and word of a figure."""
     (first,) = file_bytes(kind, [studies["one"]], tmp_path, ("svg",))
     shown = studies["one"].drop_vars(figures.undrawn(kind), errors="ignore")
     assert [first] == file_bytes(kind, [shown], tmp_path, ("svg",))
-    assert b"<svg" in first
 
 
 def test_same_data_same_bytes_in_each_format(studies: dict[str, xr.Dataset], tmp_path: Path) -> None:
@@ -118,11 +121,6 @@ def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-def test_the_infinite_series_has_no_profile(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="no profiles"):
-        figures.draw(scene.Figure("profiles"), [many_cases().isel(case=[8])], tmp_path / "figure.pdf")
-
-
 @pytest.mark.parametrize(
     "kind", ["compliance", "resistance", "phases", "truncated_compliance", "truncated_resistance"]
 )
@@ -130,10 +128,10 @@ def test_curves_of_one_load_are_drawn(kind: str, studies: dict[str, xr.Dataset])
     sketch(kind, [studies["one"].isel(mean_pressure=[1])])
 
 
-def test_every_module_that_draws_is_a_kind() -> None:
+def test_every_module_that_draws_is_that_of_a_kind() -> None:
     modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
     draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
-    assert set(figures.KINDS) == draws > set(OF_STUDIES) > {"compliance", "profiles"}
+    assert {kind.drawn_by or name for name, kind in figures.KINDS.items()} == draws
 
 
 def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,42 +149,16 @@ CAPTIONED = """
 title: Captions
 loads: [0.1]
 methods: [layer]
-studies:
-  bare: {product: {D: 1.5, gamma: 5, m: 2}}
-  elements: {product: {D: 1.5, gamma: 5, m: 2}, methods: [layer, bem]}
-  both: {product: {D: 1.5, gamma: 5, m: 2}, methods: [bem, patches]}
-  all: {product: {D: 1.5, gamma: 5, m: 2}, methods: [layer, bem, patches]}
-  many: {product: {D: 1.5, gamma: 5, m: 2, seed: [0, 1, 2, 3, 4]}, methods: [bem, patches]}
+studies: {one: {product: {D: 1.5, gamma: 5, m: 2}}}
 figures:
-  figure_1: {draw: profiles, studies: [bare], title: Rough <and> smooth}
-  bare: {draw: compliance, studies: [bare]}
-  elements: {draw: compliance, studies: [elements]}
-  both: {draw: resistance, studies: [both]}
-  all: {draw: resistance, studies: [all]}
-  many: {draw: resistance, studies: [many]}
+  figure_1: {draw: profiles, studies: [one], title: Rough <and> smooth}
 """
-SENTENCES = {
-    "bare": "Colours show the estimates.",
-    "elements": "Colours show the estimates. A solid line shows boundary elements.",
-    "both": "A solid line shows contact patches. Markers show boundary elements.",
-    "all": "Colours show the estimates. A solid line shows contact patches. Markers show boundary elements.",
-    "many": "A solid line shows contact patches. Markers show boundary elements. Lines are medians over the phases, "
-    "and bands hold 10 to 90 % of the curves.",
-}
 
 
 def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
-    loaded = scene_in(tmp_path, CAPTIONED)
-    name, text, alternative = caption(loaded, "figure_1")
+    name, text, alternative = caption(scene_in(tmp_path, CAPTIONED), "figure_1")
     assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.KINDS['profiles'].caption}")
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
-    for name, sentence in SENTENCES.items():
-        assert f" over mean pressure. {sentence} " in caption(loaded, name).text
-
-
-def test_studies_of_different_methods_stand_in_one_figure(studies: dict[str, xr.Dataset]) -> None:
-    less = studies["terms"].sel(solution_method=["bem"])
-    assert len(sketch("resistance", [studies["one"], less]).axes) == 3
 
 
 def test_the_style_of_the_user_is_left_out(tmp_path: Path) -> None:
@@ -235,25 +207,6 @@ def test_profiles_of_a_family_differ_without_colour() -> None:
     assert np.all(np.diff(grey) < -0.03)
 
 
-WITHIN = """
-title: within
-loads: [0.1, 1.0]
-tolerance: 1.0e-2
-studies: {one: {product: {D: 1.25, gamma: 5, m: 2}}}
-figures:
-  h: {draw: compliance, studies: [one]}
-  R: {draw: resistance, studies: [one]}
-"""
-
-
-def test_captions_name_the_methods_that_are_not_of_the_paper(tmp_path: Path) -> None:
-    text = WITHIN.replace("tolerance: 1.0e-2", "methods: [archard, persson, layer, bem, patches]")
-    loaded = scene_in(tmp_path, text)
-    assert " Not of the paper: Persson, contact patches. " in caption(loaded, "h").text
-    loaded = scene_in(tmp_path, text.replace("archard, persson, layer, bem, patches", "archard, bem"))
-    assert "Not of the paper" not in caption(loaded, "h").text
-
-
 def with_an_estimate_beyond(kind: str, *methods: str) -> Figure:
     """One case whose estimates have a resistance, a contact fraction and a compliance far off the numerical ones."""
     data = many_cases((*methods, "patches")).isel(case=[2])
@@ -267,8 +220,9 @@ def with_an_estimate_beyond(kind: str, *methods: str) -> Figure:
 def test_axes_follow_the_methods_of_the_paper_and_numerical_ones(kind: str) -> None:
     (axes,) = with_an_estimate_beyond(kind, "persson", "cascade").axes
     assert axes.get_ylim()[1] < 2
-    (axes,) = with_an_estimate_beyond(kind, "archard", "demelio").axes
-    assert (axes.get_ylim()[1] > 100) == (kind != "truncated_resistance")  # which draws numerical curves alone
+    if kind != "truncated_resistance":  # which draws numerical curves alone
+        (axes,) = with_an_estimate_beyond(kind, "archard", "demelio").axes
+        assert axes.get_ylim()[1] > 100
 
 
 def test_a_negative_compliance_leaves_the_frame() -> None:

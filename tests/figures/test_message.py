@@ -12,7 +12,7 @@ from weier.methods import cascade, persson
 
 LOADS = np.array([0.01, 0.02, 0.1, 1.0])
 SEEDS, TERMS = 5, (1, 2, 3)
-AREA = "contact_fraction (1)"
+AREA = "contact fraction A"
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def test_its_values_name_the_series_of_each_panel_and_the_bounds(study):
     rows = list(csv.DictReader(StringIO(values.as_csv(message.draw([study, other], "")))))
     assert {row["panel"] for row in rows} == {"(a) D=1.25, gamma=5", "(b) D=1.5, gamma=5"}
     bounds = {
-        (row["resistance (g_0/p_0*), low"], row["resistance (g_0/p_0*), high"])
+        (row["resistance (dh/dp) p_0*/g_0, low"], row["resistance (dh/dp) p_0*/g_0, high"])
         for row in rows
         if "bounds" in row["curve"]
     }

@@ -165,7 +165,7 @@ def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
     assert table["compliance demelio"] == pytest.approx(1e-6 * (1 + LOADS), rel=1e-6)
     assert table["compliance_error demelio"] == pytest.approx(1e-10, rel=1e-6)
     assert table["resistance demelio"] == pytest.approx(interface.resistance(2 + LOADS), rel=1e-6)
-    assert made.select_one({"name": "compliance"}).yaxis.axis_label == "compliance h, m"
+    assert made.select_one({"name": "compliance"}).yaxis.axis_label == "compliance h (m)"
     assert "ohm m^2" in write(tmp_path, data, interface=interface)
 
 

@@ -29,7 +29,7 @@ def test_lines_and_bands_are_those_of_the_data(studies, tmp_path, si):
     pressures = bodies.pressure(one.mean_pressure.values) if bodies else None
     given = one.assign_coords(mean_pressure=("mean_pressure", pressures, {"units": "Pa"})) if bodies else one
     rows = table(tmp_path, Figure("compliance", interface=bodies), [given])
-    x, y = ("mean_pressure (Pa)", "compliance (m)") if si else ("mean_pressure (p_0*)", "compliance (g_0)")
+    x, y = ("mean pressure p (Pa)", "compliance h (m)") if si else ("mean pressure p/p_0*", "compliance h/g_0")
     assert list(rows[0])[:4] == ["panel", "curve", x, y]
     drawn = [(float(row[x]), float(row[y])) for row in rows if row["curve"] == "Demelio"]
     loads, h = lines.line(one.isel(case=0), "compliance", "demelio")
@@ -50,9 +50,9 @@ def test_a_band_has_its_two_ends(tmp_path):
     method = study["solution_method"].values.tolist().index("patches")
     known = study["resistance"].values[:, method]
     for row, low, high in zip(band, *np.percentile(known, [10, 90], axis=0), strict=True):
-        ends = [float(row[f"resistance (g_0/p_0*), {end}"]) for end in ("low", "high")]
+        ends = [float(row[f"resistance (dh/dp) p_0*/g_0, {end}"]) for end in ("low", "high")]
         assert ends == pytest.approx([low, high], rel=1e-12)
-        assert row["resistance (g_0/p_0*)"] == ""
+        assert row["resistance (dh/dp) p_0*/g_0"] == ""
 
 
 # The message needs contact fractions of several terms, which its own test has.
@@ -67,8 +67,6 @@ def test_every_figure_has_values_in_plain_text(studies, tmp_path, kind):
 
 
 def test_labels_of_matplotlib_become_plain_text():
-    assert (
-        values.plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0^*/g_0"
-    )
+    assert values.plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0*/g_0"
     assert values.plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"
     assert values.plain(r"a_{1} \$ b\infty.csv, $\gamma=5$") == r"a_{1} $ b\infty.csv, gamma=5"

@@ -83,7 +83,7 @@ EDITS = {
     "a comment": ("surface/profile.py", "\n\n\n", "\n\n\n# A comment.\n", False),
     "an annotation": ("pipeline/curves.py", "method: str", "method: object", False),
     "a reader of files": ("surface/measured/text.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", False),
-    "a figure": ("figures/resistance.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", False),
+    "a figure": ("figures/comparison.py", "\n\n\n", "\n\n\nMORE = 1\n\n\n", False),
 }
 
 

@@ -66,7 +66,7 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     page.write(solutions, folder / "page.html")
     text = (folder / "page.html").read_text()
     assert "Pressures are in MPa" in text
-    assert '"axis_label":"mean pressure, MPa"' in text.replace(": ", ":")
+    assert '"axis_label":"mean pressure p (MPa)"' in text.replace(": ", ":")
 
 
 @pytest.mark.filterwarnings("ignore:contacts yield")
@@ -104,7 +104,7 @@ def test_figures_are_in_si_units(solved):
         # A compliance between two loads is drawn within these, and the last resistance may be 0.
         assert np.array(at) == pytest.approx(np.array(wanted), rel=1e-9), name
         assert axes.get_xlabel().endswith("(MPa)")
-        assert values.as_csv(axes.figure).splitlines()[0].split(",")[2] == "mean_pressure (MPa)"
+        assert values.as_csv(axes.figure).splitlines()[0].split(",")[2] == "mean pressure p (MPa)"
         assert extent.first_load == pytest.approx(5)
 
 

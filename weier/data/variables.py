@@ -80,7 +80,6 @@ class Variable(NamedTuple):
     content : the kind of its content, in the terms of ISO 19115
     optional : whether only files of methods that return it have it
     axis : its name on an axis of a figure, in mathtext
-    plot : its name on an axis of a page, in plain text; a page plots what has dims CURVE and such a name
     """
 
     dims: tuple[str, ...]
@@ -93,7 +92,6 @@ class Variable(NamedTuple):
     content: str = "modelResult"
     optional: bool = False
     axis: str = ""
-    plot: str = ""
 
 
 BOUND = (
@@ -121,7 +119,6 @@ VARIABLES = {
         "p",
         content=LABEL,
         axis=r"mean pressure $\bar{p}/p_0^{*}$",
-        plot="mean pressure p/p_0*",
     ),
     "term": Variable(("term",), "number of the term, from 0", symbol="n", dtype="i4", content=LABEL),
     "key": _label("digest of the surface, the methods with their settings, and the loads of the case", dtype="O"),
@@ -174,7 +171,6 @@ VARIABLES = {
         comment=f"{DATUM}; for a trace, from first contact. Persson's theory gives negative values at light loads, "
         "and the theory of 2000 none.",
         axis="compliance $h/g_0$",
-        plot="compliance h/g_0",
     ),
     "resistance": Variable(
         CURVE,
@@ -183,7 +179,6 @@ VARIABLES = {
         "R",
         comment="The slope dh/dp; in SI units times M and the sum of the resistivities or of 1/k, for heat.",
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
-        plot="resistance (dh/dp) p_0*/g_0",
     ),
     "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES),
     "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES),

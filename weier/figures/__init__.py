@@ -1,7 +1,7 @@
-"""Figures: each kind is a module of this folder, drawn in the style of `weier.figures.style`.
+"""Figures: modules of this folder draw them in the style of `weier.figures.style`.
 
 `KINDS` lists the kinds of figures, so that matplotlib is not imported for their captions. `draw(studies, title)` of
-the module of this name returns the figure. This folder may import all others except the command line.
+the module of a kind returns the figure. This folder may import all others except the command line.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ UNGROUPED = (*BOUNDS, "contact_fraction", "contact_edge")
 class FigureKind(NamedTuple):
     """A kind of figure.
 
-    caption : in plain text; {methods} is replaced by the sentence that distinguishes the methods
+    caption : in plain text
+    drawn_by, quantity : the module that draws it, if it is not of its name, and the quantity that it is given
     command, variable : for a figure of one file, the measurement that writes it, and a variable that it has
     needs : a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
@@ -40,6 +41,8 @@ class FigureKind(NamedTuple):
     """
 
     caption: str
+    drawn_by: str = ""
+    quantity: str = ""
     command: str = ""
     variable: str = ""
     needs: str = ""
@@ -54,12 +57,16 @@ KINDS = {
         needs_studies=False,
     ),
     "compliance": FigureKind(
-        "Compliance over mean pressure. {methods} All curves of one profile meet at full contact, where the "
-        "compliance is the sum of the amplitudes of its waves, or the height of a trace.",
+        "Compliance over mean pressure. All curves of one profile meet at full contact, where the compliance is the "
+        "sum of the amplitudes of its waves, or the height of a trace.",
+        "comparison",
+        "compliance",
         grouped=True,
     ),
     "contact_fraction": FigureKind(
-        "Contact fraction, the contact area over the nominal area, over mean pressure. {methods}",
+        "Contact fraction, the contact area over the nominal area, over mean pressure.",
+        "comparison",
+        "contact_fraction",
         grouped=True,
     ),
     "contact_tree": FigureKind(
@@ -93,18 +100,24 @@ KINDS = {
     ),
     "profiles": FigureKind("The profiles over two of their longest wavelengths."),
     "resistance": FigureKind(
-        "Contact resistance over mean pressure. {methods} The exact curve drops steeply at the birth of a contact "
-        "and has a kink where two merge.",
+        "Contact resistance over mean pressure. The exact curve drops steeply at the birth of a contact and has a "
+        "kink where two merge.",
+        "comparison",
+        "resistance",
         grouped=True,
     ),
     "truncated_compliance": FigureKind(
         "The effect of additional terms on the compliance, counted for all series from the undeformed infinite "
         "series whose waves all peak together, since the bounds compare mean gaps. The band contains the infinite "
         "series for any phases of its further terms (27).",
+        "truncation",
+        "compliance",
     ),
     "truncated_resistance": FigureKind(
         "The effect of additional terms on the contact resistance. The band contains the infinite series for any "
         "phases of its further terms.",
+        "truncation",
+        "resistance",
     ),
     "work_precision": FigureKind(
         "The largest error over all loads against the time per load on one core: compliance above, resistance "
@@ -152,8 +165,10 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
 
     shown = len(studies) - len(wanted.behind)
     chosen = {"grouping": wanted.grouping, "interface": wanted.interface, "behind": studies[shown:]}
-    options = {name: value for name, value in chosen.items() if value and value != BY_DEFAULT}
-    module = import_module(f"weier.figures.{wanted.draw}")
+    options: dict[str, Any] = {name: value for name, value in chosen.items() if value and value != BY_DEFAULT}
+    if kind.quantity:
+        options["quantity"] = kind.quantity
+    module = import_module(f"weier.figures.{kind.drawn_by or wanted.draw}")
     drawn: figure.Figure = module.draw(studies[:shown], wanted.title, **options)
     set_axes(drawn, wanted.x, wanted.y)
     if wanted.size:

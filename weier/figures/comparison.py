@@ -1,4 +1,4 @@
-"""Curves of many cases and methods, with the colours, panels and medians that a scene chooses.
+"""Figs 3 to 6: curves of many cases and methods, with the colours, panels and medians that a scene chooses.
 
 A figure of a sweep shows the effect of its parameters. By default, each of few cases has a panel, and curves of many
 cases are medians over the phases.
@@ -22,7 +22,6 @@ from matplotlib.patches import Patch
 from weier.data import curves
 from weier.data.bodies import Bodies
 from weier.figures import lines, style
-from weier.figures.captions import PLURALS
 from weier.figures.tables import Extent, Values, extent, table_of, values_of
 from weier.figures.values import band, line
 from weier.kernels.arrays import Array
@@ -42,6 +41,7 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 PERCENTILES = 50, 10, 90  # the median and the ends of its band
 BAND_NAME = "10 to 90 %"
+NOUNS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}  # in place of a symbol
 SURFACES = (*PARAMETERS, "trace")  # distinguish surfaces, besides phases
 MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
 
@@ -76,6 +76,17 @@ class PlottedCurve(NamedTuple):
     def case(self) -> xr.Dataset:
         """The first of their cases, in the units of the axes."""
         return self.own.case(self.first["row"])
+
+
+def draw(studies: Sequence[xr.Dataset], title: str, quantity: str, **options: Any) -> Figure:
+    """Draw compliance over mean pressure up to full contact, or another quantity on logarithmic axes."""
+    figure, panels, extent = compare(studies, title, quantity, **options)
+    if quantity == COMPLIANCE:  # on an axis that shows light loads
+        style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
+        panels[0].set_ylim(bottom=0)
+    else:
+        style.set_logarithmic_axes(panels[0], *extent)
+    return figure
 
 
 def compare(
@@ -292,7 +303,7 @@ def _legend(drawn: Sequence[PlottedCurve], grouping: Grouping) -> list[Any]:
         looks = {curve.method: _look(curve, drawn, grouping) for curve in drawn}
         handles += [Line2D([], [], **look | {"color": style.GREY, "markevery": None}) for look in looks.values()]
     if grouping.median_over:
-        over = dict.fromkeys(PLURALS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
+        over = dict.fromkeys(NOUNS.get(name) or f"${style.symbol(name)}$" for name in grouping.median_over)
         counts = sorted({curve.members for curve in drawn})
         number = " to ".join(map(str, dict.fromkeys([counts[0], counts[-1]])))
         handles += [

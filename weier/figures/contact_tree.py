@@ -40,8 +40,9 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     edges = case["contact_edge"].values.reshape(loads.size, -1, 2)
     rectangles = _rectangles(edges, loads, period)
     axes.add_collection(PolyCollection(rectangles, facecolors=style.BLUE, edgecolors="none", label="contact"))
-    for corners in rectangles:
-        keep_band(axes, "contact", corners[:2, 0], corners[:2, 1], corners[2:, 1])
+    left, right, upper, _ = np.transpose(rectangles, (1, 2, 0))
+    ends = np.ravel([left[0], right[0]], "F")  # of one contact after the other
+    keep_band(axes, "contact", ends, np.repeat(left[1], 2), np.repeat(upper[1], 2))
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
     # The legend is above the axes, since contacts may be anywhere within them.

@@ -4,33 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from weier.data import curves
 from weier.figures import lines, style
+from weier.figures.tables import extent, values_of
 from weier.figures.values import band, line
+from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
 
+# The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.
+LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
+# The inset is at this part of the range of loads, where the curves are steep and far from full contact.
+ZOOM = 0.03, 0.05  # half the width and height of the region shown, over the ranges of loads and values
 
-def compare(
-    studies: Sequence[xr.Dataset], title: str, quantity: str
-) -> tuple[Figure, list[tuple[Axes, list[xr.Dataset]]]]:
-    """Return the numerical curves of all m with the bounds from the longest series, one panel for each D and gamma.
 
-    Returns
-    -------
-    figure : Figure
-    panels : list of (Axes, cases)
-        The caller sets limits and the legend; the cases are in order of m.
+def draw(studies: Sequence[xr.Dataset], title: str, quantity: str) -> Figure:
+    """Draw the numerical curves of all m with the bounds from the longest series, one panel for each D and gamma.
 
+    Notes
+    -----
+    (27) bounds the mean gap d, so that compliances of different m are compared as G - d with the same G, the
+    amplitude of all terms, not at their own full contact nor at first contact.
     """
     figure, panels = style.column_of_series(studies, title, quantity, *(name for name in PARAMETERS if name != "m"))
-    ordered = [(axes, sorted(cases, key=lambda case: float(case["m"]))) for axes, cases in panels]
-    for axes, cases in ordered:
+    for axes, own in panels:
+        cases = sorted(own, key=lambda case: float(case["m"]))
         draw_curves(axes, cases, quantity)
-    return figure, ordered
+        if quantity == COMPLIANCE:
+            axes.set(ylabel=LABEL, xlim=(0, curves.full_contact_load(cases)))
+            axes.set_ylim(bottom=0)
+            axes.legend(loc="lower right")
+            _draw_zoom(axes, cases)
+        else:
+            longest = curves.as_study(cases[-1]).sel(solution_method=[curves.numerical_method(cases[-1])])
+            style.set_logarithmic_axes(axes, *extent(values_of([longest], quantity)))
+            axes.legend(loc="lower left")
+    return figure
 
 
 def draw_curves(axes: Axes, cases: Sequence[xr.Dataset], quantity: str) -> None:
@@ -61,3 +74,18 @@ def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str) -> None:
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
         band(axes, label, longest["mean_pressure"].values, low, high, **style.BOUND)
+
+
+def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
+    """Draw an inset that separates the bounds from the curve, which are too close on the whole axes."""
+    longest = cases[-1]
+    if (h := curves.numerical(longest, "compliance")) is None:
+        return
+    load = 0.15 * axes.get_xlim()[1]
+    value = np.interp(load, longest["mean_pressure"].values, h + datum(longest, "compliance"))
+    across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
+    place = 0.5, 0.51, 0.42, 0.31  # left, bottom, width and height: between the curves and the legend
+    inset = axes.inset_axes(place, xlim=(load - across, load + across), ylim=(value - up, value + up))
+    draw_curves(inset, cases, "compliance")
+    inset.set(xticks=[], yticks=[])
+    axes.indicate_inset_zoom(inset, edgecolor="0.4")

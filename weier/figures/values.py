@@ -1,4 +1,4 @@
-"""The lines and bands of a figure, kept as they are drawn: its values as CSV, with units in the headings."""
+"""The table of a figure, of which lines and bands are drawn: its values as CSV, headed by the labels of the axes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from weier.data.variables import VARIABLES
-from weier.figures.style import LABELS, SI_LABELS, THERMAL
-from weier.units import IN_SI, OF_HEAT, PASCAL
-
-# Headings of the axes that show variables.
-UNITS = {"x": "lambda_0", "height": "g_0"} | {name: entry.unit for name, entry in VARIABLES.items()}
-HEADINGS = {label: f"{name} ({UNITS[name]})" for name, label in LABELS.items()}
-HEADINGS |= {label: f"{name} ({IN_SI.get(UNITS[name], UNITS[name])})" for name, label in SI_LABELS.items()}
-PRESSURE = SI_LABELS["mean_pressure"].removesuffix(f"({PASCAL})")
-HEADINGS[THERMAL] = f"resistance ({OF_HEAT})"
 # Formulas of matplotlib in plain text, between signs of dollars that stand for themselves behind a backslash.
 DOLLAR = re.compile(r"(?<!\\)\$")
 SIGNS = (
@@ -26,6 +16,7 @@ SIGNS = (
     (r"\\[,;!]", " "),
     (r"\\infty", "inf"),
     (r"\\([A-Za-z]+)", r"\1"),
+    (r"\^\{\*\}", "*"),
     (r"[{}]", ""),
 )
 
@@ -60,19 +51,12 @@ def as_csv(figure: Figure) -> str:
     for axes, name, x, values in vars(figure)["curves"]:
         if axes not in figure.axes:  # an inset
             continue
-        headings = [_heading(_label(axes, name)) for name in "xy"]
-        columns = {headings[0]: x} | {f"{headings[1]}{end}": own for end, own in values.items()}
-        numbers = {heading: np.asarray(own, float) for heading, own in columns.items()}
+        heading = plain(_label(axes, "y"))
+        columns = {plain(_label(axes, "x")): x} | {f"{heading}{end}": own for end, own in values.items()}
+        numbers = {name: np.asarray(own, float) for name, own in columns.items()}
         part = pd.DataFrame({"panel": plain(_title(axes)), "curve": plain(name)} | numbers)
         parts.append(part.dropna(subset=list(numbers)[1:], how="all"))
     return pd.concat(parts).to_csv(index=False, lineterminator="\n")
-
-
-def _heading(label: str) -> str:
-    """Return the heading of an axis; mean pressures have any unit."""
-    if label.startswith(PRESSURE):
-        return f"mean_pressure {label.removeprefix(PRESSURE)}"
-    return HEADINGS.get(label, plain(label))
 
 
 def _title(axes: Axes) -> str:

@@ -27,13 +27,14 @@ from bokeh.plotting import figure
 
 from weier.data.bodies import Bodies
 from weier.data.selection import case_names, label_text
-from weier.data.variables import CURVE, VARIABLES
 from weier.figures import style
 from weier.figures.traces import names_of_traces
+from weier.figures.values import plain
 from weier.kernels.arrays import Array
+from weier.methods.curve import QUANTITIES
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
-from weier.units import OF_HEAT, unit_of
+from weier.units import unit_of
 
 LABELS = ("trace", *PARAMETERS, "phase", "case")  # select a case; the last one tells studies and settings apart
 NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
@@ -43,13 +44,6 @@ TITLES = {
     "phase": "phases, in rad (a single one is of all terms but the first)",
 }
 MIN_WIDTHS = dict.fromkeys(LABELS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of lists, in rem
-NORMALISED_AXES = {name: entry.plot.replace("_0", "\N{SUBSCRIPT ZERO}") for name, entry in VARIABLES.items()}
-SI_AXES = {
-    "compliance": "compliance h, m",
-    "resistance": "resistance times nominal area, \N{GREEK CAPITAL LETTER OMEGA} m\N{SUPERSCRIPT TWO}",
-}
-OF_HEAT_AXES = {"resistance": "thermal resistance times nominal area, K m\N{SUPERSCRIPT TWO}/W"}
-QUANTITIES = [name for name, entry in VARIABLES.items() if entry.plot and entry.dims == CURVE]
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 MAX_POINTS = 30  # More points of a curve would hide the line below them.
 LINE_WIDTH = 2  # pixels
@@ -88,9 +82,8 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
     solved = np.isfinite(data["compliance"].values).any(axis=(0, 2))
     # All numerical methods but the most accurate one are drawn as points.
     as_points = [name for name in numerical_names() if name in np.array(methods)[solved]][1:]
-    pressure = {"mean_pressure": f"mean pressure, {unit_of(curves['mean_pressure'])}"}
-    thermal = interface is not None and interface.resistance_unit == OF_HEAT
-    axes = NORMALISED_AXES if interface is None else SI_AXES | pressure | (OF_HEAT_AXES if thermal else {})
+    labels_of_axes = style.labels_of(interface, unit_of(curves["mean_pressure"]))
+    axes = {name: plain(label) for name, label in labels_of_axes.items()}
     plots = [_plot(quantity, methods, sources, as_points, axes) for quantity in QUANTITIES]
     selects = [_select(name, labels[name][first]) for name in LABELS]
     choose = CustomJS(
