@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from weier.data.files import check_writable, remove_leftovers, replacing, write_text
+from weier.data.files import remove_leftovers, replacing, write_text
 
 
 def test_a_file_appears_when_all_went_well(tmp_path):
@@ -63,8 +63,3 @@ def test_leftovers_go_when_their_process_is_gone(tmp_path):
         assert len(list(tmp_path.iterdir())) == 4
         remove_leftovers(tmp_path)
         assert {path.name for path in tmp_path.iterdir()} == {mine.name, ".kernels", ".else.nc.anotherhost.1"}
-
-
-def test_a_folder_to_write_to_is_not_refused(tmp_path):
-    check_writable(tmp_path)
-    check_writable(tmp_path / "not there yet")

@@ -261,7 +261,7 @@ def test_results_closed_to_writing_are_named_and_made_once_they_are_open(checkou
         code, said = run(checkout)
         planned = run(checkout, "-n")
     assert code != 0
-    assert "results cannot be written to: open it for writing, or work in a copy of the checkout" in said
+    assert "is closed to writing): name another file, in a folder that you can write to" in said
     assert planned[0] == 0, planned[1]
     assert "test: write the data and judge the claims" in planned[1]
     assert_the_next_run_is_undisturbed(checkout, undisturbed)

@@ -24,7 +24,7 @@ CONTEXT = {"show_default": True, "help_option_names": ["-h", "--help"], "max_con
 
 
 class Measurements(click.Group):
-    """The commands of the modules of a package, each imported for its command; bad input ends in one sentence."""
+    """The commands of the modules of a package; bad input ends in one sentence."""
 
     def __init__(self, package: str, names: Sequence[str], summary: str) -> None:
         """Take the package, the names of its measurements and what they are for."""
@@ -32,16 +32,8 @@ class Measurements(click.Group):
             f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it. "
             "Data of which a figure is drawn are written beside it as netCDF."
         )
-        super().__init__(f"python -m {package}", help=explanation, context_settings=CONTEXT)
-        self.package, self.names = package, names
-
-    def list_commands(self, context: click.Context) -> list[str]:
-        """Return the names of all measurements."""
-        return list(self.names)
-
-    def get_command(self, context: click.Context, name: str) -> click.Command | None:
-        """Return the command of a measurement."""
-        return import_module(f"{self.package}.{name}").main if name in self.names else None
+        commands = {name: import_module(f"{package}.{name}").main for name in names}
+        super().__init__(f"python -m {package}", commands, help=explanation, context_settings=CONTEXT)
 
     def invoke(self, context: click.Context) -> None:
         """Run the command, and report an error that is no fault of the program."""

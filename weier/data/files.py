@@ -66,12 +66,6 @@ def check_target(path: str | Path) -> None:
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
 
 
-def check_writable(folder: str | Path) -> None:
-    """Refuse a folder that cannot be written to."""
-    if Path(folder).exists() and not os.access(folder, os.W_OK):
-        raise OSError(f"{folder} cannot be written to: open it for writing, or work in a copy of the checkout")
-
-
 def remove_leftovers(folder: str | Path) -> None:
     """Remove temporary files below a folder that killed processes of this machine have left."""
     for path in Path(folder).rglob(".*"):

@@ -17,11 +17,11 @@ import numpy as np
 
 from weier.kernels.arrays import Array, Indices
 from weier.scene.case import Case, identity
+from weier.scene.figure import PHASES
 from weier.scene.identity import Keys, key_of, keys_of
 from weier.scene.yaml import number
 from weier.surface.profile import random_phases
 
-SEEDS = ("phases", "seed")  # parameters of phases
 MAX_CASES = 10_000  # default limit, since a typing error would take hours
 
 
@@ -67,7 +67,7 @@ class CaseProduct:
     @cached_property
     def keys_without_phases(self) -> Keys:
         """The same for methods without phases: equal for surfaces that differ in nothing else."""
-        return self._keys(without=SEEDS)
+        return self._keys(without=PHASES)
 
     def _keys(self, without: Collection[str] = ()) -> Keys:
         total = np.zeros(1, np.uint64)
