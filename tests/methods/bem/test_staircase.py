@@ -162,6 +162,15 @@ def test_gaps_of_one_node_are_cracks(width):
     assert middle == pytest.approx(nearest, abs=2e-3)
 
 
+@pytest.mark.parametrize("width", [0.5, 0.9])
+def test_a_gap_of_one_node_may_be_nearly_two_nodes_wide(width):
+    """Its half-width, from a trough on the node, also where less than half of the step has passed."""
+    load = np.cos(np.pi * width / 64) ** 2
+    point = staircase.remove_staircase(NestedSolver(Profile(1.25, 5, 1), 64, 1e-12).solve_discrete(load, True))
+    assert (point.first.tolist(), point.last.tolist()) == ([33], [95])
+    assert 0.5 * (point.edge[0] + 64 - point.edge[1]) == pytest.approx(width, abs=5e-3)
+
+
 def test_in_full_contact_all_is_known():
     found = curve(Profile(1.25, 5, 2, 1.0), [0.01, 0.3, 10.0])
     assert np.all(found.compliance_error[:2] > 1e-6)
