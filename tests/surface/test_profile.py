@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile, random_phases
 from weier.surface.series import leading_amplitude, tail_amplitude
 
@@ -24,6 +23,19 @@ EXAMPLES = [
 @pytest.mark.parametrize("profile", [*EXAMPLES, Profile(1.1, math.pi, 2, 1 / 3), Profile(1.5, 5, math.inf)])
 def test_the_repr_of_a_profile_makes_it(profile):
     assert eval(repr(profile), {"Profile": Profile}) == profile
+
+
+@pytest.mark.parametrize("phases", [(0, 5, 180), (0, 90, 1), (1, -360, 0), 7.0, (7200, 0, 7200)])
+def test_phases_in_degrees_are_doubted(phases):
+    with pytest.warns(UserWarning, match="exceed 2 pi, got .*: phases are in radians"):
+        Profile(1.25, 5, 3, phases)
+
+
+@pytest.mark.parametrize(
+    "phases", [(0, 7, 1), (0, 0.5 - 20 * np.pi, 1), (0, 2 * np.pi, -2 * np.pi), np.radians([0, 360, 180])]
+)
+def test_phases_of_several_turns_are_not(phases):
+    Profile(1.25, 5, 3, phases)  # a warning is an error
 
 
 def test_phases_that_look_like_degrees_are_doubted_once():
@@ -167,22 +179,6 @@ def test_one_phase_shifts_every_term_but_the_first():
 def test_profile_refuses_what_it_cannot_be(arguments, message):
     with pytest.raises(ValueError, match=message):
         Profile(*arguments)
-
-
-@pytest.mark.parametrize("gamma", [math.sqrt(5), "1.4142135", math.pi])
-def test_a_ratio_without_a_period_that_a_computer_holds_is_offered_one_that_has(gamma):
-    """Only methods that resolve every wave need one."""
-    with pytest.raises(ValueError, match="take gamma") as refusal:
-        check_resolvable(Profile(1.5, gamma, 3))
-    offered = Profile(1.5, str(refusal.value).split('"')[1], 3)
-    check_resolvable(offered)
-    assert float(offered.gamma) == pytest.approx(float(Profile(1.5, gamma, 3).gamma), rel=1e-2)
-
-
-def test_no_ratio_is_offered_where_none_will_do():
-    for gamma, m in ((1.0000001, 3), (math.pi, 12), (1e6, 3)):
-        with pytest.raises(ValueError, match="exceeds: take fewer terms"):
-            check_resolvable(Profile(1.5, gamma, m))
 
 
 def test_an_irrational_ratio_is_kept_to_the_last_digit():

@@ -1,0 +1,61 @@
+"""Loads that cannot be, and those that are probably in another unit."""
+
+import numpy as np
+import pytest
+
+from weier import Profile, solve
+from weier.surface.loads import check_pascal, check_range, checked_load, checked_loads, listed_loads, unit_doubt
+
+TWO_WAVES = Profile(1.25, 5, 2, 1.0)  # in full contact under 1 + 5^(1/4) = 2.495 p_0* at most
+
+
+@pytest.mark.parametrize(
+    ("loads", "message"),
+    [
+        ([], "list of loads"),
+        ([0.0, 1.0], "positive, got 0.0 at position 0"),
+        ([0.1, np.nan], "finite, got nan at position 1"),
+        ([0.2, 0.1], "increase, got 0.2 before 0.1: sort the loads"),
+        ([0.1, 0.1], "got 0.1 at positions 0 and 1: give each load once"),
+    ],
+)
+def test_bad_loads_are_refused(loads, message):
+    with pytest.raises(ValueError, match=message):
+        checked_loads(loads)
+
+
+def test_loads_in_any_order_are_listed_once():
+    loads, position = listed_loads([1.0, 0.1, 1.0, 0.3])
+    assert (loads.tolist(), position.tolist()) == ([0.1, 0.3, 1.0], [2, 0, 2, 1])
+
+
+def test_one_load_is_positive_and_finite():
+    assert checked_load(1e-300) == 1e-300
+    for load in (0.0, -1.0, np.inf, np.nan):
+        with pytest.raises(ValueError, match="must be one load, positive and finite"):
+            checked_load(load)
+
+
+@pytest.mark.parametrize(
+    ("loads", "is_doubted"),
+    [([250.0, 1e7], True), ([249.0, 1e7], False), ([1e7], True), ([1e13], True), ([2e13], False)],
+)
+def test_loads_from_a_hundred_times_full_contact_on_are_probably_in_pascal(loads, is_doubted):
+    assert ("which takes 2.5 p_0* at most" in unit_doubt(TWO_WAVES, np.array(loads))) == is_doubted
+    assert unit_doubt(Profile(1.25, 5, np.inf), np.array(loads)) == ""
+
+
+def test_scenes_have_loads_of_which_rounding_leaves_digits():
+    check_range(np.array([1e-12, 1e12]))
+    check_pascal(np.array([1e-12, 1e13]))
+    for check, wrong in ((check_range, [9e-13, 1.0]), (check_range, [1.0, 1.1e12]), (check_pascal, [1.1e13])):
+        with pytest.raises(ValueError, match=r"loads must (lie in|be at most)"):
+            check(np.array(wrong))
+
+
+def test_loads_come_back_in_the_order_given_and_are_solved_once():
+    given = [1.0, 0.1, 1.0, 0.3]
+    solved = solve(TWO_WAVES, given, "demelio")
+    in_order = solve(TWO_WAVES, [0.1, 0.3, 1.0], "demelio")
+    assert solved.mean_pressure.values.tolist() == given
+    assert solved.compliance.values.tolist() == in_order.compliance.sel(mean_pressure=given).values.tolist()
