@@ -1,5 +1,7 @@
 """The staircase of boundary elements: its constants, what is left of it, and where edges are in their steps."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -20,6 +22,7 @@ def relative(found, resistance):
     return np.abs(found - resistance) / np.where(resistance > 1e-3, resistance, 1)
 
 
+@cache
 def errors_of_references(per_wave, **settings):
     """Errors of h and R where a grid can see the contact, which a lighter load has on a single node."""
     h, R = [], []

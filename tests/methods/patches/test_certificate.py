@@ -213,36 +213,11 @@ def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths
     assert found.tensions[0, 2] == pytest.approx(reach / wave.half_width)
 
 
-@pytest.mark.parametrize("apart", [False, True])
 @pytest.mark.parametrize("wave", WAVES[::2])
-def test_a_residual_between_the_samples_is_no_larger_than_the_factor_allows(wave, apart):
-    """The residual of a plane that is off by e is e T_0; of an added density of the highest degrees it is sampled."""
+def test_a_plane_that_is_off_is_a_residual_of_its_height(wave):
     state, series = wave.state(False), wave.series(False)
-    assert contact_residual(state._replace(approach=state.approach + 1e-5), series)[0][0] == pytest.approx(
-        1e-5, rel=1e-6
-    )
-    first, _, y = sample_points(state.segments, apart)
-    t = (y - state.segments.centre[0]) / state.segments.half_width[0]
-    assert first.tolist() == [0, t.size]
-    angle = np.linspace(0, np.pi, 5000)
-    for degree in range(state.coefficient.size + 3):
-        assert SAMPLED_FACTOR * np.abs(np.cos(degree * np.arccos(t))).max() >= 1
-        mixed = np.cos(degree * angle) + np.cos((degree // 2) * angle)
-        sampled = np.cos(degree * np.arccos(t)) + np.cos((degree // 2) * np.arccos(t))
-        assert np.abs(mixed).max() <= SAMPLED_FACTOR * np.abs(sampled).max()
-
-
-@pytest.mark.parametrize("apart", [False, True])
-def test_a_polynomial_is_nowhere_larger_than_its_samples_allow(apart):
-    random, everywhere = np.random.default_rng(0), np.cos(np.linspace(0, np.pi, 4000))
-    state = patches.solve_load(THREE_WAVES, 0.5).state
-    nodes, (first, _, y) = np.diff(state.segments.first_node), sample_points(state.segments, apart)
-    for j, where in enumerate(np.split(y, first[1:-1])):
-        at = (where - state.segments.centre[j]) / state.segments.half_width[j]
-        for _ in range(100):
-            coefficients = random.normal(size=nodes[j] + 3) * random.integers(0, 2, nodes[j] + 3)
-            wave = np.polynomial.Chebyshev(coefficients + 1e-9)
-            assert np.abs(wave(everywhere)).max() <= SAMPLED_FACTOR * np.abs(wave(at)).max()
+    wrong = state._replace(approach=state.approach + 1e-5)
+    assert contact_residual(wrong, series)[0] == pytest.approx([1e-5], rel=1e-6)
 
 
 @pytest.mark.parametrize("apart", [False, True])
