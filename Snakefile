@@ -62,6 +62,9 @@ wildcard_constraints:
 localrules:
     all,
     made_of,
+    data,
+    figure,
+    page,
 
 
 rule all:
@@ -128,35 +131,23 @@ rule solve:
         " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
-# An empty file whose name says what a product is made of, as soon as its curves are there: a missing file is made, and
-# the product after it. Those that exist are made by no rule.
-rule made_of:
+# A job makes its share of the products of a scene, since each process spends two seconds on imports. Each product is
+# then put into its stamp, a folder whose name says what it is made of: a missing one is made, and its files are copied
+# after it. Those that exist are made by no rule.
+rule make:
     input:
         plan.solved,
     output:
-        touch("results/{scene}/.made_of/{product}/{digest}"),
-    wildcard_constraints:
-        product=r"[\w.-]+",
-        digest=plan.new_digests,
-    message:
-        "{wildcards.scene}: the curves of {wildcards.product} are solved"
-
-
-rule data:
-    input:
-        made_of=stamp(DATA),
-    output:
-        data="results/{scene}/contact.nc",
-        claims=report(
-            "results/{scene}/claims.md",
-            category="{scene}",
-            subcategory="claims",
-            caption="rules/captions/claims.rst",
-        ),
+        temp(directory("results/{scene}/.drafts/{what}.{number}-of-{jobs}.{stamps}")),
     log:
-        "results/logs/{scene}/data.log",
+        "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.log",
     benchmark:
-        "results/logs/{scene}/data.tsv"
+        "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.tsv"
+    wildcard_constraints:
+        what=r"[\w.-]+",
+        number=r"\d+",
+        jobs=r"\d+",
+        stamps="[0-9a-f]+",
     conda:
         "rules/environment.yaml"
     resources:
@@ -165,10 +156,53 @@ rule data:
     params:
         run=command,
         scene=lambda wildcards, output: scene_file(wildcards.scene),
+        stamps=plan.drafted,
     message:
-        "{wildcards.scene}: write the data and judge the claims"
+        "{wildcards.scene}: make {wildcards.what}, {wildcards.number} of {wildcards.jobs}"
     shell:
-        "{params.run} product {params.scene:q} {input.made_of:q} results/curves 2>&1 | tee -i {log:q}"
+        "{params.run} make {params.scene:q} results/curves {output:q} {params.stamps:q} 2>&1 | tee -i {log:q}"
+
+
+rule made_of:
+    input:
+        plan.draft,
+    output:
+        directory("results/{scene}/.made_of/{product}/{digest}"),
+    log:
+        "results/logs/{scene}/made_of/{product}.{digest}.log",
+    wildcard_constraints:
+        product=r"[\w.-]+",
+        digest=plan.new_digests,
+    conda:
+        "rules/environment.yaml"
+    message:
+        "{wildcards.scene}: {wildcards.product} is made"
+    shell:
+        "(rm -rf results/{wildcards.scene}/.made_of/{wildcards.product}/* && "
+        "mv {input:q}/{wildcards.product} {output:q}) 2>{log:q}"
+
+
+rule data:
+    input:
+        made_of=stamp(DATA),
+    output:
+        "results/{scene}/contact.nc",
+        report(
+            "results/{scene}/claims.md",
+            category="{scene}",
+            subcategory="claims",
+            caption="rules/captions/claims.rst",
+        ),
+    log:
+        "results/logs/{scene}/data.log",
+    conda:
+        "rules/environment.yaml"
+    params:
+        folder=lambda wildcards, output: Path(output[0]).parent,
+    message:
+        "{wildcards.scene}: the data and the claims"
+    shell:
+        "cp {input.made_of:q}/* {params.folder:q} 2>{log:q}"
 
 
 use rule data as figure with:
@@ -184,10 +218,8 @@ use rule data as figure with:
         multiext("results/{scene}/figures/{figure}", ".pdf", ".svg", ".csv"),
     log:
         "results/logs/{scene}/figures/{figure}.log",
-    benchmark:
-        "results/logs/{scene}/figures/{figure}.tsv"
     message:
-        "{wildcards.scene}: draw {wildcards.figure}"
+        "{wildcards.scene}: {wildcards.figure}"
 
 
 use rule data as page with:
@@ -202,7 +234,5 @@ use rule data as page with:
         ),
     log:
         "results/logs/{scene}/page.log",
-    benchmark:
-        "results/logs/{scene}/page.tsv"
     message:
-        "{wildcards.scene}: make the explorer"
+        "{wildcards.scene}: the explorer"

@@ -104,10 +104,11 @@ def test_a_command_that_lacks_its_extra_says_so(tmp_path):
         sys.executable,
         "-m",
         "weier",
-        "product",
+        "make",
         scene_file,
-        tmp_path / ".made_of/page.html" / digest,
         tmp_path,
+        tmp_path / "drafts",
+        f"page.html/{digest}",
     ]
     done = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert done.returncode == 1

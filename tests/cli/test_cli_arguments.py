@@ -34,6 +34,8 @@ REQUIRED = {
     "count": "1",
     "numerics": numerics(),
     "folder": "curves",
+    "store": "curves",
+    "drafts": "drafts",
     "scenes": "scene.yaml",
     "contact": "contact.nc",
     "files": "drawn/contact.nc",
@@ -58,8 +60,7 @@ def solved(tmp_path_factory):
     loaded = scene_in(folder, SCENE, weier.load_scene)
     solutions = solve_scene(loaded, folder / "curves")
     stamp = folder / ".made_of/compliance" / made_of(solutions, "compliance")
-    stamp.parent.mkdir(parents=True)
-    stamp.touch()
+    stamp.mkdir(parents=True)
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
     with weier.open_dataset(folder / "contact.nc") as data:
         draw(loaded.figure("compliance"), [data.load()], folder / "figures/compliance.png")
@@ -72,7 +73,7 @@ def test_a_command_runs_with_its_optional_arguments_left_out(run, solved, tmp_pa
     shutil.copytree(solved, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     required = [parameter.name for parameter in cli.commands[name].params if parameter.required]
-    known = REQUIRED | {"stamp": str(next(tmp_path.glob(".made_of/*/*")))}
+    known = REQUIRED | {"stamps": str(next(tmp_path.glob(".made_of/*/*")))}
     values = [known[argument] for argument in required]
     code, out, err = run(name, *NEEDED.get(name, []), *values)
     if name in REFUSED:

@@ -13,7 +13,6 @@ from weier.data import dataset
 from weier.digests import numerics
 from weier.pipeline.curves import CLOSED, Curves
 from weier.pipeline.products import made_of
-from weier.pipeline.products import stamp_of as stamp_state
 from weier.pipeline.store import Store
 
 SCENE = """
@@ -49,13 +48,10 @@ def curves(scene_file, plan=None, group=CLOSED):
     return ["curves", "all", group, 0, 1, plan or numerics(), scene_file.parent / "curves", scene_file]
 
 
-def stamp_of(scene_file, product):
-    """An empty stamp, as the rules make it when the curves are there."""
-    made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics())), product)
-    stamp = scene_file.parent / "results" / ".made_of" / product / made
-    stamp.parent.mkdir(parents=True)
-    stamp.touch()
-    return stamp
+def make(scene_file):
+    """The arguments of the job that makes the dataset."""
+    made = made_of(Curves(scene.load(scene_file), Store(scene_file.parent / "curves", numerics())), "contact.nc")
+    return ["make", scene_file, scene_file.parent / "curves", scene_file.parent / "drafts", f"contact.nc/{made}"]
 
 
 def test_a_job_says_one_line_and_one_more_is_not_needed(scene_file):
@@ -76,26 +72,23 @@ def test_a_job_of_another_plan_is_refused_in_a_sentence(scene_file):
     assert not (scene_file.parent / "curves").exists()
 
 
-def test_a_product_fills_its_stamp(run, scene_file):
+def test_products_are_made_in_a_folder_each(run, scene_file):
     assert run(*curves(scene_file))[0] == 0
-    stamp = stamp_of(scene_file, "contact.nc")
-    code, _, err = run("product", scene_file, stamp, scene_file.parent / "curves")
+    code, _, err = run(*make(scene_file))
     assert (code, err.startswith("make test contact.nc: ")) == (0, True)
-    assert stamp_state(scene_file.parent / "results", "contact.nc", stamp.name) == (stamp, True)
+    assert {path.name for path in (scene_file.parent / "drafts/contact.nc").iterdir()} == {"contact.nc", "claims.md"}
 
 
-def test_a_product_without_curves_or_of_another_scene_leaves_no_stamp(run, scene_file):
+def test_a_product_without_curves_or_of_another_scene_is_named(run, scene_file):
     for edit, message in (
         ("m: 2", r"weier: contact.nc cannot be made: \d curves by .* are not solved: run snakemake again"),
         ("m: 3", "weier: contact.nc cannot be made: test or weier has changed since the plan: run snakemake again"),
     ):
-        stamp = stamp_of(scene_file, "contact.nc")
+        planned = make(scene_file)
         scene_file.write_text(SCENE.replace("m: 2", edit))
-        code, _, err = run("product", scene_file, stamp, scene_file.parent / "curves")
-        assert code == 1
-        assert re.match(message, err.splitlines()[-1])
-        assert not stamp.exists()
-        stamp.parent.rmdir()
+        code, _, err = run(*planned)
+        assert (code, bool(re.match(message, err.splitlines()[-1]))) == (1, True)
+        assert not (scene_file.parent / "drafts").exists()
 
 
 def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
@@ -112,7 +105,7 @@ def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
 @pytest.mark.parametrize("text", [SCENE.replace("loads: [0.1]", "loads: [0]"), SCENE.replace("1.25", "2.25"), "{"])
 def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     scene_file.write_text(text)
-    done = weier("product", scene_file, tmp_path / "page.html", tmp_path)
+    done = weier("make", scene_file, tmp_path, tmp_path / "drafts", "page.html/0")
     assert done.returncode == 1
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1

@@ -1,12 +1,10 @@
-"""Files that appear whole or not at all, what killed processes leave, and times in the future."""
+"""Files that appear whole or not at all."""
 
 import os
-import subprocess
-import sys
 
 import pytest
 
-from weier.data.files import remove_leftovers, replacing, write_text
+from weier.data.files import replacing, write_text
 
 
 def test_a_file_appears_when_all_went_well(tmp_path):
@@ -48,18 +46,3 @@ def test_a_link_is_followed(tmp_path):
     write_text(tmp_path / "link", "new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "folder" / "file").read_text() == "new"
-
-
-def test_leftovers_go_when_their_process_is_gone(tmp_path):
-    program = (
-        "import os, pathlib, sys; from weier.data.files import replacing\n"
-        "with replacing(pathlib.Path(sys.argv[1], 'killed.nc')) as beside: beside.touch(); os.kill(os.getpid(), 9)"
-    )
-    subprocess.run([sys.executable, "-c", program, tmp_path])
-    (tmp_path / ".kernels").touch()
-    (tmp_path / ".else.nc.anotherhost.1").touch()
-    with replacing(tmp_path / "mine.nc") as mine:
-        mine.touch()
-        assert len(list(tmp_path.iterdir())) == 4
-        remove_leftovers(tmp_path)
-        assert {path.name for path in tmp_path.iterdir()} == {mine.name, ".kernels", ".else.nc.anotherhost.1"}

@@ -66,7 +66,11 @@ def assert_the_next_run_is_undisturbed(checkout, undisturbed):
 
 
 def leftovers(checkout):
-    return [path for path in checkout.rglob("results/**/.*") if path.name not in (".made_of", ".solved")]
+    return [
+        path
+        for path in checkout.rglob("results/**/.*")
+        if path.name not in (".made_of", ".solved", ".snakemake_timestamp")
+    ]
 
 
 def forget(checkout, *names):
@@ -138,9 +142,7 @@ def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_p
 
 
 def test_a_kill_between_a_stamp_and_its_product_leaves_nothing_that_passes_as_fresh(checkout, undisturbed):
-    """The stamp is there and empty, and the product is that of another scene, or half of one."""
-    stamp = next((checkout / "results/test/.made_of/contact.nc").iterdir())
-    stamp.write_text("")
+    """The stamp is there, and a file is that of another scene, or half of one."""
     (checkout / "results/test/claims.md").write_text("of another scene")
     shutil.rmtree(checkout / ".snakemake")
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
@@ -187,13 +189,8 @@ def test_a_second_run_is_refused_and_a_killed_one_harms_no_later_one(checkout, u
 
 def assert_the_next_run_is_undisturbed_beside(worker, checkout, undisturbed):
     """The worker of the killed run still stands there: what it is writing is its own."""
-    code, said = run(checkout)
-    assert code == 0, said
+    assert_the_next_run_is_undisturbed(checkout, undisturbed)
     assert not gone(worker)
-    assert [path.name.rpartition(".")[2] for path in leftovers(checkout)] == [str(worker)]
-    assert (checkout / "results/test/contact.nc").read_bytes() == (
-        undisturbed / "results/test/contact.nc"
-    ).read_bytes()
 
 
 @pytest.mark.parametrize("name", ["results/test/contact.nc", "results/curves/demelio"])
@@ -263,7 +260,7 @@ def test_results_closed_to_writing_are_named_and_made_once_they_are_open(checkou
     assert code != 0
     assert "is closed to writing): name another file, in a folder that you can write to" in said
     assert planned[0] == 0, planned[1]
-    assert "test: write the data and judge the claims" in planned[1]
+    assert "test: the data and the claims" in planned[1]
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 

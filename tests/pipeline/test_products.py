@@ -1,11 +1,14 @@
 """Products are made of curves, entries of the scene and code; stamps say of which. Keys of scenes: test_freshness."""
 
+import shutil
+from pathlib import Path
+
 import pytest
 
 from tests.pipeline.test_freshness import ALL, digests_of
 from weier import digests
 from weier.pipeline import products
-from weier.pipeline.products import DATA, files_of, fill_stamp, stamp_of
+from weier.pipeline.products import DATA, files_of, stamp_of
 
 
 def test_data_of_another_date_are_other_data(tmp_path, monkeypatch):
@@ -42,63 +45,42 @@ def test_other_code_makes_again_what_it_makes(tmp_path, monkeypatch, parts, expe
 
 @pytest.fixture
 def made(tmp_path):
-    """A folder with a figure, and a function that asks for its stamp."""
+    """The folder of a scene with a figure as it was made, and its stamp."""
+    stamp = stamp_of(tmp_path, "one", "a")[0]
+    assert stamp == tmp_path / ".made_of/one/a"
+    fill(stamp)
+    return tmp_path, stamp
+
+
+def fill(stamp):
+    """Put files into a stamp, and copy them to their places, as the rules do."""
+    stamp.mkdir(parents=True)
     for file in files_of("one"):
-        (tmp_path / file).parent.mkdir(exist_ok=True)
-        (tmp_path / file).write_text(file)
-
-    def ask(digest="a"):
-        stamp, fresh = stamp_of(tmp_path, "one", digest)
-        return stamp, stamp.exists(), fresh
-
-    return ask
+        path = stamp.parents[2] / file
+        path.parent.mkdir(exist_ok=True)
+        (stamp / path.name).write_text(file)
+        path.write_text(file)
 
 
-def begin(stamp):
-    stamp.parent.mkdir(parents=True, exist_ok=True)
-    stamp.touch()
-
-
-def test_a_stamp_goes_from_missing_to_empty_to_filled(made, tmp_path):
-    stamp, exists, fresh = made()
-    assert (stamp, exists, fresh) == (tmp_path / ".made_of/one/a", False, False)
-    begin(stamp)
-    assert made() == (stamp, True, False)  # as a job leaves it that is killed before the product
-    fill_stamp(stamp)
-    assert made() == (stamp, True, True)
-    other, *state = made("b")
-    assert (other.name, state) == ("b", [False, False])
-    begin(other)
-    fill_stamp(other)
-    assert [path.name for path in stamp.parent.iterdir()] == ["b"]  # so that the way back makes it again
-    assert made("a")[1:] == (False, False)
+def test_a_stamp_with_its_files_counts_also_in_a_copy(made, tmp_path):
+    folder, stamp = made
+    assert stamp_of(folder, "one", "a") == (stamp, True)
+    assert stamp_of(folder, "one", "b") == (stamp.with_name("b"), False)
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    assert stamp_of(copy, "one", "a") == (copy / ".made_of/one/a", True)
 
 
 @pytest.mark.parametrize("file", files_of("one"))
-@pytest.mark.parametrize("lost", [False, True])
-def test_an_edited_file_asks_for_a_stamp_that_is_missing(made, tmp_path, file, lost):
-    stamp = made()[0]
-    begin(stamp)
-    fill_stamp(stamp)
-    (tmp_path / file).unlink() if lost else (tmp_path / file).write_text("edited")
-    edited, exists, fresh = made()
-    assert (edited.name.partition(".")[0], exists, fresh) == ("a", False, False)
-    assert made()[0] == edited  # in each plan the same one
-    begin(edited)
-    assert made() == (edited, True, False)
-    (tmp_path / file).write_text(file)
-    fill_stamp(edited)
-    assert made() == (edited, True, True)
-    (tmp_path / file).write_text("edited again")
-    assert made()[0] not in (stamp, edited)
-
-
-def test_a_stamp_that_was_copied_with_its_files_counts(made, tmp_path):
-    stamp = made()[0]
-    begin(stamp)
-    fill_stamp(stamp)
-    copy = tmp_path / "copy"
-    for path in (stamp, *(tmp_path / file for file in files_of("one"))):
-        (copy / path.relative_to(tmp_path)).parent.mkdir(parents=True, exist_ok=True)
-        (copy / path.relative_to(tmp_path)).write_bytes(path.read_bytes())
-    assert stamp_of(copy, "one", "a") == (copy / ".made_of/one/a", True)
+@pytest.mark.parametrize("change", [Path.unlink, lambda path: path.write_text("edited")])
+def test_an_edited_file_asks_for_a_stamp_that_is_missing(made, file, change):
+    """Each time by another name, and a file that a killed job has not copied, too."""
+    folder, first = made
+    change(folder / file)
+    second, fresh = stamp_of(folder, "one", "a")
+    assert (second.name.partition(".")[0], second.exists(), fresh) == ("a", False, False)
+    assert stamp_of(folder, "one", "a")[0] == second  # in each plan the same one
+    shutil.rmtree(first)
+    fill(second)
+    assert stamp_of(folder, "one", "a") == (second, True)
+    change(folder / file)
+    assert stamp_of(folder, "one", "a")[0] not in (first, second)

@@ -67,6 +67,14 @@ def test_everything_is_the_files_of_the_products_and_their_stamps(folder):
     assert not (folder / "results").exists()
 
 
+def solved(plan, product, scene="test"):
+    """The jobs that solve curves for the job that makes a product."""
+    what, number, count = re.fullmatch(
+        rf"results/{scene}/\.drafts/(.*)\.(\d+)-of-(\d+)\.\w+", plan.draft(of(scene=scene, product=product))
+    ).groups()
+    return plan.solved(of(scene=scene, what=what, number=number, jobs=count))
+
+
 def jobs(found):
     """Groups of jobs, with what they are of."""
     return [(Path(path).parents[2].name, Path(path).name) for path in found]
@@ -75,17 +83,17 @@ def jobs(found):
 def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     """Those of all scenes where all is made; and its own if it is named alone."""
     alone = plan()
-    assert jobs(alone.solved(of(product="one"))) == [
+    assert jobs(solved(alone, "one")) == [
         ("test~one", f"{CLOSED}.0-of-1"),
         ("test~one", "bem.0-of-1"),
     ]
     together = plan()
     together.all_files(of())
-    found = [together.solved(of(product=product)) for product in ("one", "two", "contact.nc")]
+    found = [solved(together, product) for product in ("one", "two", "contact.nc")]
     assert found[0] == found[1] == found[2]
     assert jobs(found[0]) == [("all", f"{CLOSED}.0-of-1"), ("all", "bem.0-of-1")]
     solve_scene(alone.scene("test"), Path("results/curves"))
-    assert plan().solved(of(product="contact.nc")) == []
+    assert solved(plan(), "contact.nc") == []
 
 
 def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
@@ -93,13 +101,13 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
     change(folder, "studies: [long], facet: m", "studies: [long], facet: m, median over: seed")
     for seconds, slots, expected in ((4.0, 9, 1), (25.0, 9, 5), (90.0, 5, 5), (1e4, 99, 62)):
         monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each study
-        jobs = [Path(path).name for path in plan(slots=slots).solved(of(product="contact.nc")) if "/bem." in path]
+        jobs = [Path(path).name for path in solved(plan(slots=slots), "contact.nc") if "/bem." in path]
         assert jobs == [f"bem.{number}-of-{expected}" for number in range(expected)]
 
 
 def test_a_figure_of_no_study_needs_no_curves(folder):
     change(folder, "figures:", "figures:\n  three: {draw: borodich_galanov}")
-    assert plan().solved(of(product="three")) == []
+    assert solved(plan(), "three") == []
 
 
 def test_minutes_grow_with_the_seconds_of_a_job_and_with_attempts(folder, monkeypatch):
@@ -107,6 +115,22 @@ def test_minutes_grow_with_the_seconds_of_a_job_and_with_attempts(folder, monkey
     assert [plan().minutes(of(**job), attempt) for attempt in (1, 3)] == [5, 15]
     monkeypatch.setattr(workflow.Part, "seconds", 60.0)
     assert plan().minutes(of(**job), 2) == 2 * (5 + 2 * 5 / 2)
+
+
+@pytest.mark.parametrize("slots", [1, 2, 3, 9])
+def test_each_product_that_is_not_up_to_date_is_made_by_one_of_as_many_jobs_as_can_run(folder, slots):
+    planned = plan(slots=slots)
+    planned.all_files(of())
+    shares = {}
+    for product in ("contact.nc", "one", "two", "page.html"):
+        shares.setdefault(planned.draft(of(product=product)), []).append(product)
+    count = min(slots, 4)
+    assert [path.rpartition(".")[0] for path in shares] == [
+        f"results/test/.drafts/all.{number}-of-{count}" for number in range(count)
+    ]
+    for number, share in enumerate(shares.values()):
+        stamps = planned.drafted(of(what="all", number=str(number), jobs=str(count)))
+        assert [Path(stamp).parent.name for stamp in stamps] == share
 
 
 def test_no_rule_makes_a_stamp_that_is_there(folder):
@@ -124,14 +148,14 @@ def test_no_rule_makes_a_stamp_that_is_there(folder):
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):
     change(folder, "1.25, gamma: 5, m: [1", "2.25, gamma: 5, m: [1")
-    for function in (lambda: plan().all_files(of()), lambda: plan().solved(of(product="one"))):
+    for function in (lambda: plan().all_files(of()), lambda: solved(plan(), "one")):
         with pytest.raises(SystemExit, match=r"^weier: config/scenes/test.yaml.*D must lie in \(1, 2\)"):
             function()
     with pytest.raises(SystemExit, match=r"^weier: a scene of .* must be one of .*, got 'tset': did you mean 'test'"):
-        plan().solved(of(scene="tset", product="one"))
+        solved(plan(), "one", scene="tset")
     change(folder, "2.25, gamma", "1.25, gamma")
     with pytest.raises(SystemExit, match=r"^weier: a figure of test must be one of one, two, got 'three'"):
-        plan().solved(of(product="three"))
+        solved(plan(), "three")
 
 
 def test_a_scene_above_its_limit_is_refused(folder, capsys):

@@ -56,7 +56,7 @@ for _command in (
     jobs.compile,
     jobs.adopt,
     jobs.curves,
-    jobs.product,
+    jobs.make,
     jobs.draw,
 ):
     cli.add_command(_command)

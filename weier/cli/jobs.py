@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -84,15 +85,30 @@ def curves(
 
 @click.command(hidden=True)
 @SCENE
-@click.argument("stamp", type=FILE)
-@click.argument("folder", type=FILE)
-def product(scene_file: Path, stamp: Path, folder: Path) -> None:
-    """Make a product of a scene from the curves in FOLDER, and write the digests of its files into its STAMP."""
+@click.argument("store", type=FILE)
+@click.argument("drafts", type=FILE)
+@click.argument("stamps", nargs=-1, type=FILE, required=True)
+def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) -> None:
+    """Make the products of a scene that STAMPS are of, from the curves in STORE, each in a folder of DRAFTS.
+
+    One that cannot be made is named, and the others are made. The exit code is 1 if none is.
+    """
     from weier.figures.make import make_product
     from weier.pipeline.curves import Curves
 
-    with job("make", scene_file.stem, stamp.parent.name):
-        make_product(Curves(weier.load_scene(scene_file), Store(folder, numerics())), stamp)
+    curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
+    drafts.mkdir(parents=True, exist_ok=True)
+    for stamp in stamps:
+        name = stamp.parent.name
+        try:
+            with job("make", scene_file.stem, name):
+                make_product(curves, stamp, drafts / name)
+        except ValueError as error:
+            shutil.rmtree(drafts / name, ignore_errors=True)
+            click.echo(f"weier: {error}", err=True)
+    if not any(drafts.iterdir()):
+        drafts.rmdir()
+        raise click.exceptions.Exit(1)
 
 
 @click.command()

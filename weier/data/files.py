@@ -1,9 +1,8 @@
-"""Atomic writing of files, and recovery from killed processes, full disks and wrong clocks."""
+"""Atomic writing of files, which names a full disk and paths that cannot be written."""
 
 from __future__ import annotations
 
 import os
-import re
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,9 +10,6 @@ from pathlib import Path
 
 from weier.checks import readable
 from weier.digests import ignoring_errors_of_disks
-
-# The names of temporary files of `replacing`.
-LEFTOVER = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<process>\d+)")
 
 
 @contextmanager
@@ -66,20 +62,6 @@ def check_target(path: str | Path) -> None:
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
 
 
-def remove_leftovers(folder: str | Path) -> None:
-    """Remove temporary files below a folder that killed processes of this machine have left."""
-    for path in Path(folder).rglob(".*"):
-        leftover = LEFTOVER.fullmatch(path.name)
-        if leftover and leftover["host"] == _host() and not _runs(int(leftover["process"])):
-            path.unlink(missing_ok=True)
-
-
-def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except OSError as error:  # A process of another user may not be signalled, but it runs.
-        return isinstance(error, PermissionError)
-    return True
 
 
 def _host() -> str:

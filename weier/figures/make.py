@@ -5,31 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 
 from weier import figures
-from weier.data.files import remove_leftovers
 from weier.pipeline import claims
 from weier.pipeline.curves import Curves
-from weier.pipeline.products import CLAIMS, DATA, PAGE, fill_stamp, made_of
+from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 
-def make_product(curves: Curves, stamp: Path) -> None:
-    """Make the product that a stamp is of, next to the stamp, and fill the stamp.
+def make_product(curves: Curves, stamp: Path, folder: Path) -> None:
+    """Make the product that a stamp is of in a folder of this name.
+
+    Parameters
+    ----------
+    curves : Curves
+        The curves of the scene, with their store.
+    stamp : Path
+        The stamp, `PRODUCT/DIGEST`, as planned.
+    folder : Path
+        The folder for the product.
 
     Raises
     ------
     ValueError
-        If the scene or the code has changed since the stamp was named, if a curve is not solved, or if a figure
-        cannot be drawn. The stamp is removed, so that the next run begins anew.
+        If the scene or the code has changed since the plan, if a curve is not solved, or if a figure cannot be drawn.
     """
-    folder, name = stamp.parents[2], stamp.parent.name
+    name = stamp.parent.name
     try:
         if not stamp.name.startswith(made_of(curves, name)):
             raise ValueError(f"{curves.scene.name} or weier has changed since the plan: run snakemake again")
         _make(curves, folder, name)
     except ValueError as error:
-        stamp.unlink(missing_ok=True)
         raise ValueError(f"{name} cannot be made: {error}") from error
-    fill_stamp(stamp)
-    remove_leftovers(folder)
 
 
 def _make(curves: Curves, folder: Path, name: str) -> None:
@@ -45,4 +49,4 @@ def _make(curves: Curves, folder: Path, name: str) -> None:
         figure = curves.scene.figure(name)
         unread = figures.undrawn(figure.draw)
         studies = [read_study(curves, study, unread) for study in figure.all_studies]
-        figures.draw(figure, studies, folder / "figures" / name, (*figures.METADATA, figures.VALUES))
+        figures.draw(figure, studies, folder / name, (*figures.METADATA, figures.VALUES))

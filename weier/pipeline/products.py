@@ -2,18 +2,15 @@
 
 `results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp: its name is the digest of the curves that the product reads, its
 entry in the scene and the code that makes it, so that Snakemake's plain rule, a missing file is made, does
-everything. It is made empty when the curves are there, and the job that makes the product writes the digests of its
-files into it, so that an edited file is found, too.
+everything. It holds the files of the product as they were made, so that an edited one is found, too.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
+import filecmp
 from pathlib import Path
 from typing import Any
 
-from weier.data.files import write_text
 from weier.data.provenance import source_date
 from weier.digests import DIGITS, digest, digest_of_modules, numerics
 from weier.pipeline.curves import Curves
@@ -62,37 +59,19 @@ def made_of(curves: Curves, product: str) -> str:
 
 
 def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
-    """Return the stamp of a product with this digest, and whether the files of the product are as its job left them.
+    """Return the stamp of a product with this digest, and whether the files of the product are those in the stamp.
 
     A product whose files have changed since needs a stamp of another name, which is missing.
     """
     stamps = folder / STAMPS / product
-    texts = {path: path.read_text(encoding="utf-8") for path in sorted(stamps.glob(f"{made_of}*"))}
-    now = _digests(folder, product)
-    for wanted, is_fresh in ((now, True), ("", False)):
-        if found := [path for path, text in texts.items() if text == wanted]:
-            return found[0], is_fresh and bool(now)
-    known = [[path.name, text] for path, text in texts.items()]  # names, too, for a second edit of the same file
-    edited = f".{digest(known)[:DIGITS]}" if texts else ""
+    known = sorted(stamps.glob(f"{made_of}*"))
+    for stamp in known:
+        if all(_alike(folder / file, stamp / Path(file).name) for file in files_of(product)):
+            return stamp, True
+    edited = f".{digest([path.name for path in known])[:DIGITS]}" if known else ""
     return stamps / f"{made_of}{edited}", False
 
 
-def fill_stamp(stamp: Path) -> None:
-    """Write the digests of the files of a product into its stamp, and remove its other stamps."""
-    product, folder = stamp.parent.name, stamp.parents[2]
-    write_text(stamp, _digests(folder, product))
-    for other in stamp.parent.iterdir():
-        if other != stamp:
-            other.unlink()
-
-
-def _digests(folder: Path, product: str) -> str:
-    """Return the digests of the files of a product as text; empty if one is missing."""
-    found = {}
-    for file in files_of(product):
-        try:
-            with (folder / file).open("rb") as content:
-                found[file] = hashlib.file_digest(content, "sha256").hexdigest()
-        except FileNotFoundError:
-            return ""
-    return json.dumps(found, indent=1) + "\n"
+def _alike(one: Path, other: Path) -> bool:
+    """Return whether two files exist and have the same content."""
+    return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)

@@ -109,6 +109,33 @@ class Plan:
             curves = self.curves(name)
             return products.stamp_of(self.results / name, product, products.made_of(curves, product))
 
+    def draft(self, wildcards: Any) -> str:
+        """Return the folder of the job that makes a product: alone if it is named, else with others."""
+        name, product = wildcards.scene, wildcards.product
+        what, number, count = product, 0, 1
+        if self._is_of_all(name):
+            named = products.names_of(self.scene(name))
+            count = min(self.slots, len(self._stale(name, named)))
+            what, number = ALL, named.index(product) % count
+        stamps = digest(self._share(name, what, number, count))[:DIGITS]
+        return str(self.results / name / ".drafts" / f"{what}.{number}-of-{count}.{stamps}")
+
+    def drafted(self, wildcards: Any, output: Any = None) -> list[str]:
+        """Return the stamps of the products that a job makes."""
+        return self._share(wildcards.scene, wildcards.what, int(wildcards.number), int(wildcards.jobs))
+
+    def _share(self, name: str, what: str, number: int, count: int) -> list[str]:
+        """Return the stamps of a job's share, which does not depend on what other jobs have made meanwhile."""
+        named = products.names_of(self.scene(name))[number::count] if what == ALL else [what]
+        return self._stale(name, named)
+
+    def _stale(self, name: str, named: Sequence[str]) -> list[str]:
+        """Return the stamps of products that are not up to date."""
+        return [str(path) for path, fresh in (self.stamp(name, product) for product in named) if not fresh]
+
+    def _is_of_all(self, name: str) -> bool:
+        return self._wants_all and name in self.names
+
     @property
     def new_digests(self) -> str:
         """A pattern of stamps that do not exist: no rule makes those that do."""
@@ -118,11 +145,14 @@ class Plan:
     # --- curves ---
 
     def solved(self, wildcards: Any) -> list[str]:
-        """Return the jobs that solve what the store lacks of the curves of a product."""
-        own = f"{wildcards.scene}{BETWEEN}{wildcards.product}"
-        with ending_in_one_sentence():
-            what = ALL if self._wants_all and wildcards.scene in self.names else own
-            return [job for group in self.missing(own) for job in self._jobs(what, group)]
+        """Return the jobs that solve what the store lacks of the curves of the products that a job makes."""
+        name, jobs = wildcards.scene, list[str]()
+        for stamp in self.drafted(wildcards):
+            own = f"{name}{BETWEEN}{Path(stamp).parent.name}"
+            with ending_in_one_sentence():
+                what = ALL if self._is_of_all(name) else own
+                jobs += [job for group in self.missing(own) for job in self._jobs(what, group)]
+        return list(dict.fromkeys(jobs))
 
     def _missing(self, what: str) -> dict[str, list[Part]]:
         return missing(what, self.names, self.curves)
