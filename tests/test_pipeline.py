@@ -171,19 +171,18 @@ def test_a_dry_run_writes_nothing(finished):
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
-    shutil.copytree("profiles/local", finished / "profiles/default")
     module = finished / "weier/figures/resistance.py"
     edit(module, "    return", '    raise ValueError("no ink")\n    return')
+    shutil.copytree("profiles/local", finished / "profiles/default")
     done = call(finished, "--latency-wait", "1")
+    shutil.rmtree(finished / "profiles")  # which says nothing of plans
     assert done.returncode == 1
     assert "weier: two cannot be made: no ink\n" in done.stdout
     assert made(done.stdout) == (["one", "page.html"], 0)
-    assert planned(finished).keys() == {"make", "made_of", "figure"}
+    assert planned(finished) == {"make": 1, "made_of": 1, "figure": 1}
     edit(module, '    raise ValueError("no ink")\n', "")
-    products, solved = made(run(finished))
-    assert (set(products) >= {"two"}, solved) == (True, 0)
+    assert made(run(finished)) == (["one", "page.html"], 0)  # two is still that of the code before
     assert planned(finished) == {}
-    shutil.rmtree(finished / "profiles")
 
 
 def test_changed_code_of_curves_solves_all_again_and_adopting_solves_nothing(finished):
