@@ -77,12 +77,17 @@ def edit(path, old, new):
 
 
 def test_what_runs_no_job_needs_no_number_of_cores_and_writes_nothing(checkout, tmp_path):
+    """Nor do mistakes of a scene end a run that does not need it."""
     copy = tmp_path / "copy"
     shutil.copytree(checkout, copy, ignore=shutil.ignore_patterns(".snakemake", "results"))
-    for command in ("--dry-run", "--summary", "--dag"):
-        done = call(copy, command, cores=())
+    (copy / "config/scenes/bad.yaml").write_text(SCENE.replace("D: 1.25", "D: 2.25"))
+    for command in (["--dry-run"], ["--summary"], ["--dag"], ["--dry-run", "tradeoff", "--config", "scenes=bad"]):
+        done = call(copy, *command, cores=())
         assert done.returncode == 0, done.stderr
         assert done.stdout
+    done = call(copy, "--dry-run", scene="bad")
+    assert done.returncode == 1
+    assert done.stderr.count("D must lie in (1, 2)") == 2
     assert not (copy / "results").exists()
 
 
@@ -208,10 +213,10 @@ def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(
 
 
 def test_the_workflow_runs_from_any_folder(finished, tmp_path):
-    """With the scenes of the checkout, or with scenes of that folder."""
+    """With the scenes of the checkout, or with scenes of that folder; and as a module of another workflow there."""
 
-    def said(*more):
-        command = ["-s", finished / "Snakefile", "-d", tmp_path, "--cores", "2", *more]
+    def said(*more, snakefile=finished / "Snakefile"):
+        command = ["-s", snakefile, "-d", tmp_path, "--cores", "2", *more]
         done = snakemake(*command, cwd=tmp_path.parent, env=os.environ | {"NUMBA_DISABLE_JIT": "1"})
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout + done.stderr
@@ -221,17 +226,29 @@ def test_the_workflow_runs_from_any_folder(finished, tmp_path):
     (tmp_path / "config/scenes/own.yaml").write_text(SCENE.replace("demelio, bem", "demelio"))
     said("--config", "scenes=own", "--", "results/own/figures/one.png")
     assert (tmp_path / "results/own/figures/one.png").exists()
+    (tmp_path / "Snakefile").write_text(MODULE.format(repr(str(finished / "Snakefile"))).rstrip() + " as weier_*\n")
+    planned = said("--dry-run", "--config", "scenes=own", "--", "weier_all", snakefile=tmp_path / "Snakefile")
+    assert set(re.findall(r"^weier_(\w+) +\d+$", planned, re.M)) == {
+        "all",
+        "solve",
+        "make",
+        "made_of",
+        "data",
+        "figure",
+        "page",
+    }
 
 
-DEPLOYED = """
-configfile: "config/config.yaml"
-
+MODULE = """
 module weier:
-    snakefile: github("someone/weier", path="Snakefile", branch="main")
+    snakefile: {}
     config: config
 
 use rule * from weier
 """
+DEPLOYED = 'configfile: "config/config.yaml"' + MODULE.format(
+    'github("someone/weier", path="Snakefile", branch="main")'
+)
 
 
 def commit(folder):

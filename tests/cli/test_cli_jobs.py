@@ -88,7 +88,7 @@ def test_a_product_without_curves_or_of_another_scene_is_named(run, scene_file):
         scene_file.write_text(SCENE.replace("m: 2", edit))
         code, _, err = run(*planned)
         assert (code, bool(re.match(message, err.splitlines()[-1]))) == (1, True)
-        assert not (scene_file.parent / "drafts").exists()
+        assert [path.name for path in scene_file.parent.iterdir()] == ["test.yaml"]
 
 
 def test_adopting_names_how_many_kinds_were_compared(run, scene_file):
