@@ -13,6 +13,7 @@ import pytest
 
 from tests.snakemakes import snakemake
 from weier.data import dataset
+from weier.data.provenance import VERSION
 from weier.digests import PACKAGE
 
 SCENE = """
@@ -269,6 +270,9 @@ def test_with_conda_the_jobs_run_in_the_environment_of_the_rules(checkout, tmp_p
     conda.write_text(f"#!/bin/sh\ncase $1 in\n{cases}--version) echo conda 24.7.1;;\nesac\n")
     conda.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    image = run(checkout, "--containerize")
+    assert "COPY rules/environment.yaml /conda-envs/" in image
+    assert f"weier=={VERSION}" in image
     line = "Conda environment rules/environment.yaml will be created."
     assert line in run(checkout, "--dry-run", "--forceall", "--sdm", "conda")
     assert line not in run(checkout, "--dry-run", "--forceall")

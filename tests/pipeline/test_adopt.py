@@ -1,6 +1,7 @@
 """Curves of other code count where it gives the same numbers, or numbers within the stated errors if asked."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -14,20 +15,27 @@ from weier.pipeline.store import Store
 SCENE = {
     "title": "t",
     "loads": [0.1, 1.0],
-    "methods": ["archard", "bem", "layer"],
+    "methods": ["archard", "bem", "cascade", "layer"],
     "contact_edges": True,
     "studies": {"one": {"product": {"D": 1.25, "gamma": 2, "m": [1, 2, float("inf")], "phases": 1.0}}},
 }
-EVERY = {SURFACE, "archard", "bem", "layer"}
+EVERY = {SURFACE, "archard", "bem", "cascade", "layer"}
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """Curves of another code."""
+    folder = tmp_path_factory.mktemp("solved")
+    found = solve_scene(scene_in(folder, SCENE), folder / "curves")
+    for path in (folder / "curves").glob("*/*/"):
+        path.rename(path.with_name("old"))
+    return found
 
 
 @pytest.fixture
-def old(tmp_path):
-    """Curves of another code."""
-    solved = solve_scene(scene_in(tmp_path, SCENE), tmp_path / "curves")
-    for folder in (tmp_path / "curves").glob("*/*/"):
-        folder.rename(folder.with_name("old"))
-    return solved
+def old(solved, tmp_path):
+    """A copy of them."""
+    return curves_in(solved.scene, shutil.copytree(solved.store.folder, tmp_path / "curves"))
 
 
 def change(old, method, name, by):
@@ -43,7 +51,7 @@ def change(old, method, name, by):
 def adopted(old, within_errors=False):
     """The methods whose curves count, and what was said."""
     store, said = Store(old.store.folder, old.store.numerics), []
-    assert adopt([old], store, within_errors, said.append) == 4
+    assert adopt([old], store, within_errors, said.append) == 5
     return {line.partition("-")[0] for line in said if line.endswith(": adopted")}, said
 
 
@@ -53,7 +61,7 @@ def test_a_sample_of_the_same_bits_stands_for_all_with_a_record_beside_the_curve
     assert found == EVERY
     assert all(line.endswith("of old: 1 curves solved again, the same bits: adopted") for line in said)
     records = [json.loads(path.read_text()) for path in old.store.folder.glob(f"*/{old.store.numerics}/{RECORD}")]
-    assert len(records) == 4
+    assert len(records) == 5
     assert {(record["curves"], record["compared"], record["identical"]) for record in records} == {("old", 1, True)}
     now = curves_in(old.scene, old.store.folder)
     assert now.store.lacking(now.of_studies()) == []
@@ -85,6 +93,13 @@ def test_another_number_is_not_adopted(old, method, name, by):
         ("bem", "compliance", 2, EVERY - {"bem"}),
         ("bem", "status", 3, EVERY - {"bem"}),
         ("archard", "compliance", 1 + 1e-14, EVERY - {"archard"}),  # which states no error
+        (
+            "cascade",
+            "contact_fraction",
+            1 + 1e-14,
+            EVERY - {"cascade"},
+        ),  # which has neither compliance nor resistance
+        ("cascade", "contact_fraction", 1, EVERY),
         (SURFACE, "total_amplitude", 2, EVERY - {SURFACE}),
     ],
 )

@@ -62,8 +62,6 @@ def check_target(path: str | Path) -> None:
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
 
 
-
-
 def _host() -> str:
     return socket.gethostname().partition(".")[0]
 
