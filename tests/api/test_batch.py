@@ -68,6 +68,9 @@ def test_mean_gap_and_area_coefficient_are_those_of_the_fields_and_of_two_bodies
     solved = solve([Profile(1.5, 3, 2, 1.0)], [0.1], ["patches", "demelio", "persson"])
     assert solved.mean_gap.values[0, 0] == pytest.approx(own.mean_gap, rel=1e-12)
     assert solved.area_coefficient.isnull().values.tolist() == [[[False], [True], [False]]]
+    for method in ("patches", "persson"):
+        one, listed = solve(Profile(1.5, 3, 2, 1.0), [0.1], method), solved.isel(case=0).sel(solution_method=method)
+        assert (one.mean_gap, one.area_coefficient) == (listed.mean_gap, listed.area_coefficient)
     for infinite in (Profile(1.5, 3, np.inf), Profile(1.5, 10, 400)):  # slopes, the second beyond the range of floats
         assert solve([infinite], [0.1], ["persson"]).area_coefficient.isnull().all()
     light = solve([Profile(1.5, 3, 4)], [1e-6], ["persson"])

@@ -187,7 +187,7 @@ REFUSED = {
     "method": (["--method", "bem"], "of other methods: patches = "),
     "another": (["--method", "bem", "--method", "patches"], "of other methods: none, not bem = "),
     "tolerance": (["--tolerance", "1e-6", "--method", "patches"], "not patches = {'tolerance': 1e-06}"),
-    "loads": (["--loads", "0.02"], "with 2 loads that are not asked for, such as 0.01 p_0*: add them, or"),
+    "loads": (["--loads", "0.02"], "with 2 loads that are not asked for, such as 1.81246e+06 Pa: add them, or"),
     "no bodies": (["--si", None], "of other bodies: "),
 }
 

@@ -29,7 +29,7 @@ def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
         unconverged = isinstance(outcome, ConvergenceError)
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
-    more = _derived(curve, solution) | _bounds(curve, solution)
+    more = derived(curve.profile, curve.loads, solution) | _bounds(curve, solution)
     return {"status": Status.solved, "seconds": seconds, **solution.values(), **more}
 
 
@@ -41,14 +41,13 @@ def _bounds(curve: CurveTask, solution: Curve) -> dict[str, Array]:
     return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.values()["compliance_error"])
 
 
-def _derived(curve: CurveTask, solution: Curve) -> dict[str, Array]:
+def derived(surface: Waves, loads: Array, solution: Curve) -> dict[str, Array]:
     """Return the mean gap and, with a contact fraction A, kappa = A E* h'/p, where p_0* = pi E* g_0/lambda_0."""
-    gap = {"mean_gap": curve.profile.total_amplitude - solution.compliance}
+    gap = {"mean_gap": surface.total_amplitude - solution.compliance}
     if solution.contact_fraction is None:
         return gap
-    slope = curve.profile.rms[1]
-    slope = slope if math.isfinite(slope) else math.nan
-    return gap | {"area_coefficient": solution.contact_fraction * slope / (np.pi * curve.loads)}
+    slope = surface.rms[1] if math.isfinite(surface.rms[1]) else math.nan
+    return gap | {"area_coefficient": solution.contact_fraction * slope / (np.pi * loads)}
 
 
 def surface_row(surface: Waves) -> dict[str, Any]:

@@ -13,10 +13,12 @@ import xarray as xr
 
 from weier.api.task import Known
 from weier.cli import result
+from weier.data import dataset
 from weier.methods.progress import curve_so_far
 from weier.pipeline import resume
 from weier.pipeline.jobs import APPEND_SECONDS
 from weier.scene.case import Case
+from weier.units import unit_of
 
 if TYPE_CHECKING:
     from weier.cli.profile import Request
@@ -39,9 +41,10 @@ class Output:
             loads, known = resume.read(path, case, bodies and bodies.at(case.profile))
             same = np.isclose(self.request.loads[:, None], loads, 1e-15, 0.0)
             if (others := ~same.any(axis=0)).any():
+                pressure = dataset.read(path)["mean_pressure"]
                 raise ValueError(
                     f"{path} exists, with {others.sum()} loads that are not asked for, such as "
-                    f"{loads[others][0]:.6g} p_0*: add them, or {resume.OTHERWISE}"
+                    f"{pressure.values[others][0]:.6g} {unit_of(pressure)}: add them, or {resume.OTHERWISE}"
                 )
             own = np.where(same.any(axis=1), loads[same.argmax(axis=1)], self.request.loads)
             self.request = self.request._replace(loads=own)
