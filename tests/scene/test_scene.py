@@ -1,5 +1,6 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
+import inspect
 import json
 import re
 import shutil
@@ -11,7 +12,7 @@ import pytest
 import yaml
 
 from tests.toy_method import TOY
-from weier import load_scene, scene
+from weier import Interface, load_scene, scene
 from weier.methods import registry
 from weier.pipeline.workflow import CONFIG_KEYS
 from weier.scene import keys
@@ -50,6 +51,11 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
     some = range(0, len(solved), max(1, len(solved) // 1000))
     own = [(loaded.distinct[number], listed[loaded.product_of_cases[number]].loads) for number in some]
     assert [case.key(loads) for case, loads in own] == [solved[number] for number in some]
+
+
+def test_the_schema_knows_the_names_of_the_bodies():
+    known = schema()["properties"]["interface"]["propertyNames"]["enum"]
+    assert known == [*inspect.signature(Interface).parameters]
 
 
 def test_the_schema_knows_every_method(monkeypatch):

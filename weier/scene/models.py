@@ -6,6 +6,7 @@ The JSON schema for editors and the tables of keys follow from them: a new key i
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Sequence
 from functools import partial
@@ -157,7 +158,7 @@ else:
     Loads = Annotated[list[Load], Field(min_length=1), AfterValidator(_pressures), OneOrMore()]
     Interface = Annotated[
         dict[str, Any],
-        Field(json_schema_extra={"propertyNames": {"enum": [*Bodies.__dataclass_fields__]}}),
+        Field(json_schema_extra={"propertyNames": {"enum": [*inspect.signature(Bodies).parameters]}}),
         AfterValidator(Bodies.of_texts),
     ]
 
