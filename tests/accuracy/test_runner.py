@@ -110,11 +110,12 @@ def test_a_warning_is_kept_and_a_curve_that_breaks_is_tried_load_by_load(listed)
         if loads.size > 1:
             warnings.warn("divide by zero", RuntimeWarning, stacklevel=1)
             raise ConvergenceError("together they stop")
+        warnings.warn("overflow", RuntimeWarning, stacklevel=1)
         return solve_first_wave(profile, loads)
 
     breaking = Method("breaking", "breaking", "one load at a time", solve)
     found = attempt(listed(breaking), ONE, LOADS)
-    assert found.warned == ("divide by zero",)
+    assert found.warned == ("divide by zero", "overflow")
     assert found.message == "ConvergenceError: together they stop"
     assert set(found.outcome) == {Outcome.finite}
     assert found.compliance == pytest.approx(westergaard.compliance(LOADS), rel=1e-15)
