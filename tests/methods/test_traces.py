@@ -8,9 +8,6 @@ import pytest
 from scipy.integrate import quad
 
 import weier
-from benchmarks.problem import Problem, examine
-from benchmarks.programs import PROGRAMS
-from weier.methods.bem import error_model
 from weier.methods.errors import NotApplicableError
 from weier.methods.patches.surface import surface_of
 from weier.surface.measured.trace import Trace
@@ -103,27 +100,6 @@ def test_what_rests_on_the_series_refuses_a_trace_and_names_the_fit():
     trace = Trace(random_heights(1, 200), 1e-3, ends="periodic", unit="m")
     with pytest.raises(NotApplicableError, match=r"for the Weierstrass series, got a trace of 200 .* weier\.fit"):
         weier.solve(trace, [0.1], "westergaard")
-
-
-@pytest.mark.parametrize("program", ["tamaas", "contact_mechanics"])
-def test_other_programs_agree_within_their_grid_error(program):
-    """On the same heights: a crest between two nodes is missed by the curvature over eight at most."""
-    pytest.importorskip(PROGRAMS[program].package)
-    trace = Trace(random_heights(40, 400), 1e-3, ends="periodic", unit="m")
-    loads = np.array([0.02, 0.2, 2.0])
-    exact = weier.solve(trace, loads, "patches").compliance.values
-    eigenvalue = PROGRAMS[program].eigenvalue
-    off = []
-    for points in (640, 2560):
-        problem = Problem(trace, loads, points, 1e-9)
-        solver, pressure, found = PROGRAMS[program].begin(problem), None, []
-        for load in loads[::-1]:
-            pressure = solver.solve(float(load), pressure, 1e-9).pressure
-            operator = eigenvalue(points, float(trace.period))
-            found.append(examine(problem, problem.height, operator, float(load), pressure).compliance)
-        off.append(np.abs(found[::-1] - exact))
-        assert np.all(off[-1] <= error_model.compliance_error(trace, points) + 1e-8)
-    assert np.all(off[1] < off[0] / 4)  # of second order, about
 
 
 def test_waves_that_fall_to_rounding_are_solved():

@@ -107,24 +107,6 @@ def test_the_infinite_series_is_a_fixed_point(D, gamma):
     assert error.max() < ACCURACY
 
 
-# From one scale applied 37 to 701 times to Westergaard's curve, on tables from e^-300 with some 700 rows of an
-# accuracy of 1e-7: no Newton's method over the rows, and no first row that a light pressure could reach.
-ITERATED = [
-    (1.75, 2, 1.0, 4.2581955),
-    (1.75, 2, 1e-12, 0.22480516),
-    (1.25, 5, 1e-6, 5.56145443e-3),
-    (1.25, 5, 1.0, 1.33368570),
-    (1.9, 2, 1e-12, 1.36880565),
-    (1.9, 2, 3.6, 8.35951950),
-    (1.98, 4, 3.6, 6.36340720),
-]
-
-
-@pytest.mark.parametrize(("D", "gamma", "load", "h"), ITERATED)
-def test_the_infinite_series_is_where_iterating_one_scale_leads(D, gamma, load, h):
-    assert layer.curve(Profile(D, gamma, math.inf), [load]).compliance == pytest.approx(h, rel=ACCURACY)
-
-
 @pytest.mark.parametrize(("D", "gamma"), [(1.25, 5), (1.75, 2)])
 def test_light_loads_of_the_infinite_series_satisfy_an_integral_equation(D, gamma):
     """Where the half-plane yields nothing, P(h) = gamma^(D-1) int P(gamma^(2-D) (h - 2 pi^2 x^2)) dx."""

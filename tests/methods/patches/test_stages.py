@@ -49,25 +49,6 @@ def test_hundreds_of_contacts_or_gaps(phases, load, count):
     assert curve.resistance == pytest.approx((after.compliance - before.compliance) / 2e-4, rel=1e-3)
 
 
-@one_thread
-@pytest.mark.second_attempt
-def test_a_second_attempt_takes_no_part_of_the_route_of_the_first(monkeypatch):
-    """If the set is not found at the loosest tolerance, it is sought at the one that is asked for."""
-    converge, tolerances = stages._converge, []
-
-    def failing(problem, now, limits, *most):
-        tolerances.append(limits.tolerance)
-        if limits.tolerance == stages.LARGEST_TOLERANCE:
-            raise ConvergenceError("no set")
-        return converge(problem, now, limits, *most)
-
-    monkeypatch.setattr(stages, "_converge", failing)
-    state, _ = solve_state(Starts(Profile(1.25, 5, 5, np.arange(5.0)), TOLERANCE), 0.3)
-    assert state.route.attempts == 2
-    assert tolerances[0] == stages.LARGEST_TOLERANCE
-    assert max(tolerances[1:]) < TOLERANCE
-
-
 def test_cuts_that_overlap_are_one():
     """The new gap in the wider interval of tension reaches beyond the narrower one, on its right."""
     one, none = np.ones(1), np.zeros(1)

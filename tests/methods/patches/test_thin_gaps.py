@@ -5,10 +5,11 @@ import pytest
 
 from weier import Profile
 from weier.methods.patches import inequalities, stages
+from weier.methods.patches.inequalities import NEGATIVE
 from weier.methods.patches.solver import make_solution
 from weier.methods.patches.start import Starts, _make_guess
 from weier.methods.patches.surface import intervals_between
-from weier.methods.patches.thin_gaps import find_thin_gaps
+from weier.methods.patches.thin_gaps import are_thin, find_thin_gaps
 
 # Just below a merger: its gap is thin.
 MERGING = Profile(1.1241528007905877, 2, 3, (3.731679150515029, 3.768119263993129, 0.9341084634895267))
@@ -106,6 +107,15 @@ def test_what_is_no_thin_gap_is_left():
         cracks, found = find_thin_gaps(pressure, uniform, one(0), one(0.9), one(0.05), one(0.3), 1.0)
         assert found.tolist() == [False]
         assert cracks.contact.size == 0
+
+
+def test_gaps_are_thin_beside_their_neighbours_and_the_ends_of_a_contact():
+    """All as wide, 2^(1/2) times 0.001; distances of 0.048 to each other and 0.049 to an end are too short."""
+    negative = np.zeros(5, NEGATIVE)
+    negative["segment"], negative["start"] = [0, 0, 1, 2, 3], [0.1, 0.15, 0.15, 0.95, -0.9]
+    negative["end"] = negative["start"] + 0.002
+    assert are_thin(negative, 0.02).tolist() == [False, False, True, False, True]
+    assert are_thin(negative, 0.03).all()
 
 
 def limit(monkeypatch, thinness):
