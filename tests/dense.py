@@ -15,16 +15,12 @@ from weier.theory.halfplane import influence_coefficients
 class DenseSolver:
     """One profile on a grid: each load starts from the contact of the one before."""
 
-    def __init__(self, profile, points, max_residual, together):
+    def __init__(self, profile, points, max_residual):
         self.height, self.max_residual = profile.sampled_height(points), max_residual
         self.matrix = circulant(influence_coefficients(points, profile.period))
         self.contact = np.ones(points, bool)
 
-    def solve_each(self, loads, with_tangent):
-        """The solutions under the loads with their derivatives."""
-        return map(self.solve_discrete, loads)
-
-    def solve_discrete(self, load):
+    def solve_discrete(self, load, with_tangent):
         """The solution under a load with its derivative."""
         solved = solve_load(self.matrix, self.height, self.contact, load, self.max_residual)
         self.contact, pressure, tangent = solved.contact, solved.pressure, solved.tangent_pressure

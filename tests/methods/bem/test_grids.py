@@ -54,8 +54,8 @@ def test_thousands_of_contacts_meet_the_contact_conditions(monkeypatch):
     They are solved in parts, between which Ctrl-C may come.
     """
     points, load = 2**17, 1.0
-    parts, advance = [], active_set.advance
-    monkeypatch.setattr(active_set, "advance", lambda *of: parts.append(of[-2].terms) or advance(*of))
+    parts, iterate = [], active_set._iterate
+    monkeypatch.setattr(active_set, "_iterate", lambda *of: parts.append(of[-2].terms) or iterate(*of))
     found = active_set.NestedSolver(SEVEN_WAVES, points, 1e-8).solve_discrete(load, False)
     sunk = np.fft.irfft(eigenvalues(points) * np.fft.rfft(found.pressure))
     gap = sunk - SEVEN_WAVES.sampled_height(points)

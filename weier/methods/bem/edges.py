@@ -6,8 +6,11 @@ so that the preconditioner is symmetric (docs/numerics.md, "Fast boundary elemen
 
 from __future__ import annotations
 
+import numpy as np
+
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
+from weier.methods.bem.staircase import EDGE_OFFSET
 
 # contact widths over which the residual falls linearly to 0 in a gap. A jump at the edge, as with 1, would give a
 # logarithmically large force. Its cost is in `python -m benchmarks tuning`.
@@ -62,3 +65,19 @@ def restrict_from_gap(values: Array, edge: Indices, contact: Flags) -> None:
         for step in range(1, reach):
             total += values[node + side * step] * (reach - step)
         values[node] += total / reach
+
+
+@kernel
+def punch_shape(edge: Indices, contact: Flags, shape: Array) -> None:
+    """Set q to the pressure of flat punches on all contacts, N/sqrt(distances to both edges in nodes).
+
+    The edges are `EDGE_OFFSET` beyond the last nodes, as in the continuum. The sum is scaled by the caller.
+    """
+    points = contact.size
+    for i in range(points):
+        shape[i] = 1.0 if edge.size == 2 else 0.0
+    for run in range(1, edge.size - 1):
+        start, nodes = edge[run], edge[run + 1] - edge[run]
+        if contact[start]:
+            for i in range(nodes):
+                shape[(start + i) % points] = points / np.sqrt((i + EDGE_OFFSET) * (nodes - 1 - i + EDGE_OFFSET))

@@ -46,6 +46,7 @@ class Grid(NamedTuple):
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
     max_residual : residual to reach, in g_0
     self_influence : A_ii, in g_0/p_0*
+    is_coarse : whether it only starts the next one
     """
 
     terms: int
@@ -54,6 +55,7 @@ class Grid(NamedTuple):
     inverse: Array
     max_residual: float
     self_influence: float
+    is_coarse: bool
 
 
 def harmonics_of(profile: Waves) -> Harmonics:
@@ -82,14 +84,14 @@ def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]
         sizes.insert(0, coarser)
     terms = [sum(MIN_POINTS_PER_CARRIED_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
     residuals = [max(max_residual, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)]
-    carried = zip(sizes, [*terms, profile.terms], [*residuals, max_residual], strict=True)
-    return [_make_grid(profile, *of) for of in carried]
+    coarse = [_make_grid(profile, *of, is_coarse=True) for of in zip(sizes[:-1], terms, residuals, strict=True)]
+    return [*coarse, _make_grid(profile, points, profile.terms, max_residual, is_coarse=False)]
 
 
-def _make_grid(profile: Waves, points: int, terms: int, max_residual: float) -> Grid:
+def _make_grid(profile: Waves, points: int, terms: int, max_residual: float, is_coarse: bool) -> Grid:
     influence = eigenvalues(points, profile.period).copy()  # not read-only, another type of arrays for kernels
-    own = influence_coefficients(points, profile.period)[0]
-    return Grid(terms, profile.sampled_height(points, terms), influence, inverse(influence), float(max_residual), own)
+    height, own = profile.sampled_height(points, terms), influence_coefficients(points, profile.period)[0]
+    return Grid(terms, height, influence, inverse(influence), float(max_residual), own, is_coarse)
 
 
 def _half(points: int) -> int:

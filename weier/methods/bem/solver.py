@@ -27,9 +27,6 @@ from weier.surface.waves import Waves
 POINTS_PER_WAVE = 64  # error of R below 1 % at nine of ten loads (docs/numerics.md, "The resistance of a grid")
 STAIRCASES = ("removed", "kept")
 RESIDUAL = 1e-10  # g_0: default residual, below the error of any grid
-# FFTs of four rows take 2.3 times as long as those of one; the arrays of more nodes exceed the processor's cache
-# (docs/numerics.md, "Fast boundary elements")
-LOADS_TOGETHER, MAX_POINTS_TOGETHER = 4, 2**15
 
 
 def curve(
@@ -91,9 +88,7 @@ def curve(
     found, partial = list[ContactPoint](), loads[loads < full]
     point_of = remove_staircase if staircase == "removed" else contact_on_nodes
     if partial.size:  # At loads of full contact no matrix is needed.
-        together = LOADS_TOGETHER if points <= MAX_POINTS_TOGETHER else 1
-        grid = active_set.NestedSolver(profile, points, max_residual, together)
-        solutions = grid.solve_each(partial[::-1], with_resistance or staircase == "removed")
+        grid = active_set.NestedSolver(profile, points, max_residual)
 
         def solved() -> tuple[Array, Curve]:
             """Return the heaviest loads, which are solved first, and their curve."""
@@ -101,7 +96,8 @@ def curve(
             return own, _as_curve(profile, own, found[::-1], points, with_resistance)
 
         with keeping(lambda _: solved() if found else None):
-            for load, solution in zip(map(float, partial[::-1]), solutions, strict=True):
+            for load in map(float, partial[::-1]):
+                solution = grid.solve_discrete(load, with_resistance or staircase == "removed")
                 check_residual(solution.residual, load, points, max_residual)
                 check_resistance(solution.resistance, load, points)
                 found.append(point_of(solution))
