@@ -103,6 +103,17 @@ def test_a_file_of_fewer_loads_gets_the_others(run, tmp_path, surface, methods, 
         assert numbers(tmp_path / "a.nc") == numbers(tmp_path / "b.nc")
 
 
+def test_methods_may_come_in_another_order(run, tmp_path):
+    for methods, loads in (("bem", "patches"), "0.01,1"), (("patches", "bem"), "0.01,0.1,1"):
+        wanted = [word for name in methods for word in ("--method", name)]
+        assert run("solve", *SERIES, *wanted, "--loads", loads, "-o", tmp_path / "a.nc")[0] == 0
+    with weier.open_dataset(tmp_path / "a.nc") as data:
+        assert data.solution_method.values.tolist() == ["patches", "bem"]
+        for method in ("patches", "bem"):
+            own = weier.solve(weier.Profile(1.25, 5, 2, 1.0), [0.01, 0.1, 1.0], method).resistance.values
+            np.testing.assert_allclose(data.resistance.sel(solution_method=method).values[0], own, rtol=1e-12)
+
+
 def test_only_the_loads_that_lack_are_solved(run, tmp_path):
     solved = []
     wanted = ["solve", *SERIES, "--method", "patches", "-o", tmp_path / "a.nc", "--loads"]
@@ -222,8 +233,9 @@ def test_other_bodies_heights_and_code_are_refused(run, tmp_path, bodies, trace,
     assert "a.nc exists, of another surface: " in run(*wanted)[2]
     trace[1].write_text(heights)
     assert run(*wanted)[0] == 0
-    monkeypatch.setattr(resume, "numerics", lambda: "others")
-    assert "a.nc exists, and is solved by other code (" in run(*wanted)[2]
+    for code in ("others", ""):  # the latter without sources
+        monkeypatch.setattr(resume, "code", lambda code=code: code)
+        assert f", not {code or 'unknown'}): name another file" in run(*wanted)[2]
 
 
 @pytest.mark.parametrize(

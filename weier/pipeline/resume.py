@@ -12,12 +12,11 @@ from weier.api.task import Known
 from weier.data import dataset
 from weier.data.si import OF_INTERFACE
 from weier.data.variables import LOADS, VARIABLES
-from weier.digests import numerics
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES, Curve
 from weier.methods.registry import find_method
 from weier.methods.settings import all_settings
-from weier.pipeline.single import scene_text, surface_key
+from weier.pipeline.single import code, scene_text, surface_key
 from weier.scene.case import Case
 from weier.scene.yaml import parse_yaml
 
@@ -50,9 +49,11 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
         data = dataset.read(path)
     except ValueError:
         raise ValueError(f"{path} exists, and is no file of weier: {OTHERWISE}") from None
-    if (code := data.attrs.get("numerics")) != numerics():
-        reason = f"solved by other code ({code}, not {numerics()})" if code else "not of `weier solve`"
-        raise ValueError(f"{path} exists, and is {reason}: {OTHERWISE}")
+    if "numerics" not in data.attrs:
+        raise ValueError(f"{path} exists, and is not of `weier solve`: {OTHERWISE}")
+    if not code() or data.attrs["numerics"] != code():
+        theirs, ours = (one or "unknown" for one in (data.attrs["numerics"], code()))
+        raise ValueError(f"{path} exists, and is solved by other code ({theirs}, not {ours}): {OTHERWISE}")
     scene, wanted = parse_yaml(data.attrs["scene"]), parse_yaml(scene_text(case, np.empty(0)))
     loads, settings = np.array(scene["loads"], float), _settings(wanted)
     own = {} if bodies is None else {name: value for name, value in vars(bodies).items() if value is not None}
@@ -68,7 +69,7 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
             raise ValueError("{} exists, of {}: {}, not {}: {}".format(path, what, *pair, OTHERWISE))
     pressures, methods = data["mean_pressure"].values, data["solution_method"].values.tolist()
     whole = pressures.size == loads.size and np.allclose(pressures * loads[-1], loads * pressures[-1], 1e-12, 0.0)
-    if not whole or methods != [*settings]:
+    if not whole or {*methods} != {*settings}:
         raise ValueError(f"{path} exists, and was changed since it was solved: {OTHERWISE}")
     scales = {} if bodies is None else {unit: float(value) for unit, (value, _) in bodies.scales.items()}
     known = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +78,7 @@ def solve_one(
         If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
     """
     check_range(loads)
-    known = known or {}
+    known, _ = known or {}, code()  # before the sources can change
     lacking = [~np.isin(loads, known[name].loads) if name in known else loads > 0 for name in case.methods]
     expected = forecast(case, loads[np.any(lacking, axis=0)])
     lines = [*filter(None, [unit_doubt(case.profile, loads)]), *expected]
@@ -145,8 +146,17 @@ def _described(data: xr.Dataset, case: Case) -> xr.Dataset:
     loads = data["mean_pressure"].values
     keys = {"key": case.key(loads), "surface_key": surface_key(case)}
     named = {name: ("case", np.array([key], object), attributes(name)) for name, key in keys.items()}
-    own = {"title": _title(case), "scene": scene_text(case, loads), "numerics": numerics()}
+    own = {"title": _title(case), "scene": scene_text(case, loads), "numerics": code()}
     return data.assign_coords(named).assign_attrs(own)
+
+
+@cache
+def code() -> str:
+    """Return the digest of the code that this process runs; an empty text without its sources, as in a zip."""
+    try:
+        return numerics()
+    except OSError:
+        return ""
 
 
 def surface_key(case: Case) -> str:
