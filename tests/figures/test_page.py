@@ -217,15 +217,6 @@ def test_choosing_a_case_changes_the_curve(folder):
     assert longer["named"] == [False, True]  # there is no such curve
 
 
-def test_an_axis_has_ticks_over_many_decades_and_within_one():
-    """By the ticker of bokeh, an axis from 0.1 to 7 had no numbers."""
-    made = explorer.curve_explorer(cases())
-    (axis,) = made.select_one({"name": "resistance"}).yaxis
-    ticks = np.array(axis.ticker.ticks)
-    assert ticks[(ticks >= 0.1) & (ticks <= 7)] == pytest.approx([0.1, 0.2, 0.5, 1, 2, 5])
-    assert np.log10(ticks[[0, -1]]) == pytest.approx([-20, 20], abs=1)
-
-
 def test_a_narrow_window_is_wide_enough(tmp_path):
     """With all methods, random phases, and cases that differ in nothing but their keys."""
     data = blank(2, registry.names(), LOADS, 6)

@@ -90,35 +90,26 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
 @pytest.mark.parametrize(
     ("heights", "length", "more", "says"),
     [
-        ([0.0, 1.0, 0.0], 1.0, {}, "heights must be 16 to 1000000 numbers, got 3"),
         (
             np.where(np.arange(100) == 7, np.inf, COS),
             1.0,
             {},
             "heights must be finite or missing, got inf at position 7",
         ),
-        (np.ones(50), 1.0, {}, "heights must be rough, got 50 without any but their tilt, from 1 m"),
         (np.arange(50.0), 1.0, {}, "heights must be rough, got 50 without any but their tilt, from 0 m"),
         (COS, 1.0, {"shortest": 0.9, "ends": "periodic"}, "heights must be rough, got none with waves of 0.9 m"),
-        ("shaft.csv", 1.0, {}, r"heights must be numbers, got 'shaft.csv': weier.Trace.read takes a file"),
-        (COS / 10 + np.arange(100) // 34, 1.0, {}, "heights must not jump, got a step of"),
         (STEP, 1.0, {}, r"got a step of .* m between heights 60 and 61, behind x = 0.59 m: cut the trace there"),
         (np.arange(50.0), 1.0, {"ends": "periodic"}, "step of 49 m between heights 50 and 51, behind x = 0.98 m"),
         (np.broadcast_to(0.0, 10**7), 1.0, {}, "heights must be 16 to 1000000 numbers, got 10000000"),
         (COS[None], 1.0, {}, r"heights must be one list, got an array of shape \(1, 100\)"),
-        (COS, 0.0, {}, "length must be positive and finite, got 0.0"),
         (COS, 1.0, {"shortest": 0.01}, "must lie between two steps and the length of the trace, 0.02 and 1 m"),
-        (COS, 1.0, {"shortest": 2.0}, "shortest must lie between two steps"),
         (COS, None, {}, "length must be given where heights have no positions: in m, or in x_unit"),
-        (COS, 1.0, {"unit": None}, 'heights must have a unit: name it, as in height_unit="um", or unit="m" for'),
         (
             COS,
             1.0,
             {"unit": "mm", "height_unit": "m"},
             "heights must have one unit, got unit='mm' and height_unit='m'",
         ),
-        (COS, 1.0, {"unit": "furlong"}, "unit must be one of m, cm, mm, um, .*, got 'furlong'"),
-        (1e6 * COS, 1.0, {"unit": "um"}, "root mean square slope of at most 10, got .* is a unit wrong?"),
         (
             COS,
             LENGTH,
@@ -133,9 +124,7 @@ STEP = np.where(np.arange(100) < 60, 0.0, 1.0) + 0.01 * COS
             {"unit": "um"},
             r"step .* must be at least 1e-10 m, .* got 1e-11 m .*: correct length, unit",
         ),
-        (COS, 1.0, {"detrend": "parabola"}, "detrend must be one of mean, tilt, form, got 'parabola'"),
-        (COS, 1.0, {"ends": "cut"}, "ends must be one of mirrored, periodic, tapered, got 'cut'"),
-        (rough(10**6), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
+        (rough(250_000), 1.0, {}, "shortest must leave at most 100000 of the finest waves in a period"),
     ],
 )
 def test_what_is_no_roughness_is_refused_in_one_sentence(heights, length, more, says):
@@ -154,7 +143,7 @@ def test_a_trace_of_many_metres_is_doubted():
     Trace(COS, 1.0, unit="m")
 
 
-@pytest.mark.parametrize("name", ["shortest", "g_0", "ends", "amplitude", "digest", "another"])
+@pytest.mark.parametrize("name", ["shortest", "amplitude", "another"])
 def test_a_trace_does_not_change_after_it_is_made(name):
     trace = Trace(rough(64), LENGTH, unit="m")
     with pytest.raises(FrozenInstanceError):
@@ -298,8 +287,8 @@ def test_equal_waves_of_two_bodies_add_up_and_those_of_opposite_phase_cancel():
 @pytest.mark.parametrize(
     ("length", "samples", "more", "says"),
     [
-        (2 * LENGTH, 64, {}, r"same lambda_0, got 0\.004 and 0\.008: read both"),
-        (LENGTH, 128, {}, "same samples, got 64 and 128"),
+        (2 * LENGTH, 64, {}, r"same length in m, got 0\.004 and 0\.008: read both"),
+        (LENGTH, 128, {}, "same number of heights, got 64 and 128"),
         (LENGTH, 64, {"ends": "tapered"}, "same ends, got mirrored and tapered"),
         (LENGTH, 64, {"detrend": "form"}, "same detrend, got tilt and form"),
         (LENGTH, 64, {"shortest": 5e-4}, r"same shortest, got 0\.000125 and 0\.0005"),
