@@ -32,9 +32,7 @@ def sweep() -> xr.Dataset:
 
 
 def sketch(sweep: xr.Dataset, **grouping) -> Figure:
-    figure = comparison.draw([sweep], "", "compliance", grouping=Grouping(**grouping))
-    figure.draw_without_rendering()
-    return figure
+    return comparison.draw([sweep], "", "compliance", grouping=Grouping(**grouping))
 
 
 def words(figure: Figure) -> list[str]:
@@ -102,6 +100,7 @@ def test_two_parameters_give_the_rows_and_the_columns_of_panels(sweep: xr.Datase
         for method in ("Demelio", "boundary elements")
         for ratio in (r"$\gamma=2$", r"$\gamma=5/2$", r"$\gamma=5$")
     ]
+    figure.draw_without_rendering()
     places = [axes.get_position() for axes in figure.axes]
     assert len({round(place.y0, 6) for place in places}) == len(METHODS)
     assert len({round(place.x0, 6) for place in places}) == len(GAMMAS)
