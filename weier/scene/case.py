@@ -7,7 +7,6 @@ import hashlib
 import itertools
 import json
 import math
-import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -30,7 +29,6 @@ from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 from weier.units import METRE, NONE
 
-MAX_SOURCE = 200  # bytes: the name of a file in results, which hold 255 with the line of a map.
 DIGITS = re.compile(r"(\D*)(\d*)")  # in the names of files
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
@@ -184,8 +182,7 @@ def random_parameters(values: Mapping[str, Any], seeds: Iterable[Any]) -> list[d
 
 
 def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
-    source = values["file"] if len(os.fsencode(values["file"])) <= MAX_SOURCE else Path(values["file"]).name
-    parameters: dict[str, Any] = {"source": readable(source), **values}
+    parameters: dict[str, Any] = {"source": readable(values["file"]), **values}
     parameters |= {name: str(folder / values[name]) for name in ("file", AGAINST) if name in values}
     traces = _read(parameters)
     if "longest" in values:  # in m
