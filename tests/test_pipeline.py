@@ -155,7 +155,7 @@ def test_there_and_back_each_product_is_that_of_its_scene(finished):
     ):
         path.write_text(text)
         assert made(run(finished)) == (expected, 0)
-        assert planned(finished) == {}
+    assert planned(finished) == {}
     assert first == {file: (products / file).read_bytes() for file in first}
 
 
