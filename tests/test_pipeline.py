@@ -177,8 +177,9 @@ def test_a_dry_run_writes_nothing(finished):
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
-    module = finished / "weier/figures/resistance.py"
-    edit(module, "    return", '    raise ValueError("no ink")\n    return')
+    module, line = finished / "weier/figures/comparison.py", "    return figure\n"
+    fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
+    edit(module, line, fault + line)
     shutil.copytree("profiles/local", finished / "profiles/default")
     done = call(finished, "--latency-wait", "1")
     shutil.rmtree(finished / "profiles")  # which says nothing of plans
@@ -186,7 +187,7 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     assert "weier: two cannot be made: no ink\n" in done.stdout
     assert made(done.stdout) == (["one", "page.html"], 0)
     assert planned(finished) == {"make": 1, "made_of": 1, "figure": 1}
-    edit(module, '    raise ValueError("no ink")\n', "")
+    edit(module, fault, "")
     assert made(run(finished)) == (["one", "page.html"], 0)  # two is still that of the code before
     assert planned(finished) == {}
 
@@ -208,7 +209,7 @@ def test_the_report_of_snakemake_has_the_explorer_and_the_figures_with_captions(
     page = (finished / "results/test/page.html").read_bytes()
     assert b'"curve bem"' in page  # the data of a line of the explorer
     assert f";filename=page.html;base64,{b64encode(page).decode()}" in text
-    assert "Compliance over mean pressure. Colours show the estimates. A solid line shows boundary elements." in text
+    assert "Compliance over mean pressure. All curves of one profile meet at full contact" in text
     assert "What the paper states, whether it holds, does not hold, or is not decided" in text
     assert re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="https?:', text) == []
 
