@@ -61,20 +61,6 @@ def test_three_waves_are_a_nested_integral(D, gamma, p):
     assert cascade.contact_fraction(p, D, gamma, 3) == pytest.approx(exact, rel=2e-5, abs=0)
 
 
-@pytest.mark.parametrize(
-    ("D", "gamma", "m", "sampled"),
-    [
-        (1.25, 5, 2, [0.0131, 0.0785, 0.6067]),
-        (1.25, 5, 4, [0.0028, 0.0283, 0.2653]),
-        (1.5, 5, 3, [0.0030, 0.0237, 0.2067]),
-        (1.5, 2, 4, [0.0033, 0.0326, 0.2983]),
-    ],
-)
-def test_it_is_the_area_of_pressures_that_are_drawn_at_random(D, gamma, m, sampled):
-    """400 000 points, each with a random place on each wave: errors of 1 % and of the last digit."""
-    np.testing.assert_allclose(cascade.contact_fraction(LOADS, D, gamma, m), sampled, rtol=0.01, atol=6e-5)
-
-
 @pytest.mark.parametrize("m", [1, 2, 5, 12])
 def test_light_contacts_are_hertzian_on_every_scale(m):
     """Each wave is steeper than the one before by so much that no peak comes near its full contact."""

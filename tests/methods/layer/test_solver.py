@@ -90,14 +90,6 @@ def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
         assert error <= accuracy  # and that of the mesh, 5e-6 at most
 
 
-def test_a_load_does_not_depend_on_the_others():
-    loads = np.array([1e-4, 0.2, 3.0])
-    together = layer.curve(Profile(1.25, 5, 3), loads)
-    alone = [layer.curve(Profile(1.25, 5, 3), [load]) for load in loads]
-    np.testing.assert_array_equal(together.compliance, [found.compliance[0] for found in alone])
-    np.testing.assert_array_equal(together.resistance, [found.resistance[0] for found in alone])
-
-
 def test_loads_below_those_of_floats_are_refused():
     with pytest.raises(ValueError, match="mean_pressure must be at least 1e-305 p_0"):
         layer.curve(Profile(1.5, 5, 3), [1e-306])
