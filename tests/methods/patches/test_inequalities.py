@@ -90,15 +90,15 @@ def test_overlaps_in_gaps(period, part):
 
 
 def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
-    """Three gaps with one minimum each, at 0.3 of the half-width to within a twentieth of it."""
-    one = state_of(lambda t: (1 - t * t) * 2 * (t - 0.3) - 3 * t * ((t - 0.3) ** 2 + 1e-4), 1.0, 0.1, True)
+    """Three gaps with one minimum each, at a quarter of the half-width to within a twentieth of it."""
+    one = state_of(lambda t: (1 - t * t) * 2 * (t - 0.25) - 3 * t * ((t - 0.25) ** 2 + 1e-4), 1.0, 0.1, True)
     middle, r, none = np.array([0.2, 0.5, 0.8]), np.array([0.1, 0.05, 0.02]), np.zeros(3)
     segments = make_segments(none.astype(int), none, middle, r, np.full(3, 12))
     minima = minima_of_gaps(one._replace(segments=segments, coefficient=np.tile(one.coefficient, 3)))
     assert minima["interval"].tolist() == [0, 1, 2]
-    assert (minima["position"] - middle) / r == pytest.approx(0.3, abs=0.05)
-    assert minima["value"] == pytest.approx(1e-4 * 0.91**1.5 * r, rel=0.1)
-    assert minima["curvature"] * r == pytest.approx(2 * 0.91**1.5, rel=0.1)
+    assert (minima["position"] - middle) / r == pytest.approx(0.25, abs=0.05)
+    assert minima["value"] == pytest.approx(1e-4 * 0.9375**1.5 * r, rel=0.1)
+    assert minima["curvature"] * r == pytest.approx(2 * 0.9375**1.5, rel=0.2)
 
 
 @pytest.mark.parametrize("dual", [False, True])
@@ -153,6 +153,13 @@ def test_gaps_are_probed_at_crests_midway_between_them_and_closely_at_their_ends
     for end, (first, last) in enumerate(((0.3, 0.4), (0.8, 1.1))):
         own = x[interval == end]
         assert max(own[0] - first, last - own[-1]) < 0.3 * np.diff(own).max()
+
+
+def test_the_interval_beside_one_narrow_contact_has_all_probes():
+    """Eight at its ends, eight to each of eight waves, and ten at and between five crests."""
+    one = np.zeros(1), np.array([0.6]), np.array([1e-6])
+    x, _ = inequalities._probe_points(*one, np.array([0.02, 0.2, 0.35, 0.5, 0.95]), 1.0, 2 * np.pi * 8)
+    assert x.size == 8 + 64 + 10
 
 
 @pytest.mark.parametrize("probe", np.linspace(-2.3, 2.3, 12))
