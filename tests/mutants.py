@@ -13,6 +13,7 @@ import ast
 import importlib
 import os
 import random
+import re
 import resource
 import signal
 import tempfile
@@ -109,9 +110,14 @@ def run(module, text, is_plain, limit, arguments, plugins=()):
 
 @cache
 def control(module, is_plain):
-    """Return the tests that pass without a change, a limit of processor seconds, and whether they are all."""
-    own = (TESTS / module).with_name(f"test_{Path(module).name}.py")
-    files = map(str, [own] if own.exists() else sorted(own.parent.glob("test_*.py")))
+    """Return the tests that pass without a change, a limit of processor seconds, and whether they are all.
+
+    A module without a file of tests is judged by those of its room that import it, or by all.
+    """
+    name = Path(module).name
+    own, word = (TESTS / module).with_name(f"test_{name}.py"), re.compile(rf"import .*\b{name}\b|\.{name} import")
+    room = sorted(own.parent.glob("test_*.py"))
+    files = map(str, [own] if own.exists() else [path for path in room if word.search(path.read_text())] or room)
     arguments = module, SOURCE[module], is_plain, 3600, ["-rp", *files], [Clock()] * is_plain
     run(*arguments)  # which compiles other kernels
     code, output, seconds = run(*arguments)
