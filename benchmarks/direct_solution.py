@@ -9,7 +9,10 @@ import numpy as np
 
 from weier.accuracy.report import Page, measurement
 from weier.data import markdown
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import Forces, make_punches, solve_forces_on_contacts, solve_tangent
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import Segments, make_segments
 
 NODES, RESIDUAL, REDUCTION = 8, 1e-12, 1e-8  # nodes of a segment, and accuracies of a load at the default tolerance
@@ -25,21 +28,21 @@ def random_segments(count: int) -> Segments:
     return make_segments(none.astype(np.int64), none, centre, half_width, np.full(count, NODES))
 
 
-def solve(segments: Segments, dual: bool, directly: bool) -> tuple[Forces, Forces]:
+def solve(segments: Segments, kind: Kind, directly: bool) -> tuple[Forces, Forces]:
     """Return the solution under a uniform forcing and its increment, directly or by conjugate gradients."""
     unknowns = segments.first_node[-1]
-    punches, none = make_punches(segments, 1.0, dual, unknowns if directly else 0), np.zeros(unknowns)
-    forces = solve_forces_on_contacts(punches, none + dual, 1.0, none, RESIDUAL)
+    punches, none = make_punches(segments, 1.0, kind, unknowns if directly else 0), np.zeros(unknowns)
+    forces = solve_forces_on_contacts(punches, none + kind.increment, 1.0, none, RESIDUAL)
     return forces, solve_tangent(punches, forces, REDUCTION)
 
 
-def ratio(count: int, dual: bool, rounds: int) -> float:
+def ratio(count: int, kind: Kind, rounds: int) -> float:
     """Return the least processor time of direct solutions over that of conjugate gradients."""
     segments, seconds = random_segments(count), {True: np.inf, False: np.inf}
     for _ in range(rounds + 1):  # The first round compiles.
         for directly in seconds:
             start = process_time()
-            solve(segments, dual, directly)
+            solve(segments, kind, directly)
             seconds[directly] = min(seconds[directly], process_time() - start)
     return seconds[True] / seconds[False]
 
@@ -52,5 +55,5 @@ def main(rounds: int) -> Page:
     The table has the ratio of the two by the number of unknowns, for contacts and for gaps of random widths with 8
     nodes each. `MAX_DIRECT` of contact patches is the number at which the ratio reaches 1.
     """
-    rows = ([str(NODES * n), *(f"{ratio(n, dual, rounds):.2f}" for dual in (False, True))] for n in SEGMENTS)
+    rows = ([str(NODES * n), *(f"{ratio(n, kind, rounds):.2f}" for kind in (CONTACTS, GAPS))] for n in SEGMENTS)
     return Page([markdown.table(HEADER, rows)])

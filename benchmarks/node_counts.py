@@ -49,7 +49,7 @@ def needed(state: ContactState, digits: int) -> Array:
 
 def terms(starts: Starts, state: ContactState) -> Array:
     """Return 1, k_f r and 1/ln(rho) of each segment, shape (segments, 3)."""
-    series, r = starts.surface.series(state.dual), state.segments.half_width
+    series, r = state.kind.series(starts.surface), state.segments.half_width
     distance = distances_between(*state.segments.extent, series.period)
     mu = np.minimum(distance, np.roll(distance, 1)) / r
     return np.stack([np.ones(r.size), series.wavenumber[-1] * r, 1 / np.arccosh(1 + mu)], axis=1)
@@ -72,7 +72,7 @@ def fitted(matrix: Array, count: Array) -> Array:
 
 def given(starts: Starts, state: ContactState, factors: tuple[float, ...]) -> Array:
     """Return the number of nodes of each segment by the formula with these factors."""
-    series = starts.surface.series(state.dual)
+    series = state.kind.series(starts.surface)
     nodes = count_nodes(*state.segments.extent, series.period, float(series.wavenumber[-1]), factors)
     return np.asarray(nodes, np.float64)
 

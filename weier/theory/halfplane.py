@@ -73,8 +73,8 @@ def displacement_of_punch(half_width: Number, period: float) -> Number:
 
 
 @kernel
-def replace_by_influence(d: Array, period: float, dual: bool) -> None:
-    """Replace distances d by ln|2 sin(pi d/L)| or, between gaps (dual), by 1/sin^2(pi d/L); by 0 where d = 0."""
+def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
+    """Replace distances d by ln|2 sin(pi d/L)| or, for dipoles, by 1/sin^2(pi d/L); by 0 where d = 0."""
     for i in range(d.size):
         u = d[i] / period
         u -= np.floor(u + 0.5)
@@ -83,7 +83,7 @@ def replace_by_influence(d: Array, period: float, dual: bool) -> None:
         series = SINE[5] + q * (SINE[6] + q * (SINE[7] + q * series))
         series = SINE[2] + q * (SINE[3] + q * (SINE[4] + q * series))
         d[i] = abs(u * (SINE[0] + q * (SINE[1] + q * series)))
-    if dual:
+    if dipoles:
         for i in range(d.size):
             d[i] = 4 / (d[i] * d[i]) if d[i] > 0 else 0.0
     else:

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.optimize import linprog
 from scipy.special import jv
 
-from tests.methods.patches.westergaard_states import WAVES, OneWave
+from tests.methods.patches.westergaard_states import KINDS, WAVES, OneWave
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
@@ -27,6 +27,7 @@ from weier.methods.patches.certificate import (
     sample_points,
     stated_errors,
 )
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import MINIMUM, Cracks
@@ -87,16 +88,16 @@ def test_pressures_on_a_width_move_the_surface_by_no_more_than_the_bound(period,
 def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(load):
     """Contacts, and gaps: the state of another load, and a plane that is off."""
     solution = patches.solve_load(THREE_WAVES, load)
-    state, series = solution.state, solution.surface.series(solution.state.dual)
-    assert state.dual == (load > 1)
+    state, series = solution.state, solution.state.kind.series(solution.surface)
+    assert state.kind is KINDS[load > 1]
 
     def certified(wrong):
         minima, negative = minima_outside(wrong, series, 0.0), find_negative_intervals(wrong)
-        violations = *contact_residual(wrong, series), *((negative, minima) if wrong.dual else (minima, negative))
-        return certify(wrong, *violations, series, 1e-3, 0.0).error
+        violations = *contact_residual(wrong, series), *wrong.kind.overlaps_and_tensions(minima, negative)
+        return certify(wrong, *violations, series, solution.surface.total_amplitude, 1e-3, 0.0).error
 
     assert certified(state) < 1e-12
-    if not state.dual:  # the residual of gaps is a pressure
+    if state.kind is CONTACTS:  # the residual of gaps is a pressure
         assert 1e-7 <= certified(state._replace(approach=state.approach + 1e-7)) < 2.1e-7
     moved = patches.solve_load(THREE_WAVES, load * (1 + 1e-6)).state
     deviation = abs(moved.approach - state.approach)
@@ -115,7 +116,7 @@ def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     closure = 0.5 * np.pi * gaps.segments.half_width[0] * 1e-6  # the integral of a slope of 1e-6 (1-t^2)^(1/2)
     assert imbalance(off, wave.period) == pytest.approx((0.0, closure), rel=1e-4)
     nothing = np.zeros(0, MINIMUM)
-    found = certify(off, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    found = certify(off, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1.0, 1e-3, 0.0)
     assert found.residual == pytest.approx(closure, rel=1e-4)
     assert found.error == pytest.approx(closure, rel=1e-4)
 
@@ -138,9 +139,9 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9, abs=0)
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
         state, series, none = wave.state(dual)._replace(cracks=cracks), wave.series(dual), np.zeros(1)
-        found = certify(state, none, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1e-3, 0.0)
+        found = certify(state, none, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1.0, 1e-3, 0.0)
         missing, closure = imbalance(state, period)
-        indentation = state.kind.largest_indentation(state.approach, series)
+        indentation = state.indentation(1.0)
         bound = bound_by(indentation, wave.load, closure + moved, missing + mean, period=period)
         assert found.error == pytest.approx(doubt + bound, rel=1e-9, abs=0)
 
@@ -177,7 +178,9 @@ def test_pressures_in_gaps_and_tensions_between_them_are_bounded_on_their_widths
     minima = np.zeros(1, MINIMUM)
     minima["value"], minima["curvature"], minima["position"] = -depth, curvature, wave.crest + period
     nothing = find_negative_intervals(state)
-    found = certify(state, np.array([sigma]), np.array([0.3 * r]), np.zeros(1), nothing, minima, series, 1e-3, 0.0)
+    found = certify(
+        state, np.array([sigma]), np.array([0.3 * r]), np.zeros(1), nothing, minima, series, 1.0, 1e-3, 0.0
+    )
     assert found.residual == pytest.approx(2 * r * sigma, rel=1e-9, abs=0)
     reach = np.sqrt(2 * depth / curvature)
     expected = bound_by(
@@ -452,10 +455,10 @@ def test_gaps_that_may_hold_a_contact_have_the_uncertainty_of_heights(period, mo
     wave, minima = OneWave(period, 0.2 * period, 0.0), np.zeros(2, MINIMUM)
     state = wave.state(True)._replace(coefficient=np.zeros_like(wave.state(True).coefficient))
     minima["value"] = np.array([0.9, 1.1]) * FIELD_ROUNDING
-    monkeypatch.setattr(certificate, "minima_of_gaps", lambda state: minima)
+    monkeypatch.setattr(patches.gaps, "minima_of_gaps", lambda state: minima)
     monkeypatch.setattr(certificate, "error_bound", lambda *arguments: 0.0)
     nothing = np.zeros(0, MINIMUM)
-    found = certify(state, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1e-3, 0.0)
+    found = certify(state, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1.0, 1e-3, 0.0)
     assert found.narrow_gaps["value"].tolist() == minima["value"][:1].tolist()
 
 

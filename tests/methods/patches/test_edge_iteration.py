@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev, Polynomial
 
-from tests.methods.patches.westergaard_states import WAVES
+from tests.methods.patches.westergaard_states import KINDS, WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
-from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import (
     ContactProblem,
     _changes,
@@ -18,7 +17,6 @@ from weier.methods.patches.edge_iteration import (
     rearrange,
     take_step,
 )
-from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import regular_part
 from weier.methods.patches.segments import make_segments
 from weier.methods.patches.surface import from_crests, surface_of
@@ -30,9 +28,8 @@ def moves_of(psi, r, gap, dual):
     """The moves of the edges of segments from polynomials psi(t), one each, and what goes with them."""
     coefficients = [np.append(p.convert(kind=Chebyshev).coef, np.zeros(2)) for p in psi]
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
-    kind = GAPS if dual else CONTACTS
     a = regular_part(first, b)
-    return edge_moves(first, np.array(r), np.array(gap), b, a, kind.right_sign, kind.k_0_of_curvature)
+    return edge_moves(first, np.array(r), np.array(gap), b, a, KINDS[dual].numbers)
 
 
 def psi_of_hertz(r, a, shift, curvature):
@@ -122,7 +119,7 @@ def test_what_has_no_width_left_is_closed(dual):
 def problem_of(wave, dual):
     """The problem of one wave, its exact segments, and the half-width of the narrower of contact and gap."""
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
-    return ContactProblem(wave.series(dual), wave.load, dual), wave.state(dual).segments, scale
+    return ContactProblem(wave.series(dual), wave.load, KINDS[dual]), wave.state(dual).segments, scale
 
 
 def displaced(segments, error):
@@ -158,7 +155,7 @@ def test_a_small_contact_or_gap_is_right_after_one_step(load, error, dual):
     middle, exact = (0.5, 0.5 - contact) if dual else (0.0, contact)
     small = min(exact, 0.5 - exact)
     half_width = exact * (1 + error) if small == exact else 0.5 - small * (1 + error)
-    problem = ContactProblem(surface_of(profile).series(dual), load, dual)
+    problem = ContactProblem(KINDS[dual].series(surface_of(profile)), load, KINDS[dual])
     placed = *from_crests(problem.series, np.array([middle])), np.array([half_width])
     guess = make_guess(problem, make_segments(*placed, np.ones(1, int)), TOLERANCE)
     step = take_step(problem, guess, RESIDUAL)
@@ -211,7 +208,7 @@ def test_moves_after_a_density_is_carried_along_are_twice_the_square_and_roundin
 def test_a_step_from_the_right_edges_has_the_exact_density(wave, dual):
     """Moves follow from ratios of its coefficients, so that a wrong factor of all forces would not change them."""
     exact = wave.state(dual)
-    problem = ContactProblem(wave.series(dual), wave.load, dual)
+    problem = ContactProblem(wave.series(dual), wave.load, KINDS[dual])
     step = take_step(problem, make_guess(problem, exact.segments, TOLERANCE), RESIDUAL)
     count = min(step.a.size, exact.coefficient.size)
     scale = np.abs(exact.coefficient).max()

@@ -11,6 +11,7 @@ from weier import ConvergenceError, Profile
 from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.patches import event_search
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import make_series
 
@@ -258,7 +259,7 @@ def test_no_minimum_of_the_gap_is_hidden_by_rounding():
     load, x = born.mean_pressure[born.birth][0], born.x[born.birth][0]
     solution = patches.solve_load(THREE_WAVES, load * (1 - 1e-9))
     state, series = solution.state, solution.surface.heights
-    assert not state.dual
+    assert state.kind is CONTACTS
     edge = solution.centre + solution.half_width
     for width in np.geomspace(1e-6, 1e-2, 9):
         around = np.array([x]), np.array([-0.93 * width]), np.array([width])

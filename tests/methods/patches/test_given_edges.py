@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebval
 
+from tests.methods.patches.westergaard_states import KINDS
 from weier.kernels.blas import one_thread
 from weier.methods.patches.given_edges import (
     displacement,
@@ -21,7 +22,7 @@ from weier.methods.patches.segments import make_segments
 def punches_at(centre, half_width, nodes, period, dual=False, most=None):
     none = np.zeros(centre.size)
     segments = make_segments(none.astype(int), none, centre, half_width, np.full(centre.size, nodes))
-    return make_punches(segments, period, dual, most)
+    return make_punches(segments, period, KINDS[dual], most)
 
 
 def random_punches(count, nodes, dual=False):
@@ -91,7 +92,7 @@ def test_direct_and_iterative_solutions_agree(period, dual):
     x = np.repeat(centre, count)
     solved = []
     for most in (None, 0):
-        punches = make_punches(segments, period, dual, most)
+        punches = make_punches(segments, period, KINDS[dual], most)
         forcing = np.cos(2 * np.pi / period * (x + punches.offset)) + dual
         solved.append(solve_forces_on_contacts(punches, forcing, 0.7, np.zeros(x.size), 1e-13))
     direct, iterative = solved

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.methods.patches.westergaard_states import WAVES, OneWave
+from tests.methods.patches.westergaard_states import KINDS, WAVES, OneWave
 from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.patches import inequalities
@@ -24,7 +24,7 @@ def state_of(phi, period, r, dual=False, nodes=12):
     """One segment in the middle of the period with the density sqrt(1-t^2) phi(t)."""
     rule, none = gauss_rule(nodes, True), np.zeros(1)
     segments = make_segments(none.astype(int), none, np.array([0.5 * period]), np.array([r]), np.array([nodes]))
-    return ContactState(dual, 1.0, 0.1, segments, rule.expansion @ phi(rule.node))
+    return ContactState(KINDS[dual], 1.0, 0.1, segments, rule.expansion @ phi(rule.node))
 
 
 @pytest.mark.parametrize("wave", WAVES)
@@ -108,7 +108,7 @@ def test_minima_of_the_gap_and_of_the_pressure(period, dual):
     series = make_series(np.array([1.0, 0.3]), [1, 3], np.array([0.0, np.pi]), period)
     narrow, crest = OneWave(period, 0.05 * period, 0.0).state(False), series.crest_position
     state = narrow._replace(
-        dual=dual,
+        kind=KINDS[dual],
         load=series.maximum + 0.02,
         approach=-0.02,
         segments=narrow.segments._replace(origin=crest[:1], centre=-crest[:1]),
@@ -214,7 +214,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         half_width,
         np.array([20]),
     )
-    problem = ContactProblem(series, load, dual)
+    problem = ContactProblem(series, load, KINDS[dual])
     step = take_step(problem, make_guess(problem, segments, 1e-10), 1e-14)
 
     def residual(x):

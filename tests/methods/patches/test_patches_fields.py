@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tests.methods.patches.westergaard_states import WAVES
+from tests.methods.patches.westergaard_states import KINDS, WAVES
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
@@ -24,7 +24,7 @@ def states_of_two_segments(period, dual):
     if dual:
         coefficient[[0, 6]] = 0.0  # the gaps close
     segments = make_segments(crest, origin, centre, half_width, counts)
-    return ContactState(dual, 0.7, 0.3, segments, coefficient)
+    return ContactState(KINDS[dual], 0.7, 0.3, segments, coefficient)
 
 
 SERIES = {
@@ -153,7 +153,7 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
 def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     """Far from the segments, near them, and as near as 1e-9 of their width to an edge."""
     solution = patches.solve_load(profile, fraction * patches.solve_load(profile, 1.0).surface.full_contact_load)
-    assert solution.state.dual == dual
+    assert solution.state.kind is KINDS[dual]
     left, right = solution.edges.T
     distance = np.array([1e-9, 1e-3, 0.3])[:, None] * (right - left)
     near = np.concatenate([left - distance, right + distance]).ravel()

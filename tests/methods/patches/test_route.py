@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.methods.patches.westergaard_states import KINDS
 from weier import Profile, random_phases
 from weier.methods.patches import solver
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.start import Starts
 
 
@@ -28,10 +30,10 @@ def test_an_ordinary_load_takes_the_first_attempt(D, gamma, m):
 )
 def test_each_part_of_a_curve_has_its_start(load, start, dual):
     state, _ = solver.solve_state(Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10), load)
-    assert (state.route.start, state.dual) == (start, dual)
+    assert (state.route.start, state.kind) == (start, KINDS[dual])
 
 
 def test_the_last_gaps_start_on_crests_of_the_tension():
     starts = Starts(Profile(1.25, 5, 3, (0.0, 1.0, 2.0)), 1e-10)
     state, _ = solver.solve_state(starts, starts.surface.full_contact_load * (1 - 1e-6))
-    assert (state.route.start, state.dual) == ("tensions", True)
+    assert (state.route.start, state.kind) == ("tensions", GAPS)

@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from tests.methods.patches.westergaard_states import WAVES
+from tests.methods.patches.westergaard_states import KINDS, WAVES
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
 from weier.methods.patches import certificate, fields, stages
 from weier.methods.patches.certificate import check_violation, contact_residual, imbalance
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, carried_along, make_guess, take_step
 from weier.methods.patches.fields import complementary_residuals
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import solve_tangent
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
@@ -129,7 +131,7 @@ def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     assert state.segments.centre.size > fields.MIN_SUM
     monkeypatch.setattr(certificate, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)
-    assert contact_residual(wrong, surface_of(FOUR_WAVES).series(state.dual))[0].max() > 1e-8
+    assert contact_residual(wrong, state.kind.series(surface_of(FOUR_WAVES)))[0].max() > 1e-8
 
 
 @pytest.mark.slow
@@ -166,9 +168,9 @@ def test_a_contact_born_in_a_gap_changes_the_problem_that_is_solved(above, toler
     profile = Profile(1.6118185037681407, 2, 3, (0.5959314512210883, 3.5894714149203306, 0.5937880239670698))
     load = 1.3837307176116824 * (1 + above)
     starts = Starts(profile, tolerance)
-    assert starts.guess(load).dual
+    assert starts.guess(load).kind is GAPS
     state, steps = solve_state(starts, load)
-    assert not state.dual
+    assert state.kind is CONTACTS
     assert (state.segments.centre.size, state.route.corrections, state.route.attempts) == (4, 1, 1)
     assert 3 < state.route.steps == steps < 10
     assert state.error < 1e-12
@@ -233,7 +235,7 @@ def test_a_shallow_missing_contact_is_seen(above):
     events = patches.events(THREE_WAVES, 0.3, 1.0)
     born = events.mean_pressure[events.birth][0]
     surface, before = surface_of(THREE_WAVES), patches.solve_load(THREE_WAVES, born * (1 - 1e-7)).state
-    assert not before.dual
+    assert before.kind is CONTACTS
     series, limit = surface.heights, 1e-10 * before.approach
     assert np.all(minima_outside(before, series, 0.0)["value"] >= -limit)
     beyond = follow_contacts(surface, before, born * (1 + above))
@@ -249,7 +251,7 @@ def test_a_shallow_missing_contact_is_seen(above):
 @pytest.mark.parametrize("wave", WAVES)
 def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, dual):
     """By the energy released, to the square of the move: against -L ln(xi) of Westergaard's wave."""
-    exact, problem = wave.state(dual).segments, ContactProblem(wave.series(dual), wave.load, dual)
+    exact, problem = wave.state(dual).segments, ContactProblem(wave.series(dual), wave.load, KINDS[dual])
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
     wider = exact._replace(half_width=exact.half_width + 1e-4 * scale)
     step = take_step(problem, make_guess(problem, wider, TOLERANCE), 1e-15)

@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from tests.methods.patches.westergaard_states import KINDS
 from weier import Profile, Trace
 from weier.methods.patches import surface
 from weier.methods.patches.surface import (
@@ -75,7 +76,7 @@ def test_heights_near_a_crest_and_far_from_it(name, dual):
     """To rounding of the waves' own falls within half a step of the highest crest, and beyond of the waves."""
     profile = SURFACES[name]
     amplitude = -profile.full_contact_pressure if dual else profile.amplitude
-    series = surface_of(profile).series(dual)
+    series = KINDS[dual].series(surface_of(profile))
     waves, slopes, curvatures = (np.abs(amplitude) @ series.wavenumber**n for n in range(3))
     highest = int(np.argmax(series.crest_offset))
     with mp.workdps(40):

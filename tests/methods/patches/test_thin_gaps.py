@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.methods.patches.westergaard_states import KINDS
 from weier import Profile
-from weier.methods.patches import inequalities, stages
+from weier.methods.patches import contacts, gaps, stages
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.inequalities import NEGATIVE
 from weier.methods.patches.solver import make_solution
 from weier.methods.patches.start import Starts, _make_guess
@@ -120,8 +123,8 @@ def test_gaps_are_thin_beside_their_neighbours_and_the_ends_of_a_contact():
 
 def limit(monkeypatch, thinness):
     """Change the limit of thin gaps for contacts and for gaps."""
-    monkeypatch.setattr(stages, "MAX_THINNESS", thinness)
-    monkeypatch.setattr(inequalities, "MAX_THINNESS", thinness)
+    monkeypatch.setattr(contacts, "MAX_THINNESS", thinness)
+    monkeypatch.setattr(gaps, "MAX_THINNESS", thinness)
 
 
 def between(state):
@@ -138,14 +141,14 @@ def test_thin_gaps_are_those_of_segments_of_their_own(profile, merger, dual, bel
     starts = Starts(profile, 1e-10)
     limit(monkeypatch, 1e-2 if dual else 1e-3)
     guess = starts.guess(load)
-    if guess.dual and not dual:
-        guess = _make_guess(starts.surface.heights, load, False, between(guess))
+    if guess.kind is GAPS and not dual:
+        guess = _make_guess(starts.surface.heights, load, CONTACTS, between(guess))
     thin, _ = stages.solve_in_stages(starts.surface, guess, 1e-10)
-    assert thin.dual == dual
+    assert thin.kind is KINDS[dual]
     contacts = make_solution(starts.surface, thin, load)
     limit(monkeypatch, 0.0)
-    guess = thin if dual else _make_guess(starts.surface.tensions, load, True, between(thin))
-    assert guess.dual
+    guess = thin if dual else _make_guess(starts.surface.tensions, load, GAPS, between(thin))
+    assert guess.kind is GAPS
     gaps, _ = stages.solve_in_stages(starts.surface, guess, 1e-12)
     assert thin.cracks.contact.size == 1
     assert gaps.segments.centre.size + gaps.cracks.contact.size == contacts.centre.size

@@ -8,10 +8,14 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.chebyshev import gauss_rule
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.surface import CosineSeries, make_series
 
 NODES = 48
+
+KINDS = CONTACTS, GAPS
 
 
 class OneWave(NamedTuple):
@@ -98,7 +102,7 @@ class OneWave(NamedTuple):
         )
         approach = self.compliance - 1 if dual else self.compliance
         strength = np.full((1, 2), self.tangent_strength)
-        state = ContactState(dual, self.load, approach, segments, rule.expansion @ phi)
+        state = ContactState(KINDS[dual], self.load, approach, segments, rule.expansion @ phi)
         return state._replace(resistance=self.resistance, tangent_strength=strength, edge_move=np.zeros((1, 2)))
 
 

@@ -17,7 +17,6 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.fields import MIN_SUM, residuals_by_sums, residuals_one_by_one
-from weier.methods.patches.inequalities import minima_of_gaps, minima_outside
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
 from weier.methods.patches.segments import ContactState, Segments, segment_strengths
 from weier.methods.patches.surface import (
@@ -26,7 +25,6 @@ from weier.methods.patches.surface import (
     Sides,
     distances_between,
     nearest_crests,
-    total_height,
 )
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
@@ -102,7 +100,7 @@ def integrals(state: ContactState) -> Array:
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
     """Return of the residual on each segment its maximum, the width over which this has its force, and its roughness.
 
-    The residual is the gap on a contact or, dual, the pressure in a gap; the roughness is sum n |c_n| of its
+    The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit.
     The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
     matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.
@@ -163,13 +161,14 @@ def certify(
     overlaps: Records,
     tensions: Records,
     series: CosineSeries,
+    total_amplitude: float,
     tolerance: float,
     margin: float,
 ) -> ContactState:
     """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
 
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual is one or the other (`Kind`).
+    contacts or a pressure in gaps. The residual is one or the other (`kind`).
 
     residual, residual_width, roughness : of each segment, as `contact_residual` returns them
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
@@ -180,12 +179,13 @@ def certify(
     ConvergenceError is raised if a violation is larger, or if the contacts do not carry the load.
     """
     kind, period = state.kind, series.period
-    largest = float((kind.height_of_residual(state.segments.half_width) * residual).max())
+    height = kind.height_of_residual(state.segments.half_width)
     missing, closure = imbalance(state, period)
-    state = state._replace(residual=max(largest, closure))
+    state = state._replace(residual=max(float((height * residual).max()), closure))
     check_violation(state, missing, period, tolerance)
-    sampled = SAMPLED_FACTOR * residual
-    gap, pressure, width = (1 - kind.dual) * float(sampled.max()), kind.dual * sampled, residual_width
+    (gap, pressure, roughness), width = kind.violations(SAMPLED_FACTOR * residual, roughness), residual_width
+    # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
+    displacement = 2 * float((height * pressure).max())
     gap = max(gap, closure, -float(overlaps["value"].min(initial=0.0)))
     if tensions.size > 0:
         contacts = kind.contacts_of(state.segments.extent, period)
@@ -197,7 +197,7 @@ def certify(
         state = state._replace(tensions=intervals[np.abs(middle) + reach < 1 - 4 * EPS])
     moved, beyond, unsure = effect_of_cracks(state, period)
     error = unsure + error_bound(
-        kind.largest_indentation(state.approach, series),
+        state.indentation(total_amplitude),
         state.load,
         missing + beyond,
         gap + moved,
@@ -205,15 +205,10 @@ def certify(
         width,
         period,
     )
-    # A residual pressure sigma on a width W displaces the surface by about 2 sigma W (`error_bound`).
-    height_error = error + 2 * SAMPLED_FACTOR * kind.dual * largest
-    state = state._replace(error=error, height_error=height_error, roughness=roughness)
-    uncertainty = gap_uncertainty(height_error, total_height(series, kind.dual))
-    if state.dual:
-        overlaps = minima_of_gaps(state)
-    elif uncertainty > margin:
-        overlaps = minima_outside(state, series, uncertainty)
-    return state._replace(narrow_gaps=overlaps[overlaps["value"] < uncertainty])
+    state = state._replace(error=error, height_error=error + displacement, roughness=roughness)
+    uncertainty = gap_uncertainty(state.height_error, total_amplitude)
+    minima = kind.narrow_gaps(state, series, overlaps, margin, uncertainty)
+    return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
 
 
 def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, float]:
@@ -385,11 +380,8 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
     height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
     curvature_error = EPS * series.largest_curvature
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
-    if not state.dual:
-        most = np.sqrt(8.0) / np.pi * np.maximum(integrals(state), 1e-300) / contacts[2] ** 1.5
-        A = np.minimum(A, most[:, None])
-    roughness = np.zeros(crest.size) if state.dual else state.roughness
-    release, length = _releases(*contacts, L, A, B, height_error, roughness, curvature_error)
+    A = state.kind.certain_strengths(A, integrals(state), contacts[2])
+    release, length = _releases(*contacts, L, A, B, height_error, state.roughness, curvature_error)
     return 2 * np.pi**2 / L * release, length
 
 

@@ -14,98 +14,189 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Records
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH, Kind
-from weier.methods.patches.surface import Extent
+from weier.methods.patches.given_edges import Forces, Punches, expansion
+from weier.methods.patches.inequalities import minima_outside
+from weier.methods.patches.kind import (
+    FIELD_ROUNDING,
+    MAX_TENSION,
+    MAX_THINNESS,
+    NEW_CONTACT_WIDTH,
+    Numbers,
+    OnContacts,
+)
+from weier.methods.patches.segments import ContactState
+from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
+from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.methods.punches import OFFSET, Inverse, invert_punches
 from weier.theory.halfplane import displacement_of_punch
 
-# of the self-influence: shift of theta_i = pi (i + 1/2)/K, sign of X(i + j + shift), and power of k in the sum
-RULE = 1, 1.0, -1
 
+class Contacts:
+    """Contacts: the density is the pressure, the residual the gap."""
 
-def own_kernel(sine: Array) -> Array:
-    """Return the kernel that a sum over all nodes contains, ln(2 sin theta)."""
-    return np.asarray(np.log(2 * sine))
+    numbers = Numbers(
+        shift=1,
+        hankel_sign=1.0,
+        derivative=0,
+        right_sign=1.0,
+        k_0_of_curvature=-0.75,  # of a gap in a parabola of tension
+        rounding_power=2,
+    )
+    is_slope = False
+    power = -1
+    offset = OFFSET
+    increment = 0.0
+    strength_factor = 1.0
+    residual_power = 1.5
+    residual_strength = 4 * np.pi / 3
+    new_outside = NEW_CONTACT_WIDTH
+    new_within = float(np.sqrt(2.0))
 
+    def series(self, surface: Surface) -> CosineSeries:
+        """Return the heights."""
+        return surface.heights
 
-@kernel
-def contact_node(r: float, sine: float, period: float) -> tuple[float, float]:
-    """Return the factor of a node in the self-influence, and its diagonal."""
-    return 1.0, np.log(2 * np.pi / period * r * sine)
+    def largest_forcing(self, maximum: float, load: float) -> float:
+        """Return 0: heights are counted from the highest crest."""
+        return 0.0
 
+    def own_kernel(self, sine: Array) -> Array:
+        """Return ln(2 sin theta)."""
+        return np.asarray(np.log(2 * sine))
 
-@kernel
-def contact_wave(angle: float) -> float:
-    """Return the value of T_k at a node, from k times its angle."""
-    return np.cos(angle)
+    def node_factors(self, spread: Array, sine: Array, period: float) -> tuple[Array, Array]:
+        """Return factors of 1, and the logarithm of the spread."""
+        return np.ones(spread.size), np.log(2 * np.pi / period * spread)
 
+    def factor(self, period: float) -> float:
+        """Return that of -2 ln|2 sin|, the displacement by a line force."""
+        return -2.0
 
-@kernel
-def contact_degree(n: int, r: float) -> float:
-    """Return b_n over the sum of T_n f."""
-    return (1 if n == 0 else 2) / (np.pi * r)
+    def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
+        """Return the forces that carry the load with a uniform displacement, and the plane."""
+        closed, shift = _close(force, even, load, period)
+        return closed, OFFSET * load * period - shift
+
+    def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
+        """Return the inverse of the influence of contacts as flat punches."""
+        return invert_punches(middle, displacement_of_punch(half_width, period), period)
+
+    def plane_of(self, total: float, multiplier: float, period: float) -> float:
+        """Return the Lagrange multiplier."""
+        return multiplier
+
+    def height_of_residual(self, half_width: Array) -> Array:
+        """Return 1: the residual is a height."""
+        return np.ones(half_width.size)
+
+    def rounded_width(self, period: float, half_width: Array) -> float:
+        """Return the period: the whole load displaces each contact."""
+        return period
+
+    def share(self, count: int) -> float:
+        """Return 1: the bound takes the largest residual."""
+        return 1.0
+
+    def uniform(self, height: float) -> float:
+        """Return it: displacing the plane changes all gaps."""
+        return height
+
+    def contacts_of(self, extent: Extent, period: float) -> Extent:
+        """Return the segments."""
+        return extent
+
+    def at_contacts(self, values: Sides) -> Sides:
+        """Return values at the edges of the segments."""
+        return values
+
+    def limit_outside(self, load: float, height: float, tension: float) -> float:
+        """Return that of an overlap."""
+        return height
+
+    def limits_within(self) -> tuple[float, float]:
+        """Return those of a tension and of a gap in it."""
+        return MAX_TENSION, MAX_THINNESS
+
+    def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
+        """Return that all overlaps do."""
+        return np.ones(minima.size, bool)
+
+    def height_of_negative(self, width: Array) -> Array:
+        """Return the opening, 2 pi b p, of a crack of half-width b under the tension p."""
+        return np.pi * width
+
+    def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
+        """Return both: gaps have minima outside, and pressures are negative on segments."""
+        return minima, negative
+
+    def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
+        """Return the intervals, which are given in the coordinate t."""
+        middle, reach = 0.5 * (found["start"] + found["end"]), 0.5 * (found["end"] - found["start"])
+        return np.stack([found["segment"], middle, reach], axis=1)
+
+    def are_certain(self, tensions: Records, tail: Array, residual: float, load: float) -> Flags:
+        """Return which tensions, over the largest pressure of their contact, exceed its last coefficients."""
+        return np.asarray(tensions["relative"] < -np.maximum(tail, FIELD_ROUNDING)[tensions["segment"]])
+
+    def pressures(
+        self, state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
+    ) -> tuple[OnContacts, OnContacts]:
+        """Return pressure and increment from their expansions."""
+        first, psi = state.segments.first_node, expansion(punches, tangent.force)
+        return (
+            lambda contact, t: densities_on_contacts(first, state.coefficient, contact, t, False),
+            lambda contact, t: densities_on_contacts(first, psi, contact, t, True),
+        )
+
+    def singularities(self, c: NDArray[np.float64], force: Array, most: float) -> tuple[Sides, Sides]:
+        """Return k_0 and k_1/2, up to a factor, at the edges of contacts with these forces on heights sum c_n T_n.
+
+        With p sqrt(1-t^2) = sum b_n T_n, the height has the coefficients c_n = 2 pi r b_n/n.
+        """
+        n = np.arange(c.shape[1])
+        sign = np.stack([(-1.0) ** n, np.ones(n.size)], axis=1)
+        return 2 * force[:, None] + c * n @ sign, -0.5 * c * n**3 @ sign
+
+    def elastic_energy(
+        self, state: ContactState, series: CosineSeries, force: Array, below: Array, full: float
+    ) -> float:
+        """Return <p (z - d)>/2 from forces and heights below the maximum: on contacts z is u plus the mean gap d."""
+        return 0.5 * (float(force @ below) / series.period + state.load * state.approach)
+
+    def scale_of_residual(self, load: float, approach: float, period: float) -> float:
+        """Return the indentation."""
+        return approach
+
+    def imbalance(self, integral: Array, load: float, period: float) -> tuple[float, float]:
+        """Return the difference of the mean pressure and the load; there are no gaps to close."""
+        return abs(float(integral.sum()) / period - load), 0.0
+
+    def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+        """Return the largest gap, and no pressures."""
+        return float(residual.max()), np.zeros(residual.size), roughness
+
+    def narrow_gaps(
+        self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
+    ) -> Records:
+        """Return the overlaps, or search again if the gap turns out less certain than the margin."""
+        return overlaps if uncertainty <= margin else minima_outside(state, series, uncertainty)
+
+    def certain_strengths(self, strength: Sides, integral: Array, half_width: Array) -> Sides:
+        """Return strengths of at most sqrt(8) F/(pi a^(3/2))."""
+        most = np.sqrt(8.0) / np.pi * np.maximum(integral, 1e-300) / half_width**1.5
+        return np.asarray(np.minimum(strength, most[:, None]))
 
 
 @kernel
 def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-    """Return the forces that carry the load with a uniform displacement, and the plane."""
+    """Return the forces of sum p L, and the multiple of `even` that has been added."""
     total, of_even, closed = 0.0, 0.0, np.empty(force.size)
     for i in range(force.size):
         total, of_even = total + force[i], of_even + even[i]
     shift = (load * period - total) / of_even
     for i in range(force.size):
         closed[i] = force[i] + shift * even[i]
-    return closed, OFFSET * load * period - shift
+    return closed, shift
 
 
-def _invert_punches(half_width: Array, middle: Array, period: float) -> Inverse:
-    """Return the inverse of the influence of contacts as flat punches."""
-    return invert_punches(middle, displacement_of_punch(half_width, period), period)
-
-
-def _imbalance(integral: Array, load: float, period: float) -> tuple[float, float]:
-    """Return the difference of the mean pressure and the load; there are no gaps to close."""
-    return abs(float(integral.sum()) / period - load), 0.0
-
-
-def _tensions(contacts: Extent, negative: Records, period: float) -> NDArray[np.float64]:
-    """Return intervals of tension on contacts: index, middle and half-width in the coordinate t."""
-    middle, reach = 0.5 * (negative["start"] + negative["end"]), 0.5 * (negative["end"] - negative["start"])
-    return np.stack([negative["segment"], middle, reach], axis=1)
-
-
-def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
-    """Return which tensions, over the largest pressure of their contact, are larger than its last coefficients."""
-    return np.asarray(tensions["relative"] < -np.maximum(tail, FIELD_ROUNDING)[tensions["segment"]])
-
-
-CONTACTS = Kind(
-    dual=False,
-    right_sign=1.0,
-    k_0_of_curvature=-0.75,  # of a gap in a parabola of tension
-    strength_factor=1.0,
-    residual_power=1.5,
-    residual_strength=4 * np.pi / 3,
-    rounding_grows=True,
-    close=_close,
-    factor=lambda period: -2.0,
-    invert_punches=_invert_punches,
-    plane_of=lambda total, multiplier, period: multiplier,
-    height_of_residual=np.ones_like,
-    rounded_width=lambda period, half_width: period,
-    share=lambda count: 1.0,
-    new_outside=NEW_CONTACT_WIDTH,
-    new_within=np.sqrt(2.0),
-    integral_factor=lambda period: -2.0,
-    constant=lambda load, approach, maximum: -approach,
-    contacts_of=lambda extent, period: extent,
-    at_contacts=lambda values: values,
-    limit_outside=lambda load, height, tension: height,
-    height_of_negative=lambda width: np.pi * width,  # a crack of half-width b under the tension p opens by 2 pi b p
-    overlaps_and_tensions=lambda minima, negative: (minima, negative),
-    tensions=_tensions,
-    are_certain=_are_certain,
-    scale_of_residual=lambda load, approach, period: approach,
-    imbalance=_imbalance,
-    largest_indentation=lambda approach, series: approach,
-)
+CONTACTS = Contacts()

@@ -23,7 +23,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     By default the limits are `BINS` + 1 from 0 to the largest value.
     """
     state, surface = solution.state, solution.surface
-    series = surface.series(state is None or state.dual)
+    series = surface.tensions if state is None else state.kind.series(surface)
     extent = 3 * (np.zeros(0 if of_gap else 1),)
     if state is None:
         extent = *extent[:2], extent[2] + 0.5 * series.period

@@ -2,8 +2,8 @@
 
 `take_step` solves on given edges and computes their moves (`edge_moves`); `next_guess` moves the edges and transfers
 the density. Near an edge p = (k_0 + k_1 s)/sqrt(s); a move by 2 k_0/k_1 removes the singularity. Narrow contacts and
-narrow gaps have closed forms instead. For gaps (dual), the slope of the gap has the same form, with the opposite sign
-at right edges. "The stages of a load" defines when edges have settled.
+narrow gaps have closed forms instead. The slope of a gap has the same form, with the opposite sign at right edges.
+"The stages of a load" defines when edges have settled.
 """
 
 from __future__ import annotations
@@ -26,12 +26,11 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import Kind, Numbers
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,
     estimate_node_count,
-    kind_of,
     make_segments,
 )
 from weier.methods.patches.surface import (
@@ -63,7 +62,7 @@ class EdgeMoves(NamedTuple):
 
 @kernel
 def edge_moves(
-    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
+    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, numbers: Numbers
 ) -> tuple[Sides, Flags, float, Array]:
     """Return the moves `outward`, which gaps close, the move `relative`, and the heights of the singular parts.
 
@@ -87,7 +86,7 @@ def edge_moves(
     outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
     for j in range(n):
         for side in range(2):
-            at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
+            at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else numbers.right_sign
             for q in range(first_node[j], first_node[j + 1]):
                 k = q - first_node[j]
                 at_end += sign * b[q]
@@ -104,8 +103,8 @@ def edge_moves(
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # by narrow gaps
         k, half = (j + 1) % n, 0.5 * gap[j]
-        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, k_0_of_curvature)
-        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
+        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, numbers.k_0_of_curvature)
+        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, numbers.k_0_of_curvature)
         narrower_left, narrower_right = half < r[j], half < r[k]
         linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
         shift = min(max(0.5 * (right - left), -1.0), 1.0) if narrower_left and narrower_right else 0.0
@@ -146,29 +145,24 @@ def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_c
 
 
 class ContactProblem(NamedTuple):
-    """Problem to solve: contacts under a mean pressure, or gaps in the tension of full contact (dual).
+    """Problem to solve: contacts under a mean pressure, or gaps in the tension of full contact.
 
-    series : the heights, in g_0, or the tensions (dual), in p_0*
+    series : the heights, in g_0, or the tensions, in p_0*
     load : mean pressure, in p_0*
-    dual : whether gaps are solved for
+    kind : `CONTACTS` or `GAPS`
     """
 
     series: CosineSeries
     load: float
-    dual: bool
-
-    @property
-    def kind(self) -> Kind:
-        """`CONTACTS` or `GAPS`."""
-        return kind_of(self.dual)
+    kind: Kind
 
     @property
     def highest(self) -> float:
         """The forcing where the series has its maximum."""
-        return self.dual * (self.series.maximum - self.load)
+        return self.kind.largest_forcing(self.series.maximum, self.load)
 
     def forcing(self, crest: Indices, y: Array) -> Array:
-        """Return the height minus its maximum or, dual, the tension of full contact, at distances from crests."""
+        """Return the height minus its maximum, or the tension of full contact, at distances from crests."""
         return np.asarray(evaluate_at(self.series, crest, y, 0) + self.highest)
 
     def forcing_at_nodes(self, punches: Punches) -> Array:
@@ -230,18 +224,17 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
     """
     count = estimate_node_count(segments.extent, problem.series, tolerance)
     segments = make_segments(segments.crest, *segments.extent, count)
-    punches = make_punches(segments, problem.series.period, problem.dual)
+    punches = make_punches(segments, problem.series.period, problem.kind)
     return Iterate(punches, np.zeros(punches.offset.size))
 
 
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
-    punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
+    punches, segments = guess.punches, guess.punches.segments
     forcing = problem.forcing_at_nodes(punches)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    signs = kind.right_sign, kind.k_0_of_curvature
-    changes = _changes_of_edges(*extent, forces.force, b, *signs)
+    changes = _changes_of_edges(*extent, forces.force, b, problem.kind.numbers)
     a, outward, relative, vanishing, merging, singular, settled = changes
     moves = EdgeMoves(outward, relative)
     return NewtonStep(punches, forces, b, a, moves, vanishing, merging, singular, settled)
@@ -254,12 +247,11 @@ def _changes_of_edges(
     gap: Array,
     force: Array,
     b: Array,
-    right_sign: float,
-    k_0_of_curvature: float,
+    numbers: Numbers,
 ) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
-    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
+    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, numbers)
     vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
     return a, outward, relative, vanishing, merging, singular, relative < SETTLED_MOVE and not changes
 
@@ -298,7 +290,7 @@ def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
-    punches = make_punches(moved, series.period, problem.dual)
+    punches = make_punches(moved, series.period, problem.kind)
     return Iterate(punches, _start_forces(old, b, np.arange(shift.size), punches))
 
 
@@ -312,7 +304,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     old, (shift, growth) = punches.segments, _shift_and_growth(outward)
     b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
-    moved = make_punches(segments, punches.period, punches.dual, MAX_NODES * gap.size)
+    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
     force = transfer_forces(old, b, np.arange(gap.size), moved)
     narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
@@ -374,5 +366,5 @@ def rearrange(
     origin_of = np.concatenate([np.flatnonzero(remaining), np.full(len(added), -1)])[order]
     count = estimate_node_count(extent, series, tolerance)
     count = np.where(origin_of >= 0, node_count[origin_of], count)
-    punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.dual)
+    punches = make_punches(make_segments(crest[order], *extent, count), series.period, problem.kind)
     return Iterate(punches, _start_forces(step.punches.segments, step.b, origin_of, punches))

@@ -281,7 +281,7 @@ class _Search(NamedTuple):
         if not table:
             return True
         births, origin, left, right = np.transpose(table)
-        minima = _minima_of_gap(low, self.starts.surface.series(low.dual), origin, left, right)
+        minima = _minima_of_gap(low, low.kind.series(self.starts.surface), origin, left, right)
         return bool(np.all(minima <= births))
 
     def _locate(
@@ -294,9 +294,9 @@ class _Search(NamedTuple):
         nearest one in load. Without result if the changes are of both kinds, have no root or different ones, or if
         the contacts at the root violate the inequalities or edges have jumped.
         """
-        first, series_of = changes[0], self.starts.surface.series
+        first, surface = changes[0], self.starts.surface
         followed = [low if first.birth else high]
-        loads, values = [followed[0].load], [_minimum(followed[0], series_of(followed[0].dual), first)[1]]
+        loads, values = [followed[0].load], [_minimum(followed[0], followed[0].kind.series(surface), first)[1]]
         load = _expected_load(low, high, first)
         while len(loads) < 2 or not abs(load - loads[-1]) <= MIN_INTERVAL * load:
             if not low.load < load < high.load or len(loads) > MAX_ROOT_LOADS:
@@ -308,12 +308,12 @@ class _Search(NamedTuple):
                 return None
             followed.append(state)
             loads.append(load)
-            values.append(_minimum(state, series_of(state.dual), first)[1])
+            values.append(_minimum(state, state.kind.series(surface), first)[1])
             load = _root(loads, values)
         rate = abs((values[-1] - values[0]) / (loads[-1] - loads[0]))
         located: list[tuple[float, _Event]] = []
         for event in changes:
-            y, value = _minimum(followed[-1], series_of(followed[-1].dual), event)
+            y, value = _minimum(followed[-1], followed[-1].kind.series(surface), event)
             is_same = event.birth == first.birth and abs(value - values[-1]) <= rate * MIN_INTERVAL * load
             length, between = (
                 np.array([y - event.left, event.right - y]),
@@ -330,7 +330,7 @@ class _Search(NamedTuple):
         They do not if another event comes first: an edge may have passed a crest that touches earlier, which leaves
         tension behind it.
         """
-        minima = minima_outside(state, self.starts.surface.series(state.dual), 0.0)
+        minima = minima_outside(state, state.kind.series(self.starts.surface), 0.0)
         overlap = -float(minima["value"].min(initial=0.0))
         height = MAX_VIOLATION * state.load * self.starts.surface.heights.period
         limit = state.kind.limit_outside(state.load, height, MAX_VIOLATION)
@@ -409,14 +409,14 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, 
     are the complementary residual.
     """
     at = np.full(y.size, origin)
-    if is_gap != state.dual:
+    if is_gap != state.kind.is_slope:
         return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
     return values_on_segments(state, series.period, at, y, is_gap)[1]
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
     """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
-    if state.dual:
+    if state.kind.is_slope:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
     integral = density_integrals(state, series.period, series.crest_position[crest], y, True)

@@ -237,7 +237,7 @@ def _values_on_segments(
 
 
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """Return the gap or, dual, the pressure, which must vanish on the segments and be positive outside them.
+    """Return the gap, or the pressure between gaps, which must vanish on the segments and be positive outside them.
 
     Points are given by a crest and the distance from it.
     """
@@ -251,10 +251,19 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
 def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
     kind, origin = state.kind, series.crest_position[crest]
-    integral = density_integrals(state, series.period, origin, y, kind.dual)
-    integral *= kind.integral_factor(series.period)
-    constant = kind.constant(state.load, state.approach, series.maximum)
-    return np.asarray(constant - evaluate_at(series, crest, y, 0) + integral)
+    integral = density_integrals(state, series.period, origin, y, kind.is_slope)
+    integral *= kind.factor(series.period) * _force_of_density(state, series.period)
+    return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + integral)
+
+
+def _force_of_density(state: ContactState, period: float) -> float:
+    """Return the sum over dipoles on a gap, over the integral of its slope by parts; 1 for contacts."""
+    return float((-period / np.pi) ** state.kind.numbers.derivative)
+
+
+def _constant(state: ContactState, series: CosineSeries) -> float:
+    """Return the residual on the highest crest of the series without the integral."""
+    return state.kind.uniform(-state.approach) - state.kind.largest_forcing(series.maximum, state.load)
 
 
 def residuals_by_sums(
@@ -271,13 +280,12 @@ def residuals_by_sums(
     order = np.argsort(origin + offset, kind="stable")
     origin, offset, value = origin[order], offset[order], np.empty(y.size)
     kind, density = state.kind, (segments, state.coefficient)
-    at_node, force = node_forces(*density, kind.dual)
+    at_node, force = node_forces(*density, kind.is_slope)
     tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
-    total, factor = potential(tree, force, make_tree(origin, offset), period, kind.dual), kind.factor(period)
-    near = kind.integral_factor(period) / factor
-    value[order] = _correct_near_segments(*density, kind.dual, near, force, origin, offset, period, total)
-    constant = kind.constant(state.load, state.approach, series.maximum)
-    return np.asarray(constant - evaluate_at(series, crest, y, 0) + factor * value)
+    total, factor = potential(tree, force, make_tree(origin, offset), period, kind.is_slope), kind.factor(period)
+    near = _force_of_density(state, period)
+    value[order] = _correct_near_segments(*density, kind.is_slope, near, force, origin, offset, period, total)
+    return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + factor * value)
 
 
 @kernel
@@ -299,7 +307,7 @@ def node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[A
 def _correct_near_segments(
     segments: Segments,
     coefficient: Array,
-    dual: bool,
+    is_slope: bool,
     factor: float,
     force: Array,
     origin: Array,
@@ -324,8 +332,8 @@ def _correct_near_segments(
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
                 for q in range(node.size):  # to the last digit as the sums have it
                     at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])
-                replace_by_influence(at_nodes, period, dual)
-                total[i] += factor * _near_field(a, node, density, r, far, t, period, dual)
+                replace_by_influence(at_nodes, period, is_slope)
+                total[i] += factor * _near_field(a, node, density, r, far, t, period, is_slope)
                 for q in range(node.size):
                     total[i] -= force[first + q] * at_nodes[q]
     return total
@@ -338,8 +346,8 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_ga
 
 def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:
     """Return the same at the distances y from crests of the series of the state."""
-    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.dual)
-    if is_gap != state.dual:
+    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.kind.is_slope)
+    if is_gap != state.kind.is_slope:
         value = np.zeros(y.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
     return value

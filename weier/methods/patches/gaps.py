@@ -11,95 +11,187 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.kernels.arrays import Array, Flags, Records
-from weier.kernels.jit import kernel
-from weier.methods.patches.kind import FIELD_ROUNDING, NEW_CONTACT_WIDTH, Kind
-from weier.methods.patches.surface import CosineSeries, Extent, Sides, intervals_between, total_height
-
-# of the self-influence: shift of theta_i = pi (i + 1)/(K + 1), sign of X(i + j + shift), and power of n in the sum
-RULE = 2, -1.0, 1
-
-
-def own_kernel(sine: Array) -> Array:
-    """Return the kernel that a sum over all nodes contains, 1/(4 sin^2 theta)."""
-    return 0.25 / sine**2
-
-
-@kernel
-def gap_node(r: float, sine: float, period: float) -> tuple[float, float]:
-    """Return the factor of a node in the self-influence, and its diagonal."""
-    left = period / (np.pi * r * sine)
-    return left, 1 / 3 - (0.5 * left / sine) ** 2
-
-
-@kernel
-def gap_wave(angle: float) -> float:
-    """Return sin(k theta) at a node, from k times its angle."""
-    return np.sin(angle)
-
-
-@kernel
-def gap_degree(n: int, r: float, period: float) -> float:
-    """Return b_n over the sum of sin(n theta) f L/(pi r sin(theta))."""
-    return -2 * n / (r * period)
-
-
-def _close(force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
-    """Return the forces unchanged, since gaps carry no load constraint, and the mean gap."""
-    return force, float(force.sum()) / period
-
-
-def _largest_indentation(approach: float, series: CosineSeries) -> float:
-    """Return the compliance sum g_n - d, which is larger than the indentation."""
-    return total_height(series, True) + approach
-
-
-def _at_contacts(values: Sides) -> Sides:
-    """Return values at the edges of contacts; contact j follows gap j."""
-    return np.stack([values[:, 1], np.roll(values[:, 0], -1)], axis=1)
-
-
-def _tensions(contacts: Extent, minima: Records, period: float) -> NDArray[np.float64]:
-    """Return intervals of tension between gaps, each approximated by a parabola."""
-    origin, centre, r = (values[minima["interval"]] for values in contacts)
-    middle = (minima["position"] - (origin + centre)) / r
-    # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
-    reach = np.sqrt(-2 * minima["value"] / np.maximum(minima["curvature"], -minima["value"] / period**2)) / r
-    return np.stack([minima["interval"], middle, reach], axis=1)
-
-
-def _are_certain(tensions: Records, tail: Array, residual: float, load: float) -> Flags:
-    """Return which minima of the pressure are below minus the residual, a pressure as well."""
-    return np.asarray((tensions["value"] < -max(residual, FIELD_ROUNDING * load)) & (tensions["curvature"] > 0))
-
-
-GAPS = Kind(
-    dual=True,
-    right_sign=-1.0,  # the slope is negative where a gap closes
-    k_0_of_curvature=0.25,  # of a contact between gaps
-    strength_factor=0.5 / np.pi,  # strength of the pressure beyond an edge over that of the slope of the gap
-    residual_power=0.5,
-    residual_strength=0.5 / np.pi,
-    rounding_grows=False,
-    close=_close,
-    factor=lambda period: -0.5 / period**2,
-    invert_punches=lambda half_width, middle, period: None,
-    plane_of=lambda total, multiplier, period: total / period,
-    height_of_residual=lambda half_width: 2 * half_width,  # a pressure displaces by its product with the width
-    rounded_width=lambda period, half_width: 2 * float(half_width.max()),
-    share=lambda count: min(1.0, 5 / count),  # The bound is a sum over all gaps.
-    new_outside=np.sqrt(2.0),
-    new_within=NEW_CONTACT_WIDTH,
-    integral_factor=lambda period: 0.5 / (np.pi * period),
-    constant=lambda load, approach, maximum: load - maximum,
-    contacts_of=intervals_between,
-    at_contacts=_at_contacts,
-    limit_outside=lambda load, height, tension: tension * load,
-    height_of_negative=np.ones_like,
-    overlaps_and_tensions=lambda minima, negative: (negative, minima),
-    tensions=_tensions,
-    are_certain=_are_certain,
-    scale_of_residual=lambda load, approach, period: load * period,
-    imbalance=lambda integral, load, period: (0.0, float(np.abs(integral).sum())),
-    largest_indentation=_largest_indentation,
+from weier.kernels.arrays import Array, Flags, Indices, Records
+from weier.methods.patches.fields import complementary_residuals
+from weier.methods.patches.given_edges import Forces, Punches, field_of_forces
+from weier.methods.patches.inequalities import minima_of_gaps
+from weier.methods.patches.kind import (
+    FIELD_ROUNDING,
+    MAX_THINNESS,
+    NEW_CONTACT_WIDTH,
+    Numbers,
+    OnContacts,
 )
+from weier.methods.patches.segments import ContactState
+from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
+from weier.methods.patches.thin_gaps import singularities_of_gaps
+
+
+class Gaps:
+    """Gaps: the density is the slope of the gap, the residual the pressure."""
+
+    numbers = Numbers(
+        shift=2,
+        hankel_sign=-1.0,
+        derivative=1,
+        right_sign=-1.0,  # the slope is negative where a gap closes
+        k_0_of_curvature=0.25,  # of a contact between gaps
+        rounding_power=0,
+    )
+    is_slope = True
+    power = 1
+    offset = 0.0
+    increment = 1.0
+    strength_factor = 0.5 / np.pi  # strength of the pressure beyond an edge over that of the slope of the gap
+    residual_power = 0.5
+    residual_strength = 0.5 / np.pi
+    new_outside = float(np.sqrt(2.0))
+    new_within = NEW_CONTACT_WIDTH
+
+    def series(self, surface: Surface) -> CosineSeries:
+        """Return the tensions of full contact."""
+        return surface.tensions
+
+    def largest_forcing(self, maximum: float, load: float) -> float:
+        """Return the largest tension under the load."""
+        return maximum - load
+
+    def own_kernel(self, sine: Array) -> Array:
+        """Return 1/(4 sin^2 theta)."""
+        return np.asarray(0.25 / sine**2)
+
+    def node_factors(self, spread: Array, sine: Array, period: float) -> tuple[Array, Array]:
+        """Return L/(pi r sin theta), and the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta)."""
+        left = period / (np.pi * spread)
+        return left, 1 / 3 - (0.5 * left / sine) ** 2
+
+    def factor(self, period: float) -> float:
+        """Return that of the finite part -1/(2 L^2 sin^2)."""
+        return -0.5 / period**2
+
+    def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
+        """Return the forces unchanged, since gaps carry no load constraint, and the mean gap."""
+        return force, float(force.sum()) / period
+
+    def invert_punches(self, half_width: Array, middle: Array, period: float) -> None:
+        """Return None: gaps carry no load."""
+
+    def plane_of(self, total: float, multiplier: float, period: float) -> float:
+        """Return the mean gap."""
+        return total / period
+
+    def height_of_residual(self, half_width: Array) -> Array:
+        """Return the width: a pressure displaces by its product with it."""
+        return 2 * half_width
+
+    def rounded_width(self, period: float, half_width: Array) -> float:
+        """Return the width of the widest gap."""
+        return 2 * float(half_width.max())
+
+    def share(self, count: int) -> float:
+        """Return 5 over the count: the bound is a sum over all gaps."""
+        return min(1.0, 5 / count)
+
+    def uniform(self, height: float) -> float:
+        """Return 0: displacing the plane changes no pressure."""
+        return 0.0
+
+    def contacts_of(self, extent: Extent, period: float) -> Extent:
+        """Return the intervals on the right of gaps."""
+        return intervals_between(extent, period)
+
+    def at_contacts(self, values: Sides) -> Sides:
+        """Return values at the edges of contacts; contact j follows gap j."""
+        return np.stack([values[:, 1], np.roll(values[:, 0], -1)], axis=1)
+
+    def limit_outside(self, load: float, height: float, tension: float) -> float:
+        """Return that of a tension."""
+        return tension * load
+
+    def limits_within(self) -> tuple[float, float]:
+        """Return 0: overlap is never allowed, and gaps contain no thin gaps."""
+        return 0.0, 0.0
+
+    def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
+        """Return which gaps open enough and are not thin, also relative to the finest wave, if edges are distant."""
+        b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
+        is_wide = b > MAX_THINNESS * np.minimum(room, 1 / finest)
+        return np.asarray(is_wide & (-2 * np.pi * b * minima["value"] > opening))
+
+    def height_of_negative(self, width: Array) -> Array:
+        """Return 1: a gap is a height."""
+        return np.ones(width.size)
+
+    def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
+        """Return both: gaps are negative on segments, and pressures have minima outside."""
+        return negative, minima
+
+    def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
+        """Return the intervals around minima of the pressure, each approximated by a parabola."""
+        origin, centre, r = (values[found["interval"]] for values in contacts)
+        middle = (found["position"] - (origin + centre)) / r
+        # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
+        reach = np.sqrt(-2 * found["value"] / np.maximum(found["curvature"], -found["value"] / period**2)) / r
+        return np.stack([found["interval"], middle, reach], axis=1)
+
+    def are_certain(self, tensions: Records, tail: Array, residual: float, load: float) -> Flags:
+        """Return which minima of the pressure are below minus the residual, a pressure as well."""
+        return np.asarray((tensions["value"] < -max(residual, FIELD_ROUNDING * load)) & (tensions["curvature"] > 0))
+
+    def pressures(
+        self, state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
+    ) -> tuple[OnContacts, OnContacts]:
+        """Return pressure and increment from the field of the gaps."""
+        origin, middle, radius = self.contacts_of(state.segments.extent, series.period)
+
+        def positions(contact: Indices, t: NDArray[np.float64]) -> Array:
+            return np.asarray(((origin + middle)[contact][:, None] + radius[contact][:, None] * t).ravel())
+
+        def pressure(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
+            x = positions(contact, t)
+            return complementary_residuals(state, series, *nearest_crests(series, x)).reshape(t.shape)
+
+        def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
+            x = positions(contact, t)
+            order, q = np.argsort(x), np.empty(x.size)
+            q[order] = 1 - field_of_forces(punches, tangent.force, x[order])
+            return q.reshape(t.shape)
+
+        return pressure, increment
+
+    def singularities(self, c: NDArray[np.float64], tension: Array, most: float) -> tuple[Sides, Sides]:
+        """Return k_0 and k_1/2, up to a factor, at the edges of gaps in tensions sum c_n T_n below the largest."""
+        pressure = -c
+        pressure[:, 0] -= most
+        return singularities_of_gaps(pressure)
+
+    def elastic_energy(
+        self, state: ContactState, series: CosineSeries, force: Array, below: Array, full: float
+    ) -> float:
+        """Return that of full contact minus <g (p + S)>/2, with the mean pressure p and the tension S."""
+        return full - 0.5 * float(force @ (state.load + series.maximum + below)) / series.period
+
+    def scale_of_residual(self, load: float, approach: float, period: float) -> float:
+        """Return the order of the displacement by the load."""
+        return load * period
+
+    def imbalance(self, integral: Array, load: float, period: float) -> tuple[float, float]:
+        """Return the closure errors of all gaps; the load is right."""
+        return 0.0, float(np.abs(integral).sum())
+
+    def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
+        """Return the pressures; their edges respond to the lowest two coefficients only (docs/patches.md)."""
+        return 0.0, residual, np.zeros(residual.size)
+
+    def narrow_gaps(
+        self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
+    ) -> Records:
+        """Return the minima of the gap on segments."""
+        return minima_of_gaps(state)
+
+    def certain_strengths(self, strength: Sides, integral: Array, half_width: Array) -> Sides:
+        """Return the strengths."""
+        return strength
+
+
+GAPS = Gaps()

@@ -15,7 +15,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import Kind
+from weier.methods.patches.kind import Kind, Numbers
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_tree, pair_sums, potential
 from weier.methods.patches.rule import (
     Rule,
@@ -28,8 +28,8 @@ from weier.methods.patches.rule import (
     place_nodes,
     times_own,
 )
-from weier.methods.patches.segments import Segments, kind_of
-from weier.methods.punches import OFFSET, Inverse, solve_forces
+from weier.methods.patches.segments import Segments
+from weier.methods.punches import Inverse, solve_forces
 from weier.theory.halfplane import replace_by_influence
 
 # largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
@@ -61,11 +61,6 @@ class Punches(NamedTuple):
     period: float
     kind: Kind
 
-    @property
-    def dual(self) -> bool:
-        """Whether these are gaps."""
-        return self.kind.dual
-
     def at_nodes(self, at_segments: Array) -> Array:
         """Return a value of each segment at its nodes, shape (nodes,)."""
         return np.repeat(at_segments, self.segments.node_count)
@@ -88,21 +83,22 @@ class Forces(NamedTuple):
     even: Array | None = None
 
 
-def make_punches(segments: Segments, period: float, dual: bool = False, most: int | None = None) -> Punches:
+def make_punches(segments: Segments, period: float, kind: Kind, most: int | None = None) -> Punches:
     """Return the problem on segments, with fast sums for more than `most` unknowns.
 
     ConvergenceError is raised if two of them overlap.
     """
-    gap, offset, left, diagonal, is_apart = place_nodes(segments.first_node, *segments.extent, period, dual)
+    numbers = kind.numbers
+    gap, offset, spread, sine, is_apart = place_nodes(segments.first_node, *segments.extent, period, numbers.shift)
     if not is_apart:
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
         )
     rule, matrix = None, None
     if offset.size > (MAX_DIRECT if most is None else most):
-        rule = make_rule(segments.first_node, dual)
-        matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, dual)
-    return Punches(segments, gap, offset, left, diagonal, rule, matrix, period, kind_of(dual))
+        rule = make_rule(segments.first_node, kind)
+        matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, kind.is_slope)
+    return Punches(segments, gap, offset, *kind.node_factors(spread, sine, period), rule, matrix, period, kind)
 
 
 @kernel
@@ -116,13 +112,15 @@ def _equations(
     table: Array,
     forcing: Array,
     period: float,
-    dual: bool,
+    dipoles: bool,
     factor: float,
-    on_diagonal: float,
+    more: float,
+    numbers: Numbers,
 ) -> tuple[Table, Table]:
     """Return the upper triangle of the influence of all forces at all nodes, and both right sides.
 
     table : of `own_tables`
+    dipoles, factor, more : of the kernel between nodes, and what is added to all influences
     """
     n, at, right = offset.size, 0, np.empty((2, offset.size))
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
@@ -133,13 +131,13 @@ def _equations(
                 for b in range(a if i == j else first[j], first[j + 1]):
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
-    replace_by_influence(influence, period, dual)
-    add_own_blocks(first, left, diagonal, table, dual, matrix)
+    replace_by_influence(influence, period, dipoles)
+    add_own_blocks(first, left, diagonal, table, numbers, matrix)
     at = 0
     for a in range(n):
         right[0, a], right[1, a] = forcing[a], 1.0
         for b in range(a, n):
-            matrix[a, b] = factor * (matrix[a, b] + influence[at]) + on_diagonal
+            matrix[a, b] = factor * (matrix[a, b] + influence[at]) + more
             at += 1
     return matrix, right
 
@@ -187,18 +185,18 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
     """
     kind, none = punches.kind, np.zeros(punches.offset.size)
     if forces.even is not None:
-        return Forces(*kind.close(kind.dual * forces.even, forces.even, 1.0, punches.period))
-    forcing = none + kind.dual
+        return Forces(*kind.close(kind.increment * forces.even, forces.even, 1.0, punches.period))
+    forcing = none + kind.increment
     return _solve_iteratively(punches, forcing, 1.0, none, 0.0, reduction)
 
 
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind.dual)
-    factors = kind.factor(period), OFFSET * (1 - kind.dual)
+    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind)
+    factors = kind.is_slope, kind.factor(period), kind.offset, kind.numbers
     matrix, right = _equations(
-        segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, kind.dual, *factors
+        segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, *factors
     )
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
@@ -250,10 +248,10 @@ def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:
     """Return the effect of the forces at ascending positions: a displacement, in g_0, or a pressure, in p_0*."""
     middle = np.repeat(punches.segments.middle, punches.segments.node_count)
     if force.size <= MAX_DIRECT:
-        total = direct_sums(middle + punches.offset, force, x, punches.period, punches.dual)
+        total = direct_sums(middle + punches.offset, force, x, punches.period, punches.kind.is_slope)
     else:
         tree = punches.matrix.tree if punches.matrix is not None else make_tree(middle, punches.offset)
-        total = potential(tree, force, make_tree(np.zeros(x.size), x), punches.period, punches.dual)
+        total = potential(tree, force, make_tree(np.zeros(x.size), x), punches.period, punches.kind.is_slope)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
 
@@ -272,8 +270,8 @@ def direct_sums(position: Array, force: Array, x: Array, period: float, dipoles:
 
 def expansion(punches: Punches, force: Array) -> Array:
     """Return the coefficients of psi in T_k, segment by segment, shape (nodes,)."""
-    segments = punches.segments
-    return expansion_of(segments.first_node, segments.half_width, punches.left, force, punches.period, punches.dual)
+    segments, numbers = punches.segments, punches.kind.numbers
+    return expansion_of(segments.first_node, segments.half_width, punches.left, force, punches.period, numbers)
 
 
 @kernel
@@ -290,21 +288,21 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 
 
 @kernel
-def vanishing_at_edges(first_node: Indices, b: Array, grows: bool) -> tuple[Array, Array]:
+def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> tuple[Array, Array]:
     """Return coefficients of psi corrected so that psi, at rounding level at the edges, vanishes there.
 
     Rounding of heights has the same size in all degrees and enters the coefficient of T_k with the factor k. The
-    corrections for contacts are therefore proportional to the variance, k^2, and preserve the force; those for gaps
-    are uniform. Return the coefficients of the regular part as well.
+    corrections for contacts are therefore proportional to the variance, k^2, and those for gaps, with the power 0,
+    uniform; b_0, and so the force, is preserved. Return the coefficients of the regular part as well.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):
         for parity in range(2):
             at_edge, total = 0.0, 0.0
             for k in range(parity, first_node[j + 1] - first_node[j], 2):
-                at_edge, total = at_edge + b[first_node[j] + k], total + (k * k if grows or k == 0 else 1)
+                at_edge, total = at_edge + b[first_node[j] + k], total + (k**power if k > 0 else 0)
             for k in range(2 - parity, first_node[j + 1] - first_node[j], 2):
-                changed[first_node[j] + k] -= at_edge * (k * k if grows else 1) / total
+                changed[first_node[j] + k] -= at_edge * k**power / total
     return changed, regular_part(first_node, changed)
 
 
@@ -335,4 +333,4 @@ def moved_expansion(
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on new segments from those on their old segments `origin`; 0 if that is -1."""
     nodes = new.segments.first_node, new.segments.half_width, new.left
-    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.dual)
+    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.kind.numbers)

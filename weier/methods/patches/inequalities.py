@@ -5,11 +5,11 @@ the opening of a crack.
 
 The equations on the segments do not imply the inequalities, so that violations are searched:
 
-- Off the segments, the gap between contacts or, dual, the pressure between gaps has a negative minimum where a
+- Off the segments, the gap between contacts or the pressure between gaps has a negative minimum where a
   segment is missing. `_minima_between` evaluates it at `_probe_points` and divides it by its power of the distances
 from both edges; `_brackets` selects the probes next to which a minimum may be negative, and `_negative_minima` finds
 it. `find_missing` uses fast sums while the set is corrected, `minima_outside` closed forms for a solution.
-- On the segments, the pressure or, dual, the gap is negative where a segment must be cut: `find_negative_intervals`.
+- On the segments, the pressure or the gap is negative where a segment must be cut: `find_negative_intervals`.
 Remaining violations enter the bound on the error (`certificate`).
 """
 
@@ -30,7 +30,7 @@ from weier.methods.patches.fields import (
     smooth_part,
 )
 from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import EPS, MAX_THINNESS, Kind
+from weier.methods.patches.kind import EPS, Kind
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, end_sums
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 
@@ -52,14 +52,14 @@ EdgeFactor = Callable[[Array, Indices], Array]  # of positions and the intervals
 Brackets = tuple[Array, Array, Array, Indices]
 
 
-# An interval on a segment where the pressure (primal) or the gap (dual) is negative:
+# An interval on a segment where the pressure of a contact, or the gap, is negative:
 #
 # segment : its index
 # start, end : in its coordinate t, -1..1
 # value : lowest pressure, in p_0*, or gap, in g_0
 # relative : the lowest value of sqrt(1-t^2) times the `smooth_part`, over the largest value of that on the segment;
 #     so rounding at an end, where neither a pressure nor a gap can be large, counts for little
-# height : opening of the gap in the interval of tension or, dual, the overlap, in g_0
+# height : opening of the gap in the interval of tension, or the overlap, in g_0
 NEGATIVE = record_type(("segment", np.int64, ()), ("start end value relative height", np.float64, ()))
 
 
@@ -147,9 +147,11 @@ def _minima_between(
 
 
 def find_negative_intervals(state: ContactState) -> Records:
-    """Return intervals on segments with a negative pressure (primal) or gap (dual), as `NEGATIVE`."""
+    """Return intervals on segments with a negative pressure (on contacts) or gap, as `NEGATIVE`."""
     segments = state.segments
-    found, _, _ = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, state.dual)
+    found, _, _ = _negative_intervals(
+        segments.first_node, segments.half_width, state.coefficient, state.kind.is_slope
+    )
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
         found["height"] *= state.kind.height_of_negative(width)
@@ -230,7 +232,7 @@ def _find_zero(a: Array, negative: float, positive: float) -> float:
 
 
 def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> Records:
-    """Return minima of the gap between contacts or, dual, of the pressure between gaps, that are below a margin."""
+    """Return minima of the gap between contacts, or of the pressure between gaps, that are below a margin."""
 
     def residual(x: Array) -> Array:
         return complementary_residuals(state, series, *nearest_crests(series, x)) - margin
@@ -368,16 +370,16 @@ def find_missing(
 ) -> tuple[NDArray[np.float64], Records]:
     """Return edges of new segments where the gap or pressure has a minimum below -tolerance, shape (missing, 2).
 
-    Also return all minima below the margin, including these. The width of a new segment is `Kind.new_outside`
+    Also return all minima below the margin, including these. The width of a new segment is `new_outside`
     times that of the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
     punches, kind = step.punches, problem.kind
 
-    # The gap d - z - 2 sum f ln|2 sin| or, dual, the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
+    # The gap d - z - 2 sum f ln|2 sin|, or the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         total = field_of_forces(punches, step.forces.force, x)
-        plane = (1 - kind.dual) * step.forces.plane
-        return np.asarray(plane + total - problem.forcing(*nearest_crests(problem.series, x))) - margin
+        forcing = problem.forcing(*nearest_crests(problem.series, x))
+        return np.asarray(kind.uniform(step.forces.plane) + total - forcing) - margin
 
     limit = tolerance + margin
     is_regular = float(step.singular.max()) < opening
@@ -386,11 +388,8 @@ def find_missing(
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    if kind.dual:
-        # Thin gaps have a closed form: thin also relative to the finest wave, if edges are distant.
-        b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
-        scale = np.minimum(_room(step, minima), 1 / float(problem.series.wavenumber[-1]))
-        minima = minima[(b > MAX_THINNESS * scale) & (-2 * np.pi * b * minima["value"] > opening)]
+    finest = float(problem.series.wavenumber[-1])
+    minima = minima[kind.deserve_segments(minima, _room(step, minima), finest, opening)]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))

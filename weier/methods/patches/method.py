@@ -31,14 +31,11 @@ def run_kernels() -> None:
     nearly_full = surface.full_contact_load - light
     for guess in (isolated_contacts(surface.heights, light), isolated_gaps(surface.tensions, nearly_full)):
         assert guess is not None
-        series = surface.series(guess.dual)
+        kind, series = guess.kind, guess.kind.series(surface)
         curve(one_wave, guess.load)
         state, _ = stages.solve_in_stages(surface, guess, TOLERANCE)
-        punches, none = (
-            make_punches(state.segments, series.period, state.dual, most=0),
-            np.zeros_like(state.coefficient),
-        )
-        solve_forces_on_contacts(punches, none + state.dual, guess.load, none, 0.0, 1.0)
+        punches, none = make_punches(state.segments, series.period, kind, most=0), np.zeros_like(state.coefficient)
+        solve_forces_on_contacts(punches, none + kind.increment, guess.load, none, 0.0, 1.0)
         segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
         still = np.zeros_like(segments.half_width)
         moved_expansion(segments.first_node, segments.half_width, b, b, still, still)

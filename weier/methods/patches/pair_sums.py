@@ -1,6 +1,6 @@
 """Fast multipole method on a line: sums over pairs of points in O(points) (docs/patches.md, "Sums over all nodes").
 
-The kernel is ln|2 sin(pi (x_a - x_b)/L)| between contacts, 1/sin^2(pi (x_a - x_b)/L) between gaps (dual). Forces are
+The kernel is ln|2 sin(pi (x_a - x_b)/L)| or, of dipoles, 1/sin^2(pi (x_a - x_b)/L). Forces are
 carried up a binary tree to the Chebyshev points of each interval (`_moments`), between well-separated intervals by
 the kernel (`pair_sums`, `potential`), and down to the points (`_add_local_fields`); near pairs are summed directly
 (Fong and Darve, J. Comput. Phys. 228, 2009, 8712). The matrices are kept for all steps of the conjugate gradients.
@@ -23,7 +23,7 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 
 # A singularity one width away from an interval is at t = 3 in its coordinate (-1..1), on the Bernstein ellipse of 3 +
 # sqrt(8) = 5.83. The error relative to the smooth part of ln is at most 5.83^-17 = 1e-13. With 15 points (3e-12),
-# residuals of 2e-12 g_0 remained on periods of 100 lambda_0.
+# residipoless of 2e-12 g_0 remained on periods of 100 lambda_0.
 ORDER = 17
 POINT = gauss_rule(ORDER, of_second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
 BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
@@ -179,7 +179,7 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 @kernel
 def _fill_far_block(
-    low: float, high: float, other_low: float, other_high: float, period: float, dual: bool, block: Array
+    low: float, high: float, other_low: float, other_high: float, period: float, dipoles: bool, block: Array
 ) -> None:
     """Compute the kernel between the Chebyshev points of two nodes, row by row."""
     middle, half = interval(low, high)
@@ -187,12 +187,12 @@ def _fill_far_block(
     for i in range(ORDER):
         for j in range(ORDER):
             block[i * ORDER + j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
-    replace_by_influence(block, period, dual)
+    replace_by_influence(block, period, dipoles)
 
 
 @kernel
 def _fill_near_block(
-    origin: Array, offset: Array, origins: Array, offsets: Array, period: float, dual: bool, block: Array
+    origin: Array, offset: Array, origins: Array, offsets: Array, period: float, dipoles: bool, block: Array
 ) -> None:
     """Compute the kernel between the points of two leaves, row by row."""
     width = origins.size
@@ -200,26 +200,26 @@ def _fill_near_block(
         row = block[i * width : (i + 1) * width]
         for j in range(width):  # over whole arrays, so that the compiler vectorises
             row[j] = (origin[i] - origins[j]) + (offset[i] - offsets[j])
-    replace_by_influence(block, period, dual)
+    replace_by_influence(block, period, dipoles)
 
 
-def make_pair_matrix(origin: Array, offset: Array, period: float, dual: bool) -> PairMatrix:
+def make_pair_matrix(origin: Array, offset: Array, period: float, dipoles: bool) -> PairMatrix:
     """Return the matrix for points at origin + offset, ascending and within one period."""
     tree = make_tree(origin, offset)
     far, near = pair_nodes(tree, tree, period, True)
-    return PairMatrix(tree, far, near, *_make_blocks(tree, far, near, period, dual))
+    return PairMatrix(tree, far, near, *_make_blocks(tree, far, near, period, dipoles))
 
 
 @kernel
 def _make_blocks(
-    tree: Tree, far: Pairs, near: Pairs, period: float, dual: bool
+    tree: Tree, far: Pairs, near: Pairs, period: float, dipoles: bool
 ) -> tuple[NDArray[np.float64], Array, Indices]:
     """Return the fields of `PairMatrix` behind its pairs."""
     far_block = np.empty((far.shape[0], ORDER**2))
     low, high, points, depth = tree.low, tree.high, tree.position.size, tree.depth
     for pair in range(far.shape[0]):
         a, b = far[pair, 0], far[pair, 1]
-        _fill_far_block(low[a], high[a], low[b], high[b], period, dual, far_block[pair])
+        _fill_far_block(low[a], high[a], low[b], high[b], period, dipoles, far_block[pair])
     near_start = np.empty(near.shape[0] + 1, np.int64)
     near_start[0] = 0
     for pair in range(near.shape[0]):
@@ -232,7 +232,7 @@ def _make_blocks(
         first, last = points_of_leaf(points, depth, near[pair, 1])
         origin, offset = tree.origin[start:end], tree.offset[start:end]
         block = near_block[near_start[pair] : near_start[pair + 1]]
-        _fill_near_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dual, block)
+        _fill_near_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dipoles, block)
     return far_block, near_block, near_start
 
 
@@ -307,19 +307,19 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
     return total
 
 
-def potential(source: Tree, f: Array, target: Tree, period: float, dual: bool) -> Array:
+def potential(source: Tree, f: Array, target: Tree, period: float, dipoles: bool) -> Array:
     """Return the sum of f_s times the kernel over the points s of a source, at the points x of a target."""
-    return _potential(source, f, target, *pair_nodes(target, source, period, False), period, dual)
+    return _potential(source, f, target, *pair_nodes(target, source, period, False), period, dipoles)
 
 
 @kernel
-def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, period: float, dual: bool) -> Array:
+def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, period: float, dipoles: bool) -> Array:
     """Return the sums of `potential`, from the pairs of nodes of the target and of the source."""
     moment, field, total = _moments(source, f), np.zeros((target.low.size, ORDER)), np.zeros(target.position.size)
     block = np.empty(ORDER**2)
     for pair in range(far.shape[0]):
         to, of = far[pair, 0], far[pair, 1]
-        _fill_far_block(source.low[of], source.high[of], target.low[to], target.high[to], period, dual, block)
+        _fill_far_block(source.low[of], source.high[of], target.low[to], target.high[to], period, dipoles, block)
         for j in range(ORDER):
             for i in range(ORDER):
                 field[to, i] += block[j * ORDER + i] * moment[of, j]
@@ -329,7 +329,7 @@ def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, pe
         first, last = points_of_leaf(f.size, source.depth, near[pair, 1])
         block = near_block[: (last - first) * (end - start)]
         origin, offset = source.origin[first:last], source.offset[first:last]
-        _fill_near_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dual, block)
+        _fill_near_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dipoles, block)
         for s in range(first, last):
             for a in range(start, end):
                 total[a] += block[(s - first) * (end - start) + a - start] * f[s]

@@ -2,8 +2,8 @@
 
 The density on a segment is psi(t)/sqrt(1-t^2) in its coordinate t, -1..1, with psi = sum b_n T_n. It is known by the
 forces f at its K nodes t_i = -cos(theta_i), theta_i = pi (2 i + shift)/(2 N), where N = K + shift - 1 and the shift
-is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "Given edges", and in `contacts` and
-`gaps`, which have the factors in which the two differ.
+is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "Given edges"; `contacts` and `gaps`
+have the factors and `Numbers` in which the two differ.
 
 The self-influence of a segment, minus the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
 of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j:
@@ -23,9 +23,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches import contacts, gaps
-from weier.methods.patches.contacts import contact_degree, contact_node, contact_wave
-from weier.methods.patches.gaps import gap_degree, gap_node, gap_wave
+from weier.methods.patches.kind import Kind, Numbers
 from weier.methods.patches.surface import distances_between
 
 Table = NDArray[np.float64]
@@ -44,51 +42,40 @@ class Rule(NamedTuple):
     start: Indices
 
 
-# Compiled code cannot call the functions of `Kind`: the kernels of this module choose those of contacts or of gaps
-# (dual).
+@kernel
+def _degree(n: int, r: float, period: float, derivative: int) -> float:
+    """Return b_n over the sum of cos(n theta) f, or of its derivative with respect to pi x/L."""
+    return (1 if n == 0 else 2) / (np.pi * r) * (-np.pi / period * n) ** derivative
 
 
 @kernel
-def rule_of(dual: bool) -> tuple[int, float, int]:
-    """Return `RULE`: the shift, the sign of X(i + j + shift), and the power in its sum."""
-    return gaps.RULE if dual else contacts.RULE
-
-
-@kernel
-def _degree(n: int, r: float, period: float, dual: bool) -> float:
-    return gap_degree(n, r, period) if dual else contact_degree(n, r)
-
-
-@kernel
-def _turn_of_waves(N: int, dual: bool) -> Array:
-    """Return the waves of a turn, at the angles pi i/(2 N)."""
+def _turn_of_waves(N: int, derivative: int) -> Array:
+    """Return cosines of the angles of a turn, pi i/(2 N), or sines, which lag by a quarter of a turn."""
     wave = np.empty(4 * N)
     for i in range(4 * N):
-        angle = np.pi / (2 * N) * i
-        wave[i] = gap_wave(angle) if dual else contact_wave(angle)
+        wave[i] = np.cos(np.pi / (2 * N) * (i - N * derivative))
     return wave
 
 
 @kernel
 def place_nodes(
-    first_node: Indices, origin: Array, centre: Array, r: Array, period: float, dual: bool
+    first_node: Indices, origin: Array, centre: Array, r: Array, period: float, shift: int
 ) -> tuple[Array, Array, Array, Array, bool]:
     """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
 
-    The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
-    self-influence in addition to X.
+    The nodes have their offset from the middle of the segment, r sin(theta) and sin(theta).
     """
-    nodes, (shift, _, _) = first_node[-1], rule_of(dual)
-    offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    nodes = first_node[-1]
+    offset, spread, sine = np.empty(nodes), np.empty(nodes), np.empty(nodes)
     gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
         is_apart = is_apart and r[j] > 0 and gap[j] > 0
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
-            offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
-            left[q], diagonal[q] = gap_node(r[j], sine, period) if dual else contact_node(r[j], sine, period)
-    return gap, offset, left, diagonal, is_apart
+            offset[q], sine[q] = -r[j] * np.cos(angle), np.sin(angle)
+            spread[q] = r[j] * sine[q]
+    return gap, offset, spread, sine, is_apart
 
 
 def _cosine_sums(N: int, power: int) -> Array:
@@ -106,42 +93,41 @@ def _cosine_sums(N: int, power: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _own_table(K: int, dual: bool, inverse: bool) -> Array:
+def _own_table(K: int, kind: Kind, inverse: bool) -> Array:
     """Return the table X of a segment with K nodes, optionally that of the inverse, shape (2 K + 1,).
 
-    X(q) is minus the sum, minus the kernel contained in the sum over all nodes: ln|2 sin(pi q/2N)|, or 1/[4 sin^2(pi
-    q/2N)]. For the inverse it is the sum of the reciprocal powers over N^2.
+    X(q) is minus the sum, minus the kernel contained in the sum over all nodes, of the angle pi q/2N. For the inverse
+    it is the sum of the reciprocal powers over N^2.
     """
-    shift, _, power = gaps.RULE if dual else contacts.RULE
-    N = K + shift - 1
+    N = K + kind.numbers.shift - 1
     if inverse:
-        X = _cosine_sums(N, -power) / N**2
+        X = _cosine_sums(N, -kind.power) / N**2
     else:
-        X, sine = -_cosine_sums(N, power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
-        X[1:] -= gaps.own_kernel(sine) if dual else contacts.own_kernel(sine)
+        X, sine = -_cosine_sums(N, kind.power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
+        X[1:] -= kind.own_kernel(sine)
     return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
 
 
-def own_tables(first_node: Indices, dual: bool) -> Array:
+def own_tables(first_node: Indices, kind: Kind) -> Array:
     """Return the tables X of all segments; that of segment j begins at the entry 2 first_node[j] + j."""
     count = first_node[1:] - first_node[:-1]
-    return np.concatenate([_own_table(K, dual, False) for K in count.tolist()])
+    return np.concatenate([_own_table(K, kind, False) for K in count.tolist()])
 
 
-def make_rule(first_node: Indices, dual: bool) -> Rule:
+def make_rule(first_node: Indices, kind: Kind) -> Rule:
     """Return the self-influences of segments, one for each number of nodes, since few numbers occur."""
     counts, which = np.unique(first_node[1:] - first_node[:-1], return_inverse=True)
     own, inverse = (
-        np.concatenate([_own_block(K, dual, is_inverse).ravel() for K in counts.tolist()])
+        np.concatenate([_own_block(K, kind, is_inverse).ravel() for K in counts.tolist()])
         for is_inverse in (False, True)
     )
     return Rule(own, inverse, np.append(0, np.cumsum(counts**2))[which])
 
 
-def _own_block(K: int, dual: bool, inverse: bool) -> Table:
+def _own_block(K: int, kind: Kind, inverse: bool) -> Table:
     """Return the matrix X(i - j) +- X(i + j + shift) of K nodes."""
-    X, i, (shift, sign, _) = _own_table(K, dual, inverse), np.arange(K), gaps.RULE if dual else contacts.RULE
-    return np.asarray(X[np.abs(i[:, None] - i)] + sign * X[i[:, None] + i + shift])
+    X, i, numbers = _own_table(K, kind, inverse), np.arange(K), kind.numbers
+    return np.asarray(X[np.abs(i[:, None] - i)] + numbers.hankel_sign * X[i[:, None] + i + numbers.shift])
 
 
 @kernel
@@ -162,10 +148,10 @@ def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f:
 
 @kernel
 def add_own_blocks(
-    first_node: Indices, left: Array, diagonal: Array, table: Array, dual: bool, matrix: Table
+    first_node: Indices, left: Array, diagonal: Array, table: Array, numbers: Numbers, matrix: Table
 ) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
-    shift, sign, _ = rule_of(dual)
+    shift, sign = numbers.shift, numbers.hankel_sign
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
@@ -176,17 +162,17 @@ def add_own_blocks(
 
 
 @kernel
-def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, period: float, dual: bool) -> Array:
+def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, period: float, numbers: Numbers) -> Array:
     """Return the coefficients of psi in T_n on segments of these half-widths, shape (nodes,).
 
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     whole turn that has all its digits.
     """
-    b, (shift, _, _) = np.zeros(force.size), rule_of(dual)
+    b, shift, derivative = np.zeros(force.size), numbers.shift, numbers.derivative
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
-        wave = _turn_of_waves(N, dual)
+        wave = _turn_of_waves(N, derivative)
         for i in range(first, last):
             f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
@@ -195,7 +181,7 @@ def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, perio
                 if index >= 4 * N:
                     index -= 4 * N
         for n in range(last - first):
-            b[first + n] *= _degree(n, r[j], period, dual)
+            b[first + n] *= _degree(n, r[j], period, derivative)
     return b
 
 
@@ -208,26 +194,26 @@ def forces_of(
     old_first_node: Indices,
     origin: Indices,
     period: float,
-    dual: bool,
+    numbers: Numbers,
 ) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
     Coefficients of a degree too high for the nodes are omitted.
     """
-    force, (shift, _, _) = np.zeros(first_node[-1]), rule_of(dual)
+    force, shift, derivative = np.zeros(first_node[-1]), numbers.shift, numbers.derivative
     for j in range(r.size):
         if origin[j] < 0:
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
-        wave = _turn_of_waves(N, dual)
+        wave = _turn_of_waves(N, derivative)
         count = old_first_node[origin[j] + 1] - old
         if count > last - first:
             count = last - first
         for i in range(first, last):
             total, index, step = 0.0, 0, 2 * N - 2 * (i - first) - shift
             for n in range(count):
-                degree = _degree(n, r[j], period, dual)
+                degree = _degree(n, r[j], period, derivative)
                 if degree != 0:
                     total += (1 if n == 0 else 2) * b[old + n] / degree * wave[index]
                 index += step

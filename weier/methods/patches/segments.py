@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices, Records, record_type
 from weier.kernels.jit import kernel
-from weier.methods.patches.contacts import CONTACTS
-from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.kind import MAX_THINNESS, Kind
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances_between
 
@@ -24,11 +22,6 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances
 MAX_NODES = 2000
 # K_0, K_1 and K_2 of the number of nodes, each with its slope with the digits: `python -m benchmarks node_counts`
 NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
-
-
-def kind_of(dual: bool) -> Kind:
-    """Return `GAPS` or `CONTACTS`."""
-    return GAPS if dual else CONTACTS
 
 
 @kernel
@@ -84,8 +77,8 @@ class Segments(NamedTuple):
         return self.origin + (self.centre + self.half_width)
 
 
-# Minima of the gap or, dual, of the pressure outside the segments, each with its position, in lambda_0, and the index
-# of the segment on the left; also minima of the gap on a segment (dual), with its index.
+# Minima of the gap between contacts, or of the pressure between gaps, each with its position, in lambda_0, and the
+# index of the segment on the left; also minima of the gap on a segment, with its index.
 MINIMUM = record_type(("interval", np.int64, ()), ("position value curvature", np.float64, ()))
 
 
@@ -132,12 +125,12 @@ class Route(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope (dual).
+    """The state under one load, or a guess at it: contacts with their pressure, or gaps with their slope.
 
-    dual : whether the segments are the gaps
+    kind : `CONTACTS` or `GAPS`
     load : mean pressure, in p_0*
-    approach : indentation from first contact or, dual, minus the mean gap, in g_0
-    segments : the contacts or, dual, the gaps
+    approach : indentation from first contact or, with gaps, minus the mean gap, in g_0
+    segments : the contacts or the gaps
     coefficient : of phi in U_k, segment by segment, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the
         slope of the gap, in g_0/lambda_0
     resistance : dh/dp, in g_0/p_0*
@@ -158,7 +151,7 @@ class ContactState(NamedTuple):
     The fields from `resistance` to `narrow_gaps` are NaN or empty until they are computed.
     """
 
-    dual: bool
+    kind: Kind
     load: float
     approach: float
     segments: Segments
@@ -175,16 +168,15 @@ class ContactState(NamedTuple):
     narrow_gaps: Records = np.empty(0, MINIMUM)
     route: Route = Route("grid")
 
-    @property
-    def kind(self) -> Kind:
-        """`CONTACTS` or `GAPS`."""
-        return kind_of(self.dual)
+    def indentation(self, top: float) -> float:
+        """Return the distance of the plane below a height `top`, from which the approach of contacts is counted."""
+        return top - self.kind.uniform(top) + self.approach
 
 
 def segment_strengths(state: ContactState) -> Sides:
     """Return k_1 of the pressure k_1 s^(1/2) at left and right edges, shape (segments, 2), from U_k(1).
 
-    In p_0*/lambda_0^(1/2). At the edges of a gap (dual) it is the slope over 2 pi, negative at the right edge.
+    In p_0*/lambda_0^(1/2). At the edges of a gap it is the slope over 2 pi, negative at the right edge.
     """
     segments, factor = state.segments, state.kind.strength_factor
     at_ends = end_sums(segments.first_node, state.coefficient, 1)

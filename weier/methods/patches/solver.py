@@ -74,7 +74,7 @@ class Solution(NamedTuple):
         return self._on_points(self.state, x, True)
 
     def _on_points(self, state: ContactState, x: ArrayLike, is_gap: bool) -> Array:
-        value = pressures_or_gaps(state, self.surface.series(state.dual), np.ravel(np.asarray(x, float)), is_gap)
+        value = pressures_or_gaps(state, state.kind.series(self.surface), np.ravel(np.asarray(x, float)), is_gap)
         return np.maximum(value, 0.0).reshape(np.shape(x))
 
     def displacement(self, x: ArrayLike) -> Array:
@@ -146,7 +146,7 @@ def _curve_point(surface: Surface, state: ContactState | None, half_width: Array
     """Return the quantities of a curve under one load, by name; the state None is full contact."""
     total, top, series = surface.total_amplitude, surface.heights.maximum, surface.heights
     full = state is None
-    indentation = top if state is None else state.dual * top + state.approach
+    indentation = top if state is None else state.indentation(top)
     R_error, fraction_error = (0.0, 0.0) if state is None else stated_errors(state, series)
     return {
         "compliance": total if full else total - top + indentation,
@@ -163,21 +163,15 @@ def _curve_point(surface: Surface, state: ContactState | None, half_width: Array
 
 
 def _elastic_energy(surface: Surface, state: ContactState | None) -> float:
-    """Return the elastic energy <p u>/2 per area, in g_0 p_0*, of contacts, gaps, or None, which is full contact.
-
-    The heights on contacts are u plus the mean gap d, so that <p u> = <p z> - p d. The gap g of gaps takes
-    <g (p + T)>/2 from the energy of full contact, where T is the tension and p the mean pressure.
-    """
+    """Return the elastic energy <p u>/2 per area, in g_0 p_0*, of contacts, gaps, or None, which is full contact."""
     full = float(surface.heights.amplitude**2 @ surface.heights.wavenumber) / (8 * np.pi)
     if state is None:
         return full
-    segments, series = state.segments, surface.series(state.dual)
-    offset, force = node_forces(segments, state.coefficient, state.dual)
+    segments, kind, series = state.segments, state.kind, state.kind.series(surface)
+    offset, force = node_forces(segments, state.coefficient, kind.is_slope)
     y = np.repeat(segments.centre, segments.node_count) + offset
     below = evaluate_at(series, np.repeat(segments.crest, segments.node_count), y, 0)
-    if state.dual:
-        return full - 0.5 * float(force @ (state.load + series.maximum + below)) / series.period
-    return 0.5 * (float(force @ below) / series.period + state.load * state.approach)
+    return kind.elastic_energy(state, series, force, below, full)
 
 
 def _rounding(surface: Surface) -> float:
@@ -241,7 +235,7 @@ def make_solution(surface: Surface, state: ContactState | None, mean_pressure: f
         return Solution(mean_pressure, none, none, np.empty((0, 2)), 0.0, surface, None)
     extent, strength, _ = contact_pieces(state, surface.heights.period)
     edges, half_width, order = _sorted_contacts(extent, surface.heights.period)
-    mean_gap = (1 - state.dual) * surface.heights.maximum - state.approach
+    mean_gap = state.kind.uniform(surface.heights.maximum) - state.approach
     return Solution(mean_pressure, edges[:, 0] + half_width, half_width, strength[order], mean_gap, surface, state)
 
 

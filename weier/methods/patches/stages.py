@@ -2,7 +2,7 @@
 
 docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of edges" and
 "Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual` stage 3 and
-`_certified` stage 4. Limits are heights, in g_0; for gaps (dual) a pressure is multiplied by the width of its gap.
+`_certified` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from weier.methods.patches.inequalities import (
     find_missing,
     find_negative_intervals,
 )
-from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_THINNESS
+from weier.methods.patches.kind import EPS, FIELD_ROUNDING, MAX_TENSION
 from weier.methods.patches.segments import (
     MAX_NODES,
     ContactState,
@@ -50,7 +50,7 @@ from weier.methods.patches.segments import (
     more_nodes,
 )
 from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
-from weier.methods.patches.surface import CosineSeries, Surface
+from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
 MAX_STEPS = 60  # of a load; 2.6 on average, at most 9 for 4 000 hard loads
@@ -62,9 +62,6 @@ LARGEST_TOLERANCE = 1e-6
 # contribute separately, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
 TARGET = MAX_OVER_TARGET**-2  # of the iteration over the tolerance, by which stage 3 measures the sum of all parts
-# tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
-# compliance to second order
-MAX_TENSION = 1e-9
 
 
 class Limits(NamedTuple):
@@ -121,7 +118,7 @@ def solve_in_stages(
     ConvergenceError is raised if steps or corrections do not end, or if the state fails a check. Segments have at
     most `MAX_NODES` nodes.
     """
-    problem = ContactProblem(surface.series(guess.dual), guess.load, guess.dual)
+    problem = ContactProblem(guess.kind.series(surface), guess.load, guess.kind)
     kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
     # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
     # conjugate gradients. A second attempt takes no part of the route of the first.
@@ -142,7 +139,7 @@ def solve_in_stages(
             corrections, coarser = corrections + 1, None
             now = rearrange(problem, step, state.segments, remaining, added, limits.tolerance, count)
             other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
-            if other.dual != state.dual:
+            if other.kind is not state.kind:
                 route = guess.route._replace(steps=steps, corrections=corrections)
                 return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
             continue
@@ -160,7 +157,7 @@ def solve_in_stages(
             coarser, now = found, next_guess(problem, step, tolerance, more_nodes(count, short))
             continue
         best = coarser if coarser is not None and coarser.height < found.height else found
-        state = _certified(best, series, limits, accepted or tolerance)  # stage 4
+        state = _certified(best, surface, limits, accepted or tolerance)  # stage 4
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
     raise _no_set(problem.load)
 
@@ -196,7 +193,7 @@ def _converge(
 
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
-    problem = ContactProblem(surface.series(start.dual), load, start.dual)
+    problem = ContactProblem(start.kind.series(surface), load, start.kind)
     limits = _limits(problem, start.segments.half_width, TOLERANCE)
     _, step, _ = _converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
@@ -217,8 +214,9 @@ def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Lim
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
     most = MAX_OVER_TARGET * target
-    allowed, has_gaps = max(wanted, most), 1 - problem.kind.dual
-    margin = has_gaps * gap_uncertainty(allowed + MAX_TENSION * _scale(problem), problem.series.total_amplitude)
+    allowed = max(wanted, most)
+    uncertainty = gap_uncertainty(allowed + MAX_TENSION * _scale(problem), problem.series.total_amplitude)
+    margin = problem.kind.uniform(uncertainty)
     return Limits(tolerance, target, target / MAX_OVER_TARGET, most, allowed, rounding, margin)
 
 
@@ -252,7 +250,7 @@ def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
 def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
     """Return the number of nodes of each segment, more where the last coefficients have not decayed to the target.
 
-    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope (dual) is smaller.
+    T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope is smaller.
     The last two coefficients are used, since one of them vanishes for an even or odd density.
     """
     count, short = np.empty(half_width.size, np.int64), np.empty(half_width.size, np.bool_)
@@ -265,16 +263,16 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
 
 
 def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Records:
-    """Return the intervals of tension or (dual) overlap that the nodes resolve and that are not thin gaps.
+    """Return the intervals of tension, or of overlap in gaps, that the nodes resolve and that are not thin gaps.
 
     opening : least height of a new gap or contact, in g_0
     """
     if negative.size == 0:
         return negative
     unresolved = coefficient_tails(state.segments, state.coefficient)
-    of_contacts = 1 - state.kind.dual
-    wrong = negative[negative["relative"] < -np.maximum(unresolved, MAX_TENSION * of_contacts)[negative["segment"]]]
-    return wrong[(wrong["height"] > opening) & ~are_thin(wrong, MAX_THINNESS * of_contacts)]
+    least, thinness = state.kind.limits_within()
+    wrong = negative[negative["relative"] < -np.maximum(unresolved, least)[negative["segment"]]]
+    return wrong[(wrong["height"] > opening) & ~are_thin(wrong, thinness)]
 
 
 def _corrections(
@@ -293,7 +291,7 @@ def _corrections(
     missing, minima = find_missing(problem, step, outside, limits.margin, limits.opening)
     remaining = np.ones(state.segments.centre.size, bool)
     remaining[negative["segment"]] = False
-    merging, merged = _thin_gaps(problem, state, step.punches.gap), np.empty((0, 2))
+    merging, merged = _thin_gaps(state, step.punches.gap), np.empty((0, 2))
     if not (merging.any() or negative.size > 0):
         return missing, remaining, minima
     merging &= remaining & np.roll(remaining, -1)
@@ -303,17 +301,16 @@ def _corrections(
     return np.concatenate([_cut_segments(state, negative), missing, merged]), remaining, minima
 
 
-def _thin_gaps(problem: ContactProblem, state: ContactState, gap: Array) -> Flags:
+def _thin_gaps(state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is less than half as wide as the narrowest to be added."""
-    r = state.segments.half_width
-    thinness = MAX_THINNESS * (1 - problem.kind.dual)
+    r, (_, thinness) = state.segments.half_width, state.kind.limits_within()
     if gap.min() >= 2 * thinness * r.max():
         return np.zeros(r.size, bool)
     return np.asarray(gap < 2 * thinness * np.minimum(r, np.roll(r, -1)))
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
-    """Return the pieces of each contact between its intervals of tension or, dual, of each gap between its overlaps.
+    """Return the pieces of each contact between its intervals of tension, or of each gap between its overlaps.
 
     Each interval is widened to the width of the new gap or contact, except at the ends of the segment.
     """
@@ -337,20 +334,21 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     Singular parts at edges are distributed over the coefficients as rounding.
     """
     segments = step.punches.segments
-    _, a = vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_grows)
-    return ContactState(problem.dual, problem.load, -step.forces.plane, segments, a)
+    _, a = vanishing_at_edges(segments.first_node, step.b, problem.kind.numbers.rounding_power)
+    return ContactState(problem.kind, problem.load, -step.forces.plane, segments, a)
 
 
-def _certified(found: Converged, series: CosineSeries, limits: Limits, accepted: float) -> ContactState:
+def _certified(found: Converged, surface: Surface, limits: Limits, accepted: float) -> ContactState:
     """Return the state with its resistance, its thin gaps and its certificate."""
     # The resistance is an energy, with the square of the reduction as relative error.
+    series = found.state.kind.series(surface)
     tangent = solve_tangent(found.solved.punches, found.solved.forces, max(np.sqrt(EPS), limits.tolerance))
     overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
     state, tensions = with_cracks(
         _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
     )
     sizes = found.residual, found.width, found.roughness
-    return certify(state, *sizes, overlaps, tensions, series, accepted, limits.margin)
+    return certify(state, *sizes, overlaps, tensions, series, surface.total_amplitude, accepted, limits.margin)
 
 
 def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
@@ -362,5 +360,6 @@ def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
     released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
-    resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
+    # The increment of gaps is that of the tension, which opens them.
+    resistance = -kind.numbers.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
     return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)

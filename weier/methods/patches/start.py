@@ -18,7 +18,9 @@ from weier.methods.bem.staircase import in_continuum
 from weier.methods.chebyshev import gauss_rule
 from weier.methods.errors import ConvergenceError
 from weier.methods.method import TOLERANCES
-from weier.methods.patches.kind import NEW_CONTACT_WIDTH
+from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.kind import NEW_CONTACT_WIDTH, Kind
 from weier.methods.patches.segments import (
     ContactState,
     Route,
@@ -35,7 +37,7 @@ from weier.methods.patches.surface import (
     intervals_between,
     surface_of,
 )
-from weier.methods.patches.thin_gaps import NODES, settle_edges, singularities_of_gaps
+from weier.methods.patches.thin_gaps import NODES, settle_edges
 from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
 from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
@@ -146,11 +148,11 @@ def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Inter
     return found[:, :count]
 
 
-def _make_guess(series: CosineSeries, load: float, dual: bool, places: Intervals) -> ContactState:
+def _make_guess(series: CosineSeries, load: float, kind: Kind, places: Intervals) -> ContactState:
     """Return segments, given in any order, without nodes."""
     order, turns = in_order(places[0], series.period)
     placed = *from_crests(series, (places[0] - turns)[order]), places[1, order]
-    return ContactState(dual, load, 0.0, make_segments(*placed, np.zeros(order.size, np.int64)))
+    return ContactState(kind, load, 0.0, make_segments(*placed, np.zeros(order.size, np.int64)))
 
 
 def merge_overlaps(places: Intervals, period: float) -> Intervals:
@@ -176,18 +178,19 @@ def merge_overlaps(places: Intervals, period: float) -> Intervals:
 def contacts_guess(surface: Surface, load: float, contacts: Intervals) -> ContactState:
     """Return a guess on contacts in any order, or on the gaps between them if these need fewer nodes."""
     places = merge_overlaps(contacts, surface.heights.period)
-    return with_fewer_nodes(surface, _make_guess(surface.heights, load, False, places))
+    return with_fewer_nodes(surface, _make_guess(surface.heights, load, CONTACTS, places))
 
 
 def with_fewer_nodes(surface: Surface, guess: ContactState) -> ContactState:
     """Return a guess on contacts or on the gaps between them, whichever needs fewer nodes."""
     extent, period = guess.segments.extent, surface.heights.period
     origin, centre, half_width = between = intervals_between(extent, period)
-    here, there = surface.series(guess.dual), surface.series(not guess.dual)
+    other = CONTACTS if guess.kind is GAPS else GAPS
+    here, there = guess.kind.series(surface), other.series(surface)
     needed = estimate_node_count(extent, here, TOLERANCE).sum()
     if half_width.min() <= 0 or estimate_node_count(between, there, TOLERANCE).sum() >= needed:
         return guess
-    return _make_guess(there, guess.load, not guess.dual, np.stack([origin + centre, half_width]))
+    return _make_guess(there, guess.load, other, np.stack([origin + centre, half_width]))
 
 
 def _widest(series: CosineSeries) -> float:
@@ -201,7 +204,7 @@ def isolated_contacts(series: CosineSeries, load: float) -> ContactState | None:
     # A lower bound on the widest contact: all crests are as sharp as can be and share the load equally.
     if 2 * np.sqrt(total / series.crest_curvature.size / series.largest_curvature) > _widest(series):
         return None
-    return _isolated(series, load, False, _forces_on_crests(series, total, _widest(series)))
+    return _isolated(series, load, CONTACTS, _forces_on_crests(series, total, _widest(series)), False)
 
 
 def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
@@ -210,15 +213,15 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
     # A lower bound on the widest gap: the largest tension on a crest as sharp as can be.
     if most <= 0 or 2 * np.sqrt(most / series.largest_curvature) > _widest(series):
         return None
-    return _isolated(series, load, True, np.maximum(most + series.crest_offset, 0.0))
+    return _isolated(series, load, GAPS, np.maximum(most + series.crest_offset, 0.0), True)
 
 
-def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> ContactState | None:
+def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merges: bool) -> ContactState | None:
     """Return segments on crests under these forces or tensions, without nodes.
 
     On a parabola the half-width is 2 (amount/curvature)^(1/2). On flatter crests, edges are moved until the series
-    itself has no singularity there, and gaps that overlap are merged. None is returned if there are no segments, if
-    one is too wide, or if they are so wide that they act on each other.
+    itself has no singularity there, and segments that then overlap are merged if that is allowed. None is returned if
+    there are no segments, if one is too wide, or if they are so wide that they act on each other.
     """
     crest = np.flatnonzero(amount > 0)
     if crest.size == 0:
@@ -227,23 +230,19 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
     curvature = np.maximum(series.crest_curvature[crest], np.finfo(float).tiny)
     half_width = np.minimum(2 * np.sqrt(amount[crest] / curvature), widest)
     if np.any(half_width > widest * np.sqrt(curvature / series.largest_curvature)):
-        rule, sign = gauss_rule(NODES, False), np.stack([(-1.0) ** np.arange(NODES), np.ones(NODES)], axis=1)
-        most, k = amount.max(), np.arange(NODES)
+        rule = gauss_rule(NODES, False)
 
         def singularities(y: Array, r: Array) -> tuple[Sides, Sides]:
             at = y[:, None] + r[:, None] * rule.node
             c = evaluate_at(series, np.repeat(crest, NODES), at.ravel(), 0).reshape(at.shape) @ rule.expansion.T
-            if not dual:  # With p sqrt(1-t^2) = sum b_n T_n, the height has the coefficients c_n = 2 pi r b_n/n.
-                return 2 * amount[crest, None] + c * k @ sign, -0.5 * c * k**3 @ sign
-            c[:, 0] += most
-            return singularities_of_gaps(-c)
+            return kind.singularities(c, amount[crest], amount.max())
 
         is_new = True
         while is_new:
             y, half_width, found = settle_edges(singularities, y, half_width, RESOLVED / series.wavenumber[-1])
             places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
             is_new = places.shape[1] < crest.size
-            if not found.all() or (is_new and not dual):
+            if not found.all() or (is_new and not merges):
                 return None
             if is_new:
                 half_width = places[1]
@@ -252,7 +251,7 @@ def _isolated(series: CosineSeries, load: float, dual: bool, amount: Array) -> C
     # The field of a contact differs from that of a line force by the square of half-width over distance.
     if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
         return None
-    return ContactState(dual, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
+    return ContactState(kind, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))
 
 
 @kernel

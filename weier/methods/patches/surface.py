@@ -87,15 +87,6 @@ class Surface(NamedTuple):
         """The mean pressure of full contact, equal to the largest tension, in p_0*."""
         return self.tensions.maximum
 
-    def series(self, dual: bool) -> CosineSeries:
-        """Return the heights, for segments that are contacts, or the tensions, for segments that are gaps (dual)."""
-        return self.tensions if dual else self.heights
-
-
-def total_height(series: CosineSeries, dual: bool) -> float:
-    """Return sum g_n, in g_0, from heights or from the tensions p_n* = k_n g_n (dual)."""
-    return float((np.abs(series.amplitude) * (2 * np.pi / series.wavenumber) ** dual).sum())
-
 
 def surface_of(profile: Waves) -> Surface:
     """Return the series of a profile with finitely many terms; ValueError if it has too many waves."""

@@ -16,19 +16,16 @@ from weier.kernels.arrays import Array, Flags, Indices, Records
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import evaluate_expansion, gauss_rule
 from weier.methods.patches.edge_iteration import MAX_SQUARE
-from weier.methods.patches.fields import complementary_residuals
-from weier.methods.patches.given_edges import Forces, Punches, expansion, field_of_forces
+from weier.methods.patches.given_edges import Forces, Punches
+from weier.methods.patches.kind import OnContacts
 from weier.methods.patches.segments import ContactState, Cracks, coefficient_tails
-from weier.methods.patches.surface import CosineSeries, Sides, nearest_crests
+from weier.methods.patches.surface import CosineSeries, Sides
 
 # nodes on a crack: the pressure is a polynomial of low degree up to terms in b/l, with l the distance to the nearest
 # edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
 # Newton steps for the edges: a parabola takes one, and a gap in x^n that starts too wide shrinks by (1 - 2/n)^(1/2)
 STEPS, SETTLED = 60, 1e-6
-
-# A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)
-OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
 
 
 def settle_edges(
@@ -119,7 +116,7 @@ def are_thin(negative: Records, thinness: float) -> Flags:
 def with_cracks(
     state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces, tensions: Records, residual: float
 ) -> tuple[ContactState, Records]:
-    """Return a state with the thin gaps in its intervals of tension, as `Kind.tensions` has them, and what remains.
+    """Return a state with the thin gaps in its intervals of tension, and the other intervals.
 
     Intervals that the residual or undecayed coefficients may cause are uncertain and remain as well.
     """
@@ -132,46 +129,11 @@ def with_cracks(
     contact, t, reach = kind.tensions(contacts, tensions[is_certain], period).T
     order = np.lexsort((t, contact))
     contact, t, reach = np.asarray(contact[order], np.int64), t[order], reach[order]
-    on_contacts = _residuals if state.dual else _densities
-    cracks, found = find_thin_gaps(
-        *on_contacts(state, series, punches, tangent), contact, t, reach, contacts[2][contact], period
-    )
+    fields = kind.pressures(state, series, punches, tangent)
+    cracks, found = find_thin_gaps(*fields, contact, t, reach, contacts[2][contact], period)
     approach, resistance = state.approach - float(cracks.lift.sum()), state.resistance + float(cracks.rise.sum())
     remaining = np.concatenate([tensions[~is_certain], tensions[is_certain][order][~found]])
     return state._replace(cracks=cracks, approach=approach, resistance=resistance), remaining
-
-
-def _densities(
-    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
-) -> tuple[OnContacts, OnContacts]:
-    """Return pressure and increment on segments that are contacts, from their expansions."""
-    first, psi = state.segments.first_node, expansion(punches, tangent.force)
-    return (
-        lambda contact, t: densities_on_contacts(first, state.coefficient, contact, t, False),
-        lambda contact, t: densities_on_contacts(first, psi, contact, t, True),
-    )
-
-
-def _residuals(
-    state: ContactState, series: CosineSeries, punches: Punches, tangent: Forces
-) -> tuple[OnContacts, OnContacts]:
-    """Return pressure and increment between segments that are gaps, from the field of these."""
-    origin, middle, radius = state.kind.contacts_of(state.segments.extent, series.period)
-
-    def positions(contact: Indices, t: NDArray[np.float64]) -> Array:
-        return np.asarray(((origin + middle)[contact][:, None] + radius[contact][:, None] * t).ravel())
-
-    def pressure(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        x = positions(contact, t)
-        return complementary_residuals(state, series, *nearest_crests(series, x)).reshape(t.shape)
-
-    def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        x = positions(contact, t)
-        order, q = np.argsort(x), np.empty(x.size)
-        q[order] = 1 - field_of_forces(punches, tangent.force, x[order])
-        return q.reshape(t.shape)
-
-    return pressure, increment
 
 
 @kernel
