@@ -22,7 +22,6 @@ from weier.methods.patches.certificate import (
     contact_residual,
     effect_of_cracks,
     error_bound,
-    imbalance,
     largest_displacement,
     sample_points,
     stated_errors,
@@ -107,14 +106,14 @@ def test_a_state_that_is_wrong_by_a_height_or_a_load_is_certified_to_no_less(loa
 @pytest.mark.parametrize("wave", WAVES)
 def test_a_missing_load_and_gaps_that_do_not_close_are_violations(wave):
     contacts, gaps = wave.state(False), wave.state(True)
-    assert imbalance(contacts, wave.period)[0] == pytest.approx(0, abs=1e-12 * wave.load)
-    more = imbalance(contacts._replace(load=1.5 * wave.load), wave.period)
+    assert contacts.kind.imbalance(contacts, wave.period)[0] == pytest.approx(0, abs=1e-12 * wave.load)
+    more = CONTACTS.imbalance(contacts._replace(load=1.5 * wave.load), wave.period)
     assert more == pytest.approx((0.5 * wave.load, 0.0), rel=1e-9, abs=0)
     mean = np.zeros(gaps.coefficient.size)
     mean[0] = 1e-6
     off = gaps._replace(coefficient=gaps.coefficient + mean)
     closure = 0.5 * np.pi * gaps.segments.half_width[0] * 1e-6  # the integral of a slope of 1e-6 (1-t^2)^(1/2)
-    assert imbalance(off, wave.period) == pytest.approx((0.0, closure), rel=1e-4)
+    assert off.kind.imbalance(off, wave.period) == pytest.approx((0.0, closure), rel=1e-4)
     nothing = np.zeros(0, MINIMUM)
     found = certify(off, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1.0, 1e-3, 0.0)
     assert found.residual == pytest.approx(closure, rel=1e-4)
@@ -140,7 +139,7 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
         state, series, none = wave.state(dual)._replace(cracks=cracks), wave.series(dual), np.zeros(1)
         found = certify(state, none, none, none, np.empty(0, MINIMUM), np.empty(0, MINIMUM), series, 1.0, 1e-3, 0.0)
-        missing, closure = imbalance(state, period)
+        missing, closure = state.kind.imbalance(state, period)
         indentation = state.indentation(1.0)
         bound = bound_by(indentation, wave.load, closure + moved, missing + mean, period=period)
         assert found.error == pytest.approx(doubt + bound, rel=1e-9, abs=0)

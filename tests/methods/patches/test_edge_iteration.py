@@ -29,7 +29,8 @@ def moves_of(psi, r, gap, dual):
     coefficients = [np.append(p.convert(kind=Chebyshev).coef, np.zeros(2)) for p in psi]
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
     a = regular_part(first, b)
-    return edge_moves(first, np.array(r), np.array(gap), b, a, KINDS[dual].numbers)
+    kind = KINDS[dual]
+    return edge_moves(first, np.array(r), np.array(gap), b, a, kind.right_sign, kind.k_0_of_curvature)
 
 
 def psi_of_hertz(r, a, shift, curvature):

@@ -121,13 +121,13 @@ def test_the_regular_part_of_an_expansion_is_what_is_left_but_for_a_straight_lin
     np.testing.assert_allclose(regular_part(first, b), a, atol=1e-14)
 
 
-@pytest.mark.parametrize("grows", [False, True])
-def test_what_is_singular_at_edges_is_spread_over_the_coefficients(grows):
+@pytest.mark.parametrize("power", [0, 2])
+def test_what_is_singular_at_edges_is_spread_over_the_coefficients(power):
     """In proportion to k^2 or evenly, of each parity, and the force of each segment stays."""
     first, _, b = polynomials([6, 11])
     rng = np.random.default_rng(1)
     off = b + 1e-6 * rng.normal(size=b.size)
-    changed, regular = vanishing_at_edges(first, off, grows)
+    changed, regular = vanishing_at_edges(first, off, power)
     np.testing.assert_array_equal(regular, regular_part(first, changed))
     for j in range(2):
         here = slice(first[j], first[j + 1])
@@ -136,7 +136,7 @@ def test_what_is_singular_at_edges_is_spread_over_the_coefficients(grows):
         assert abs(changed[here].sum()) < 1e-15
         assert abs((changed[here] * (-1.0) ** k).sum()) < 1e-15
         for parity in (2, 1):
-            part = change[parity::2] / k[parity::2] ** (2 if grows else 0)
+            part = change[parity::2] / k[parity::2] ** power
             np.testing.assert_allclose(part, part[0], rtol=1e-5, atol=1e-15)
 
 

@@ -23,12 +23,12 @@ RADII = np.array([0.3, 0.01, 0.1, 0.2])  # of L
 def placed(first, r, period, dual):
     """The nodes of segments that are 0.01 L apart: offsets, factors and diagonal."""
     middle = np.cumsum(2 * r + 0.01 * period) - r
-    shift = KINDS[dual].numbers.shift
-    gap, offset, spread, sine, is_apart = place_nodes(first, np.zeros(r.size), middle, r, period, shift)
+    shift = KINDS[dual].shift
+    gap, offset, left, diagonal, is_apart = place_nodes(first, np.zeros(r.size), middle, r, period, shift, dual)
     np.testing.assert_allclose(gap[:-1], 0.01 * period)
     np.testing.assert_allclose(2 * r.sum() + gap.sum(), period)
     assert is_apart == (gap[-1] > 0)
-    return offset, *KINDS[dual].node_factors(spread, sine, period)
+    return offset, left, diagonal
 
 
 def angles(nodes, dual):
@@ -45,9 +45,10 @@ def waves(nodes, dual):
 @pytest.mark.parametrize("period", PERIODS)
 def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     """-ln 2 - 2 sum T_k T_k/k for ln|t_i - t_j|, and -2 sum (k+1) U_k U_k for 1/(t_i - t_j)^2, on each segment."""
+    kind = KINDS[dual]
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
     offset, left, diagonal = placed(FIRST, r, period, dual)
-    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, KINDS[dual]), KINDS[dual].numbers, dense)
+    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, kind), kind.shift, kind.hankel_sign, dense)
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)
         t, k = -np.cos(angles(K, dual)), np.arange(K)
@@ -65,7 +66,7 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
         np.testing.assert_allclose(dense[here, here][upper], expected[upper], atol=2e-13 * scale)
     assert not np.any(np.tril(dense, -1))
     force = np.random.default_rng(0).normal(size=FIRST[-1])
-    total, rule = diagonal * force, make_rule(FIRST, KINDS[dual])
+    total, rule = diagonal * force, make_rule(FIRST, kind)
     times_own(FIRST, rule.own, rule.start, left, force, total)
     both = dense + dense.T - np.diag(np.diag(dense))
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
@@ -95,12 +96,13 @@ def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
 @pytest.mark.parametrize("period", PERIODS)
 def test_expansions_are_those_of_the_density(period, dual):
     """f = (pi/K) r psi at the zeros of T_K; for gaps f = r w omega, and psi is the slope of sqrt(1-t^2) omega."""
+    kind = KINDS[dual]
     r, random = RADII * period, np.random.default_rng(1)
     b = random.normal(size=FIRST[-1])
     if dual:
         b[FIRST[:-1]] = 0.0  # a slope with a mean would not close the gap
     _, left, _ = placed(FIRST, r, period, dual)
-    force = forces_of(FIRST, r, left, b, FIRST, np.arange(4), period, KINDS[dual].numbers)
+    force = forces_of(FIRST, r, left, b, FIRST, np.arange(4), period, kind.shift, kind.derivative)
     for j, K in enumerate(COUNTS):
         here, angle = slice(FIRST[j], FIRST[j + 1]), angles(K, dual)
         t = -np.cos(angle)
@@ -111,4 +113,6 @@ def test_expansions_are_those_of_the_density(period, dual):
         else:
             expected = np.pi / K * r[j] * chebval(t, b[here])
         np.testing.assert_allclose(force[here], expected, atol=1e-12 * period**2)
-    np.testing.assert_allclose(expansion_of(FIRST, r, left, force, period, KINDS[dual].numbers), b, atol=1e-12)
+    np.testing.assert_allclose(
+        expansion_of(FIRST, r, left, force, period, kind.shift, kind.derivative), b, atol=1e-12
+    )

@@ -18,7 +18,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.fields import MIN_SUM, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
-from weier.methods.patches.segments import ContactState, Segments, segment_strengths
+from weier.methods.patches.segments import ContactState, Segments, integrals, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
     CosineSeries,
@@ -82,19 +82,6 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
     """
     half_period_of_width = 0.5 * period * pressure / np.maximum(force, 1e-280)  # which may be 0
     return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
-
-
-def imbalance(state: ContactState, period: float) -> tuple[float, float]:
-    """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, in g_0.
-
-    Both follow from the integrals of the density.
-    """
-    return state.kind.imbalance(integrals(state), state.load, period)
-
-
-def integrals(state: ContactState) -> Array:
-    """Return the force of each contact or the closure error of each gap, the integral of the density (pi/2) r a_0."""
-    return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
@@ -180,7 +167,7 @@ def certify(
     """
     kind, period = state.kind, series.period
     height = kind.height_of_residual(state.segments.half_width)
-    missing, closure = imbalance(state, period)
+    missing, closure = kind.imbalance(state, period)
     state = state._replace(residual=max(float((height * residual).max()), closure))
     check_violation(state, missing, period, tolerance)
     (gap, pressure, roughness), width = kind.violations(SAMPLED_FACTOR * residual, roughness), residual_width

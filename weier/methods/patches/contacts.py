@@ -21,10 +21,9 @@ from weier.methods.patches.kind import (
     MAX_TENSION,
     MAX_THINNESS,
     NEW_CONTACT_WIDTH,
-    Numbers,
     OnContacts,
 )
-from weier.methods.patches.segments import ContactState
+from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.methods.punches import OFFSET, Inverse, invert_punches
@@ -32,18 +31,34 @@ from weier.theory.halfplane import displacement_of_punch
 
 
 class Contacts:
-    """Contacts: the density is the pressure, the residual the gap."""
+    """Contacts: the density is the pressure, the residual the gap.
 
-    numbers = Numbers(
-        shift=1,
-        hankel_sign=1.0,
-        derivative=0,
-        right_sign=1.0,
-        k_0_of_curvature=-0.75,  # of a gap in a parabola of tension
-        rounding_power=2,
-    )
+    is_slope : whether the density is the slope of a gap, which acts on pressures as dipoles 1/sin^2 do; otherwise it
+        is a pressure, which acts on heights by ln|2 sin|
+    derivative : order of the derivative that the density is of what acts, 0 or 1
+    shift : the nodes lie at theta_i = pi (2 i + shift)/(2 N) with N = K + shift - 1
+    hankel_sign, power : sign of X(i + j + shift) in the self-influence, and power of n in its sum over degrees n
+    right_sign : sign of psi at the right edge where it is positive at the left one
+    k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
+        between two segments
+    rounding_power : rounding changes the square of b_n in proportion to n to this power
+    offset : constant added to the influence, which makes it positive definite
+    increment : forcing under which the solution without load is the increment of the load
+    strength_factor : strength of the pressure at an edge over that of the density
+    residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
+        the density
+    new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments
+        and on one; that of a gap is exact for a parabola of tension
+    """
+
     is_slope = False
+    derivative = 0
+    shift = 1
+    hankel_sign = 1.0
     power = -1
+    right_sign = 1.0
+    k_0_of_curvature = -0.75  # of a gap in a parabola of tension
+    rounding_power = 2
     offset = OFFSET
     increment = 0.0
     strength_factor = 1.0
@@ -63,10 +78,6 @@ class Contacts:
     def own_kernel(self, sine: Array) -> Array:
         """Return ln(2 sin theta)."""
         return np.asarray(np.log(2 * sine))
-
-    def node_factors(self, spread: Array, sine: Array, period: float) -> tuple[Array, Array]:
-        """Return factors of 1, and the logarithm of the spread."""
-        return np.ones(spread.size), np.log(2 * np.pi / period * spread)
 
     def factor(self, period: float) -> float:
         """Return that of -2 ln|2 sin|, the displacement by a line force."""
@@ -167,9 +178,9 @@ class Contacts:
         """Return the indentation."""
         return approach
 
-    def imbalance(self, integral: Array, load: float, period: float) -> tuple[float, float]:
-        """Return the difference of the mean pressure and the load; there are no gaps to close."""
-        return abs(float(integral.sum()) / period - load), 0.0
+    def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
+        """Return the deviation of the mean pressure, in p_0*, and the closure error of gaps, 0."""
+        return abs(float(integrals(state).sum()) / period - state.load), 0.0
 
     def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
         """Return the largest gap, and no pressures."""

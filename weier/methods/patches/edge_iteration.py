@@ -26,7 +26,7 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.kind import Kind, Numbers
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
     MAX_NODES,
     Segments,
@@ -62,7 +62,7 @@ class EdgeMoves(NamedTuple):
 
 @kernel
 def edge_moves(
-    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, numbers: Numbers
+    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
 ) -> tuple[Sides, Flags, float, Array]:
     """Return the moves `outward`, which gaps close, the move `relative`, and the heights of the singular parts.
 
@@ -86,7 +86,7 @@ def edge_moves(
     outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
     for j in range(n):
         for side in range(2):
-            at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else numbers.right_sign
+            at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
             for q in range(first_node[j], first_node[j + 1]):
                 k = q - first_node[j]
                 at_end += sign * b[q]
@@ -103,8 +103,8 @@ def edge_moves(
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # by narrow gaps
         k, half = (j + 1) % n, 0.5 * gap[j]
-        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, numbers.k_0_of_curvature)
-        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, numbers.k_0_of_curvature)
+        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, k_0_of_curvature)
+        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
         narrower_left, narrower_right = half < r[j], half < r[k]
         linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
         shift = min(max(0.5 * (right - left), -1.0), 1.0) if narrower_left and narrower_right else 0.0
@@ -230,11 +230,11 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
 
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
-    punches, segments = guess.punches, guess.punches.segments
+    punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
     forcing = problem.forcing_at_nodes(punches)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    changes = _changes_of_edges(*extent, forces.force, b, problem.kind.numbers)
+    changes = _changes_of_edges(*extent, forces.force, b, kind.right_sign, kind.k_0_of_curvature)
     a, outward, relative, vanishing, merging, singular, settled = changes
     moves = EdgeMoves(outward, relative)
     return NewtonStep(punches, forces, b, a, moves, vanishing, merging, singular, settled)
@@ -247,11 +247,12 @@ def _changes_of_edges(
     gap: Array,
     force: Array,
     b: Array,
-    numbers: Numbers,
+    right_sign: float,
+    k_0_of_curvature: float,
 ) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
-    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, numbers)
+    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
     vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
     return a, outward, relative, vanishing, merging, singular, relative < SETTLED_MOVE and not changes
 

@@ -258,7 +258,7 @@ def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indic
 
 def _force_of_density(state: ContactState, period: float) -> float:
     """Return the sum over dipoles on a gap, over the integral of its slope by parts; 1 for contacts."""
-    return float((-period / np.pi) ** state.kind.numbers.derivative)
+    return float((-period / np.pi) ** state.kind.derivative)
 
 
 def _constant(state: ContactState, series: CosineSeries) -> float:

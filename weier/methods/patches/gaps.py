@@ -19,27 +19,24 @@ from weier.methods.patches.kind import (
     FIELD_ROUNDING,
     MAX_THINNESS,
     NEW_CONTACT_WIDTH,
-    Numbers,
     OnContacts,
 )
-from weier.methods.patches.segments import ContactState
+from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
 from weier.methods.patches.thin_gaps import singularities_of_gaps
 
 
 class Gaps:
-    """Gaps: the density is the slope of the gap, the residual the pressure."""
+    """Gaps: the density is the slope of the gap, the residual the pressure; numbers as those of `Contacts`."""
 
-    numbers = Numbers(
-        shift=2,
-        hankel_sign=-1.0,
-        derivative=1,
-        right_sign=-1.0,  # the slope is negative where a gap closes
-        k_0_of_curvature=0.25,  # of a contact between gaps
-        rounding_power=0,
-    )
     is_slope = True
+    derivative = 1
+    shift = 2
+    hankel_sign = -1.0
     power = 1
+    right_sign = -1.0  # the slope is negative where a gap closes
+    k_0_of_curvature = 0.25  # of a contact between gaps
+    rounding_power = 0
     offset = 0.0
     increment = 1.0
     strength_factor = 0.5 / np.pi  # strength of the pressure beyond an edge over that of the slope of the gap
@@ -59,11 +56,6 @@ class Gaps:
     def own_kernel(self, sine: Array) -> Array:
         """Return 1/(4 sin^2 theta)."""
         return np.asarray(0.25 / sine**2)
-
-    def node_factors(self, spread: Array, sine: Array, period: float) -> tuple[Array, Array]:
-        """Return L/(pi r sin theta), and the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta)."""
-        left = period / (np.pi * spread)
-        return left, 1 / 3 - (0.5 * left / sine) ** 2
 
     def factor(self, period: float) -> float:
         """Return that of the finite part -1/(2 L^2 sin^2)."""
@@ -175,9 +167,9 @@ class Gaps:
         """Return the order of the displacement by the load."""
         return load * period
 
-    def imbalance(self, integral: Array, load: float, period: float) -> tuple[float, float]:
-        """Return the closure errors of all gaps; the load is right."""
-        return 0.0, float(np.abs(integral).sum())
+    def imbalance(self, state: ContactState, period: float) -> tuple[float, float]:
+        """Return the deviation of the mean pressure, 0, and the closure error of all gaps, in g_0."""
+        return 0.0, float(np.abs(integrals(state)).sum())
 
     def violations(self, residual: Array, roughness: Array) -> tuple[float, Array, Array]:
         """Return the pressures; their edges respond to the lowest two coefficients only (docs/patches.md)."""

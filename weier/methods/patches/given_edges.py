@@ -15,7 +15,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
-from weier.methods.patches.kind import Kind, Numbers
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_tree, pair_sums, potential
 from weier.methods.patches.rule import (
     Rule,
@@ -88,8 +88,9 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
 
     ConvergenceError is raised if two of them overlap.
     """
-    numbers = kind.numbers
-    gap, offset, spread, sine, is_apart = place_nodes(segments.first_node, *segments.extent, period, numbers.shift)
+    gap, offset, left, diagonal, is_apart = place_nodes(
+        segments.first_node, *segments.extent, period, kind.shift, kind.is_slope
+    )
     if not is_apart:
         raise ConvergenceError(
             "two contacts or gaps overlap, or are closer to each other than floating point resolves"
@@ -98,7 +99,7 @@ def make_punches(segments: Segments, period: float, kind: Kind, most: int | None
     if offset.size > (MAX_DIRECT if most is None else most):
         rule = make_rule(segments.first_node, kind)
         matrix = make_pair_matrix(np.repeat(segments.middle, segments.node_count), offset, period, kind.is_slope)
-    return Punches(segments, gap, offset, *kind.node_factors(spread, sine, period), rule, matrix, period, kind)
+    return Punches(segments, gap, offset, left, diagonal, rule, matrix, period, kind)
 
 
 @kernel
@@ -115,7 +116,8 @@ def _equations(
     dipoles: bool,
     factor: float,
     more: float,
-    numbers: Numbers,
+    shift: int,
+    hankel_sign: float,
 ) -> tuple[Table, Table]:
     """Return the upper triangle of the influence of all forces at all nodes, and both right sides.
 
@@ -132,7 +134,7 @@ def _equations(
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
     replace_by_influence(influence, period, dipoles)
-    add_own_blocks(first, left, diagonal, table, numbers, matrix)
+    add_own_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
     at = 0
     for a in range(n):
         right[0, a], right[1, a] = forcing[a], 1.0
@@ -194,7 +196,7 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
     nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind)
-    factors = kind.is_slope, kind.factor(period), kind.offset, kind.numbers
+    factors = kind.is_slope, kind.factor(period), kind.offset, kind.shift, kind.hankel_sign
     matrix, right = _equations(
         segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, *factors
     )
@@ -270,8 +272,9 @@ def direct_sums(position: Array, force: Array, x: Array, period: float, dipoles:
 
 def expansion(punches: Punches, force: Array) -> Array:
     """Return the coefficients of psi in T_k, segment by segment, shape (nodes,)."""
-    segments, numbers = punches.segments, punches.kind.numbers
-    return expansion_of(segments.first_node, segments.half_width, punches.left, force, punches.period, numbers)
+    segments, kind, period = punches.segments, punches.kind, punches.period
+    nodes = segments.first_node, segments.half_width, punches.left
+    return expansion_of(*nodes, force, period, kind.shift, kind.derivative)
 
 
 @kernel
@@ -333,4 +336,4 @@ def moved_expansion(
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on new segments from those on their old segments `origin`; 0 if that is -1."""
     nodes = new.segments.first_node, new.segments.half_width, new.left
-    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.kind.numbers)
+    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.kind.shift, new.kind.derivative)

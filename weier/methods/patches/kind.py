@@ -2,13 +2,13 @@
 
 `contacts.CONTACTS` and `gaps.GAPS` have the same attributes and methods, which are all that differs between the two.
 The density on contacts is the pressure, and the residual, which vanishes on them, is the gap. The density on gaps is
-their slope, whose integral is the gap, and the residual is the pressure. Kernels take `Numbers`.
+their slope, whose integral is the gap, and the residual is the pressure. Kernels take the numbers of a kind.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, Union
+from typing import TYPE_CHECKING, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,23 +41,3 @@ NEW_CONTACT_WIDTH = 0.5
 OnContacts = Callable[[Indices, NDArray[np.float64]], NDArray[np.float64]]
 
 Kind = Union["Contacts", "Gaps"]
-
-
-class Numbers(NamedTuple):
-    """The numbers by which kernels distinguish contacts and gaps.
-
-    shift : the nodes lie at theta_i = pi (2 i + shift)/(2 N) with N = K + shift - 1
-    hankel_sign : sign of X(i + j + shift) in the self-influence
-    derivative : order of the derivative of the forces' expansion that the density is: 0, or 1 for the slope of a gap
-    right_sign : sign of psi at the right edge where it is positive at the left one
-    k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
-        between two segments
-    rounding_power : rounding changes the square of b_n in proportion to n to this power
-    """
-
-    shift: int
-    hankel_sign: float
-    derivative: int
-    right_sign: float
-    k_0_of_curvature: float
-    rounding_power: int

@@ -3,7 +3,7 @@
 The density on a segment is psi(t)/sqrt(1-t^2) in its coordinate t, -1..1, with psi = sum b_n T_n. It is known by the
 forces f at its K nodes t_i = -cos(theta_i), theta_i = pi (2 i + shift)/(2 N), where N = K + shift - 1 and the shift
 is 1 for contacts and 2 for gaps. The formulas are derived in docs/patches.md, "Given edges"; `contacts` and `gaps`
-have the factors and `Numbers` in which the two differ.
+have the numbers in which the two differ.
 
 The self-influence of a segment, minus the sum over all nodes, is a sum over n of cos(n theta_i) cos(n theta_j) or
 of sin(n theta_i) sin(n theta_j), and so a function of theta_i - theta_j and of theta_i + theta_j:
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
-from weier.methods.patches.kind import Kind, Numbers
+from weier.methods.patches.kind import Kind
 from weier.methods.patches.surface import distances_between
 
 Table = NDArray[np.float64]
@@ -59,23 +59,28 @@ def _turn_of_waves(N: int, derivative: int) -> Array:
 
 @kernel
 def place_nodes(
-    first_node: Indices, origin: Array, centre: Array, r: Array, period: float, shift: int
+    first_node: Indices, origin: Array, centre: Array, r: Array, period: float, shift: int, is_slope: bool
 ) -> tuple[Array, Array, Array, Array, bool]:
     """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
 
-    The nodes have their offset from the middle of the segment, r sin(theta) and sin(theta).
+    The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
+    self-influence in addition to X: of gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta).
     """
     nodes = first_node[-1]
-    offset, spread, sine = np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
     gap, is_apart = distances_between(origin, centre, r, period), True
     for j in range(r.size):
         is_apart = is_apart and r[j] > 0 and gap[j] > 0
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         for i in range(K):
             angle, q = np.pi * (2 * i + shift) / (2 * (K + shift - 1)), first + i
-            offset[q], sine[q] = -r[j] * np.cos(angle), np.sin(angle)
-            spread[q] = r[j] * sine[q]
-    return gap, offset, spread, sine, is_apart
+            offset[q], sine = -r[j] * np.cos(angle), np.sin(angle)
+            if is_slope:
+                left[q] = period / (np.pi * r[j] * sine)
+                diagonal[q] = 1 / 3 - (0.5 * left[q] / sine) ** 2
+            else:
+                left[q], diagonal[q] = 1.0, np.log(2 * np.pi / period * r[j] * sine)
+    return gap, offset, left, diagonal, is_apart
 
 
 def _cosine_sums(N: int, power: int) -> Array:
@@ -99,7 +104,7 @@ def _own_table(K: int, kind: Kind, inverse: bool) -> Array:
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes, of the angle pi q/2N. For the inverse
     it is the sum of the reciprocal powers over N^2.
     """
-    N = K + kind.numbers.shift - 1
+    N = K + kind.shift - 1
     if inverse:
         X = _cosine_sums(N, -kind.power) / N**2
     else:
@@ -126,8 +131,8 @@ def make_rule(first_node: Indices, kind: Kind) -> Rule:
 
 def _own_block(K: int, kind: Kind, inverse: bool) -> Table:
     """Return the matrix X(i - j) +- X(i + j + shift) of K nodes."""
-    X, i, numbers = _own_table(K, kind, inverse), np.arange(K), kind.numbers
-    return np.asarray(X[np.abs(i[:, None] - i)] + numbers.hankel_sign * X[i[:, None] + i + numbers.shift])
+    X, i = _own_table(K, kind, inverse), np.arange(K)
+    return np.asarray(X[np.abs(i[:, None] - i)] + kind.hankel_sign * X[i[:, None] + i + kind.shift])
 
 
 @kernel
@@ -148,27 +153,28 @@ def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f:
 
 @kernel
 def add_own_blocks(
-    first_node: Indices, left: Array, diagonal: Array, table: Array, numbers: Numbers, matrix: Table
+    first_node: Indices, left: Array, diagonal: Array, table: Array, shift: int, hankel_sign: float, matrix: Table
 ) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
-    shift, sign = numbers.shift, numbers.hankel_sign
     for j in range(first_node.size - 1):
         first, last, start = first_node[j], first_node[j + 1], 2 * first_node[j] + j
         for i in range(first, last):
             for k in range(i, last):
-                both = table[start + k - i] + sign * table[start + i + k - 2 * first + shift]
+                both = table[start + k - i] + hankel_sign * table[start + i + k - 2 * first + shift]
                 matrix[i, k] += left[i] * left[k] * both
             matrix[i, i] += diagonal[i]
 
 
 @kernel
-def expansion_of(first_node: Indices, r: Array, left: Array, force: Array, period: float, numbers: Numbers) -> Array:
+def expansion_of(
+    first_node: Indices, r: Array, left: Array, force: Array, period: float, shift: int, derivative: int
+) -> Array:
     """Return the coefficients of psi in T_n on segments of these half-widths, shape (nodes,).
 
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
     whole turn that has all its digits.
     """
-    b, shift, derivative = np.zeros(force.size), numbers.shift, numbers.derivative
+    b = np.zeros(force.size)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
@@ -194,13 +200,14 @@ def forces_of(
     old_first_node: Indices,
     origin: Indices,
     period: float,
-    numbers: Numbers,
+    shift: int,
+    derivative: int,
 ) -> Array:
     """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
 
     Coefficients of a degree too high for the nodes are omitted.
     """
-    force, shift, derivative = np.zeros(first_node[-1]), numbers.shift, numbers.derivative
+    force = np.zeros(first_node[-1])
     for j in range(r.size):
         if origin[j] < 0:
             continue

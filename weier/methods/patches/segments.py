@@ -183,6 +183,11 @@ def segment_strengths(state: ContactState) -> Sides:
     return np.asarray(factor * np.sqrt(2 / segments.half_width)[:, None] * at_ends)
 
 
+def integrals(state: ContactState) -> Array:
+    """Return the force of each contact or the closure error of each gap, the integral of the density (pi/2) r a_0."""
+    return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
+
+
 def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, Sides]:
     """Return the contacts between all gaps, thin ones included, and the strengths A and B at their edges.
 

@@ -334,7 +334,7 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     Singular parts at edges are distributed over the coefficients as rounding.
     """
     segments = step.punches.segments
-    _, a = vanishing_at_edges(segments.first_node, step.b, problem.kind.numbers.rounding_power)
+    _, a = vanishing_at_edges(segments.first_node, step.b, problem.kind.rounding_power)
     return ContactState(problem.kind, problem.load, -step.forces.plane, segments, a)
 
 
@@ -361,5 +361,5 @@ def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
     released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
     # The increment of gaps is that of the tension, which opens them.
-    resistance = -kind.numbers.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
+    resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
     return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)
