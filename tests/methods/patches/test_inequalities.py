@@ -8,7 +8,7 @@ import pytest
 from tests.methods.patches.westergaard_states import KINDS, WAVES, OneWave
 from weier.kernels.blas import one_thread
 from weier.methods.chebyshev import gauss_rule
-from weier.methods.patches import inequalities
+from weier.methods.patches import gaps, inequalities
 from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
@@ -235,7 +235,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
         thinness = np.sqrt(-4 * minima["value"] / minima["curvature"])
         thinness /= np.minimum(room, 1 / series.wavenumber[-1])
         for factor, expected in ((1.01, 0), (0.99, 1)):
-            monkeypatch.setattr(inequalities, "MAX_THINNESS", factor * thinness.max())
+            monkeypatch.setattr(gaps, "MAX_THINNESS", factor * thinness.max())
             assert len(find_missing(problem, step, 0.0, 0.0, 0.0)[0]) == expected
         monkeypatch.undo()  # A crack of half-width b in the tension q_0 opens by 2 pi b q_0.
         opening = 2 * np.pi * np.sqrt(-4 * minima["value"] / minima["curvature"]) * -minima["value"]

@@ -55,7 +55,7 @@ def test_cuts_that_overlap_are_one():
     """The new gap in the wider interval of tension reaches beyond the narrower one, on its right."""
     one, none = np.ones(1), np.zeros(1)
     segments = make_segments(none.astype(int), none, 0.5 * one, 0.1 * one, np.array([8]))
-    state = ContactState(False, 1.0, 0.0, segments, np.zeros(8))
+    state = ContactState(CONTACTS, 1.0, 0.0, segments, np.zeros(8))
     negative = np.zeros(2, NEGATIVE)
     negative["start"], negative["end"] = (-0.5, 0.35), (0.3, 0.36)
     widening = 0.5 * (np.sqrt(2) - 1) * 0.8

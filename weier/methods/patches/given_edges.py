@@ -195,10 +195,21 @@ def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
 def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
     """Solve by Cholesky factorisation; a constant makes the matrix of contacts positive definite."""
     kind, segments, period = punches.kind, punches.segments, punches.period
-    nodes = punches.offset, punches.left, punches.diagonal, own_tables(segments.first_node, kind)
-    factors = kind.is_slope, kind.factor(period), kind.offset, kind.shift, kind.hankel_sign
     matrix, right = _equations(
-        segments.first_node, segments.origin, segments.centre, *nodes, forcing, period, *factors
+        segments.first_node,
+        segments.origin,
+        segments.centre,
+        punches.offset,
+        punches.left,
+        punches.diagonal,
+        own_tables(segments.first_node, kind),
+        forcing,
+        period,
+        kind.is_slope,
+        kind.factor(period),
+        kind.offset,
+        kind.shift,
+        kind.hankel_sign,
     )
     _, found, failed = scipy.linalg.lapack.dposv(matrix.T, right.T, lower=1, overwrite_a=1, overwrite_b=1)
     if failed:
