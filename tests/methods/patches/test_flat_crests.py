@@ -8,6 +8,7 @@ from weier import ConvergenceError, Trace
 from weier.accuracy.cosines import Cosines
 from weier.methods import patches
 from weier.methods.patches import inequalities, segments, stages, start
+from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.surface import make_series, surface_of
 
 # Amplitudes of cos(n y), n = 1, 2, 3, whose derivatives vanish at y = 0 up to the third and fifth order.
@@ -109,7 +110,7 @@ def test_no_number_of_nodes_or_probes_follows_from_a_float_that_is_none(bad):
         points, interval = inequalities._probe_points(*extent, np.array([0.25, 0.75]), 1.0, 6.0)
         assert points.size == interval.size < 100
         series = make_series(np.ones(1), [1], np.zeros(1), 1.0)
-        guess = stages.ContactProblem(series, 0.1, False)
+        guess = stages.ContactProblem(series, 0.1, CONTACTS)
         if not (np.isfinite(bad) and bad > 0):
             broken = segments.make_segments(np.zeros(2, int), *extent, np.zeros(2, int))
             with pytest.raises(ConvergenceError, match="overlap"):
