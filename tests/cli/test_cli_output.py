@@ -217,7 +217,9 @@ def test_other_bodies_heights_and_code_are_refused(run, tmp_path, bodies, trace,
     assert run(*wanted)[0] == 0
     for code in ("others", ""):  # the latter without sources
         monkeypatch.setattr(resume, "code", lambda code=code: code)
-        assert f", not {code or 'unknown'}): name another file" in run(*wanted)[2]
+        assert (f", not {code}): name another file" if code else "unknown without sources: name another file") in run(
+            *wanted
+        )[2]
 
 
 @pytest.mark.parametrize(

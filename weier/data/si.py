@@ -87,9 +87,7 @@ def check_normalised(data: Any) -> None:
     if not hasattr(data, "data_vars"):
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {OF_DATASETS}")
     if known := {*BODIES} & data.attrs.keys():
-        raise ValueError(
-            f"data must be normalised, got a Dataset with {min(known)}, which an interface has converted"
-        )
+        raise ValueError(f"data must be normalised, got a Dataset with {min(known)}: it is in SI units already")
     normalised = {name: variable for name, variable in data.variables.items() if _normalised(variable)}
     for name, variable in data.variables.items():
         quantity = name in data.data_vars or name in LOCATED

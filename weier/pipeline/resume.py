@@ -51,8 +51,10 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
         raise ValueError(f"{path} exists, and is no file of weier: {OTHERWISE}") from None
     if "numerics" not in data.attrs:
         raise ValueError(f"{path} exists, and is not of `weier solve`: {OTHERWISE}")
-    if not code() or data.attrs["numerics"] != code():
-        theirs, ours = (one or "unknown" for one in (data.attrs["numerics"], code()))
+    theirs, ours = data.attrs["numerics"], code()
+    if not (theirs and ours):
+        raise ValueError(f"{path} exists, and whether this code solved it is unknown without sources: {OTHERWISE}")
+    if theirs != ours:
         raise ValueError(f"{path} exists, and is solved by other code ({theirs}, not {ours}): {OTHERWISE}")
     scene, wanted = parse_yaml(data.attrs["scene"]), parse_yaml(scene_text(case, np.empty(0)))
     loads, settings = np.array(scene["loads"], float), _settings(wanted)
