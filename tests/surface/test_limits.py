@@ -29,6 +29,12 @@ def test_a_ratio_without_a_period_that_a_computer_holds_is_offered_one_that_has(
     assert float(offered.gamma) == pytest.approx(float(Profile(1.5, gamma, 3).gamma), rel=1e-2)
 
 
+def test_the_ratio_that_is_offered_may_have_the_most_waves():
+    """10^5, of 10/3 with six terms."""
+    with pytest.raises(ValueError, match='take gamma = "10/3"'):
+        check_resolvable(Profile(1.5, 3.3331, 6))
+
+
 def test_no_ratio_is_offered_where_none_will_do():
     for gamma, m in ((1.0000001, 3), (math.pi, 12), (1e6, 3)):
         with pytest.raises(ValueError, match="exceeds: take fewer terms"):

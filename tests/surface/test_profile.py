@@ -1,5 +1,6 @@
 """The series: its numbers against mpmath, its crest by brute force, its phases, its refusals."""
 
+import json
 import math
 from fractions import Fraction
 
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.surface.profile import Profile, random_phases
+from weier.surface.profile import Profile, random_phases, terms_within
 from weier.surface.series import leading_amplitude, tail_amplitude
 
 EPS = np.finfo(float).eps
@@ -39,8 +40,9 @@ def test_phases_of_several_turns_are_not(phases):
 
 
 def test_phases_that_look_like_degrees_are_doubted_once():
-    with pytest.warns(UserWarning, match="in radians"):
+    with pytest.warns(UserWarning, match="in radians") as doubted:
         profile = Profile(1.25, 5, 3, (0, 90, 180))
+    assert doubted[0].filename == __file__
     assert profile.truncated(2).phases == (0.0, 90.0)  # without a warning, which would be an error here
 
 
@@ -126,6 +128,8 @@ def test_ratio_may_be_written_in_many_ways():
     for gamma in ("5/2", 2.5, Fraction(5, 2), "2.5"):
         assert Profile(1.5, gamma, 2).gamma == Fraction(5, 2)
     assert Profile(1.5, 1.1, 2).gamma == Fraction(11, 10)
+    assert Profile(1.5, 1000001 / 10**6, 2).gamma == Fraction(1000001, 10**6)
+    assert Profile(1.5, 1500003 / 1000003, 2).gamma == Fraction(1500003 / 1000003)  # as it is: too large integers
 
 
 NUMPY_INTEGERS = [np.dtype(code).type for code in np.typecodes["AllInteger"]]
@@ -179,6 +183,18 @@ def test_one_phase_shifts_every_term_but_the_first():
 def test_profile_refuses_what_it_cannot_be(arguments, message):
     with pytest.raises(ValueError, match=message):
         Profile(*arguments)
+
+
+def test_labels_list_a_thousand_random_phases_at_most():
+    assert [json.loads(Profile(1.5, 2, m, seed=1).labels["phases"]) is None for m in (1000, 1001)] == [False, True]
+
+
+def test_terms_whose_waves_fit():
+    assert [terms_within(Profile(1.5, 5, m), waves) for m, waves in ((math.inf, 624), (math.inf, 625), (3, 1e9))] == [
+        4,
+        5,
+        3,
+    ]
 
 
 def test_an_irrational_ratio_is_kept_to_the_last_digit():
