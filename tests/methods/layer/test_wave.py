@@ -12,7 +12,13 @@ from weier.methods.layer.conditions import violations
 from weier.methods.layer.scales import RESIDUAL_FRACTION, coarser_units, finest_wave, model_of
 from weier.methods.layer.solver import ACCURACY, POINTS
 from weier.methods.layer.tables import BOTTOM_POSITIONS
-from weier.methods.layer.wave import midpoints, solve_waves
+from weier.methods.layer.wave import attainable, midpoints, solve_waves
+
+
+def test_residuals_may_have_some_roundings_of_the_logarithm_of_the_load():
+    found = attainable(np.array([-700.0, -1.0]), 1e-13)
+    assert 1 < found[0] / np.spacing(700.0) < 10
+    assert found[1] == 1e-13
 
 
 @pytest.mark.parametrize("xi", [1e-12, 1e-3, 0.3, 0.99])

@@ -94,7 +94,7 @@ def test_nodes_resolve_a_singularity_at_the_edge_of_the_neighbour(ratio, period)
 
 def test_tails_are_the_last_of_two_coefficients_that_are_not_zero_by_themselves():
     segments = make_segments(np.zeros(2, int), np.zeros(2), np.zeros(2), np.ones(2), np.array([5, 6]))
-    coefficient = np.array([2.0, 1.0, 1e-3, 0.0, 0.0, -8.0, 0.0, 1.0, 1e-2, 0.0, 0.0])
+    coefficient = np.array([2.0, 1.0, 1e-3, 0.0, 0.0, -8.0, 0.0, 1e-2, 1.0, 0.0, 0.0])
     np.testing.assert_allclose(coefficient_tails(segments, coefficient), [0.5, 0.125])
 
 
