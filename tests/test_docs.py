@@ -36,6 +36,7 @@ from weier.scene import keys
     ("name", "least"),
     [
         ("index", 5),
+        ("one_load", 50),
         pytest.param("measured", 20, marks=pytest.mark.second_attempt),
         *((page, 20) for page in plots.NOT_RUN),
     ],

@@ -1,7 +1,7 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
 docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of edges" and
-"Inequalities" derive their parts. `_converge` is stage 1, `_corrections` stage 2, `contact_residual` stage 3 and
+"Inequalities" derive their parts. `converge` is stage 1, `corrections_of` stage 2, `contact_residual` stage 3 and
 `_certified` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
 """
 
@@ -124,16 +124,16 @@ def solve_in_stages(
     # conjugate gradients. A second attempt takes no part of the route of the first.
     is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
     first = max(tolerance, LARGEST_TOLERANCE) if is_large else tolerance
-    limits, now = _limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
+    limits, now = limits_of(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
     coarser: Converged | None = None  # before nodes were added
     while steps < MAX_STEPS:
-        solved, step, more = _converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
+        solved, step, more = converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
         steps, state = steps + more, contact_state(problem, step)
         # Stage 2: a segment is cut where it violates its own inequality, and one is added where the other is violated
         # between segments.
         negative = find_negative_intervals(state)
-        wrong = _to_be_cut(state, negative, limits.opening)
-        added, remaining, minima = _corrections(problem, step, state, limits, wrong)
+        wrong = to_be_cut(state, negative, limits.opening)
+        added, remaining, minima = corrections_of(problem, step, state, limits, wrong)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
             corrections, coarser = corrections + 1, None
@@ -144,7 +144,7 @@ def solve_in_stages(
                 return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
             continue
         if limits.tolerance > tolerance:
-            limits = _limits(problem, state.segments.half_width, tolerance)
+            limits = limits_of(problem, state.segments.half_width, tolerance)
             enough = estimate_node_count(state.segments.extent, series, tolerance)
             now = next_guess(problem, step, tolerance, np.maximum(count, enough))
             continue
@@ -166,7 +166,7 @@ def _no_set(load: float) -> ConvergenceError:
     return ConvergenceError(f"no set of contacts was found that meets all conditions under {load:.6g} p_0*")
 
 
-def _converge(
+def converge(
     problem: ContactProblem, now: Iterate, limits: Limits, most: int, is_fixed: bool = False
 ) -> tuple[NewtonStep, NewtonStep, int]:
     """Move the edges until they have converged; return the last solution, the step after it, and the steps.
@@ -184,7 +184,7 @@ def _converge(
             return step, step, steps
         # Segments that have not settled keep their nodes.
         segments, enough = step.punches.segments, limits.target if step.settled else np.inf
-        counts = _node_counts(segments.first_node, segments.half_width, step.b, enough)
+        counts = node_counts(segments.first_node, segments.half_width, step.b, enough)
         if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
             return step, carried_along(step, limits.rounding), steps
         last_move, now = step.moves.relative, next_guess(problem, step, limits.tolerance, counts)
@@ -194,8 +194,8 @@ def _converge(
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
     problem = ContactProblem(start.kind.series(surface), load, start.kind)
-    limits = _limits(problem, start.segments.half_width, TOLERANCE)
-    _, step, _ = _converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, MAX_STEPS, is_fixed=True)
+    limits = limits_of(problem, start.segments.half_width, TOLERANCE)
+    _, step, _ = converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
 
 
@@ -207,7 +207,7 @@ def _scale(problem: ContactProblem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def _limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
+def limits_of(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
     wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
@@ -247,7 +247,7 @@ def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
 
 
 @kernel
-def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
+def node_counts(first_node: Indices, half_width: Array, b: Array, target: float) -> Indices:
     """Return the number of nodes of each segment, more where the last coefficients have not decayed to the target.
 
     T_k/sqrt(1-t^2) with the coefficient b_k has the height 2 pi r b_k/k; the gap of such a slope is smaller.
@@ -262,7 +262,7 @@ def _node_counts(first_node: Indices, half_width: Array, b: Array, target: float
     return more_nodes(count, short)
 
 
-def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Records:
+def to_be_cut(state: ContactState, negative: Records, opening: float) -> Records:
     """Return the intervals of tension, or of overlap in gaps, that the nodes resolve and that are not thin gaps.
 
     opening : least height of a new gap or contact, in g_0
@@ -275,7 +275,7 @@ def _to_be_cut(state: ContactState, negative: Records, opening: float) -> Record
     return wrong[(wrong["height"] > opening) & ~are_thin(wrong, thinness)]
 
 
-def _corrections(
+def corrections_of(
     problem: ContactProblem,
     step: NewtonStep,
     state: ContactState,
