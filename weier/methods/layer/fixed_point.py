@@ -34,10 +34,8 @@ from weier.methods.layer.wave import closure_sensitivity
 TABLE_FRACTION = 0.5  # of the accuracy for the table; the rest is for the residuals of the waves
 MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
-MAX_STEPS = 400  # 10 to 60 are usual
+MAX_STEPS = 400  # 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
-# damping factors beta = 1 - DAMPING_RATIO^-j that are tried, from Newton's method (1) to a fixed-point step (0)
-DAMPING_RATIO, DAMPING_EXPONENTS = 4.0, (math.inf, 6, 5, 4, 3, 2, 1, 0)
 # fraction of the correction that is tried next if a wave has no solution, and its lower limit
 PART_AGAIN, MIN_PART = 0.25, 1e-3
 RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
@@ -100,9 +98,9 @@ def _guess(model: Model, position: Array) -> Rows:
 def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """Solve by damped Newton steps with the J of the linear interpolant of ln W, starting from TW.
 
-    J >= 0 and its rows sum to less than 1, so that (I - beta J)^-1 exists for 0 <= beta <= 1. The largest beta whose
-    step is at most `MAX_STEP` is taken. If a wave has no solution on the new table, the table moves towards TW.
-    Returns the rows at the fixed point and J, once a step is at most the limit.
+    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. If a wave
+    has no solution on the new table, the table moves towards TW. Returns the rows at the fixed point and J, once a
+    step is at most the limit.
     """
     identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
     spline = scipy.interpolate.CubicSpline(rows.position, identity)  # through ln W as a function of its rows
@@ -123,13 +121,11 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
             return rows, size
         size = _sensitivity(new, scale)
         residual = new.log_compliance - log_W
-        for exponent in DAMPING_EXPONENTS:
-            damping = 1 - DAMPING_RATIO**-exponent
-            step = np.linalg.solve(identity - damping * size, residual)
-            change = float(np.max(np.abs(step)))
-            if change <= MAX_STEP:
-                break
-        image, correction, part, settled = new, step - residual, 1.0, damping == 1 and change <= limit
+        step = np.linalg.solve(identity - size, residual)
+        change = float(np.max(np.abs(step)))
+        if change > MAX_STEP:
+            step *= MAX_STEP / change
+        image, correction, part, settled = new, step - residual, 1.0, change <= limit
     raise _unsettled(model, float(np.max(np.abs(correction))), limit)
 
 

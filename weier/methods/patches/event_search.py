@@ -315,11 +315,9 @@ class _Search(NamedTuple):
         for event in changes:
             y, value = _minimum(followed[-1], followed[-1].kind.series(surface), event)
             is_same = event.birth == first.birth and abs(value - values[-1]) <= rate * MIN_INTERVAL * load
-            length, between = (
-                np.array([y - event.left, event.right - y]),
-                (low, followed[-1], high)[event.birth :][:2],
-            )
-            if not (is_same and np.all(_is_direct(length, np.array(event.load_per_advance), *between))):
+            length, rate_of_load = np.array([y - event.left, event.right - y]), np.array(event.load_per_advance)
+            lighter, heavier = (followed[-1], high) if event.birth else (low, followed[-1])
+            if not (is_same and np.all(_is_direct(length, rate_of_load, lighter, heavier))):
                 return None
             located.append((load, event._replace(left=y, right=y)))
         return located if self._is_in_contact(followed[-1]) else None
