@@ -8,7 +8,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from weier.accuracy.report import Page, measurement
+from weier.accuracy.page import Page, measurement
 from weier.accuracy.runner import run
 from weier.accuracy.variants import by_default
 from weier.data import markdown

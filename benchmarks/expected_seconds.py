@@ -13,7 +13,7 @@ import click
 import numpy as np
 
 from weier import ConvergenceError, Profile, Trace, random_phases
-from weier.accuracy.report import Page, measurement
+from weier.accuracy.page import Page, measurement
 from weier.accuracy.runner import run
 from weier.accuracy.variants import Variant
 from weier.data import markdown

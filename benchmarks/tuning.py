@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 import weier
-from weier.accuracy.report import Page, measurement
+from weier.accuracy.page import Page, measurement
 from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent
@@ -56,7 +56,7 @@ OF_BEM = (
 OF_PATCHES = (
     ("punches", "NEIGHBOURS"),
     ("patches.pair_sums", "LEAF_POINTS"),
-    ("patches.fields", "MIN_SUM"),
+    ("patches.pressure_and_gap", "MIN_SUM"),
     ("patches.start", "MANY_WAVES"),
 )
 FACTORS = (0.5, 2.0)

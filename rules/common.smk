@@ -7,7 +7,7 @@ from snakemake.settings.types import DeploymentMethod
 
 from weier.figures import KINDS
 from weier.figures.captions import caption
-from weier.figures.checks import load_by_name
+from weier.figures.scene_checks import load_by_name
 from weier.digests import digest_of_modules
 from weier.pipeline.products import DATA, PAGE, files_of
 from weier.pipeline.workflow import (

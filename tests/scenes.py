@@ -13,8 +13,8 @@ from weier.data import dataset
 from weier.digests import numerics
 from weier.methods import registry
 from weier.pipeline import claims
-from weier.pipeline.curves import Curves
 from weier.pipeline.jobs import solve
+from weier.pipeline.needed_curves import Curves
 from weier.pipeline.store import Store
 from weier.scene import Scene
 

@@ -140,7 +140,7 @@ SOLVED = """
 import sys
 from pathlib import Path
 from weier.digests import PACKAGE, numerics
-from weier.pipeline.curves import Curves
+from weier.pipeline.needed_curves import Curves
 from weier.pipeline.jobs import solve
 from weier.pipeline.store import Store
 from weier.scene import load

@@ -27,8 +27,8 @@ from weier.figures import KINDS
 from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.claims import paper
-from weier.pipeline.claims.case import StudyArrays
 from weier.pipeline.claims.claim import judge
+from weier.pipeline.claims.rows import StudyArrays
 from weier.scene import keys
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.marks import examples
 from weier import Profile
-from weier.accuracy.extremes import checks
+from weier.accuracy.extremes import curve_checks
 from weier.accuracy.runner import Outcome, attempt
 from weier.accuracy.variants import Variant
 from weier.methods.registry import METHODS, find_method
@@ -63,13 +63,13 @@ def checked_run(name, profile, mean_pressure, **options):
     p, h, R = mean_pressure[solved], made.compliance[solved], made.resistance[solved]
     total = profile.total_amplitude
     errors = made.compliance_error, made.resistance_error
-    stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
-    noise = checks.OF_TABLES.get(method.name, checks.ROUNDING)
-    assert checks.monotone(h, noise.height * total, stated)
-    assert checks.concave(p, h, R, noise, total, stated)
+    stated = curve_checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
+    noise = curve_checks.OF_TABLES.get(method.name, curve_checks.ROUNDING)
+    assert curve_checks.monotone(h, noise.height * total, stated)
+    assert curve_checks.concave(p, h, R, noise, total, stated)
     if name == "persson":  # its compliance falls below all bounds under light loads
         return made
-    assert checks.within_band(profile, p, h, R, noise, stated, made.solution_error)
+    assert curve_checks.within_band(profile, p, h, R, noise, stated, made.solution_error)
     return made
 
 

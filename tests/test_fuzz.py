@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from tests.marks import examples, few
 from weier import cli, scene
-from weier.figures import checks
+from weier.figures import scene_checks
 from weier.kernels.jit import COMPILING_SECONDS
 from weier.methods.registry import names
 
@@ -68,7 +68,7 @@ def load_or_refuse(path):
     start = time.perf_counter()
     refusal = ""
     try:
-        loaded = checks.load_scene(path)
+        loaded = scene_checks.load_scene(path)
     except scene.SceneError as error:
         refusal = str(error)
     else:

@@ -177,7 +177,7 @@ def test_a_dry_run_writes_nothing(finished):
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
-    module, line = finished / "weier/figures/comparison.py", "    return figure\n"
+    module, line = finished / "weier/figures/many_curves.py", "    return figure\n"
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
     edit(module, line, fault + line)
     shutil.copytree("profiles/local", finished / "profiles/default")
@@ -308,7 +308,7 @@ def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     command += ["-d", tmp_path, "--dry-run", "--cores", "1", "--config", "scenes=minimal"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     imported = set(re.findall(r"^import time:.*\| +([\w.]+)$", done.stderr, re.M))
-    assert {"weier.pipeline.workflow", "weier.pipeline.curves"} <= imported
+    assert {"weier.pipeline.workflow", "weier.pipeline.needed_curves"} <= imported
     assert imported & {"xarray", "numba", "matplotlib", "bokeh"} == set()
 
 

@@ -7,8 +7,8 @@ from tests.toy_method import TOY
 from tests.trade import small_trade
 from weier import figures
 from weier.accuracy import extremes, reference, tradeoff
-from weier.accuracy.comparison import Comparison
-from weier.accuracy.extremes.cases import variants
+from weier.accuracy.extremes.ill_conditioned import variants
+from weier.accuracy.runs import Comparison
 from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import registry

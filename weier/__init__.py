@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from weier.api.inverse import find_load as find_load
     from weier.api.solve import solve as solve
     from weier.data.dataset import open_dataset as open_dataset
-    from weier.figures.checks import load_scene as load_scene
+    from weier.figures.scene_checks import load_scene as load_scene
     from weier.methods.auto import choose as choose
     from weier.methods.errors import ConvergenceError as ConvergenceError
     from weier.methods.errors import NotApplicableError as NotApplicableError
@@ -44,7 +44,7 @@ _MODULES = {
     "find_load": "api.inverse",
     "fit": "surface.spectrum",
     "gaussian": "surface.gaussian",
-    "load_scene": "figures.checks",
+    "load_scene": "figures.scene_checks",
     "open_dataset": "data.dataset",
     "random_phases": "surface.profile",
     "solve": "api.solve",

@@ -32,7 +32,7 @@ CURVES = (
     "scene/identity.py",
     "scene/study.py",
     "scene/yaml.py",
-    "pipeline/curves.py",
+    "pipeline/needed_curves.py",
     "pipeline/jobs.py",
     "pipeline/store.py",
 )

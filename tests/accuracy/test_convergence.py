@@ -38,7 +38,7 @@ def test_estimates_lie_within_all_bounds_and_close_in(convergence):
 
 
 def test_terms_that_take_too_many_points_have_a_status(monkeypatch, tmp_path):
-    monkeypatch.setattr(bem.error_model, "MAX_POINTS", 2000)
+    monkeypatch.setattr(bem.stated_errors, "MAX_POINTS", 2000)
     data = study.measure_convergence([Profile(1.25, 5, np.inf, 1.0)], LOADS[::2], 5)
     found = data.isel(case=0)
     assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, True, True, False]

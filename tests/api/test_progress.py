@@ -8,7 +8,7 @@ import pytest
 
 from weier.api import progress
 from weier.api.progress import ERASE, Loads, Progress, waiting
-from weier.methods.progress import count_load, reporting_to
+from weier.methods.load_progress import count_load, reporting_to
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 

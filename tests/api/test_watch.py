@@ -8,7 +8,7 @@ import pytest
 import weier
 from weier.api import progress
 from weier.methods import layer
-from weier.methods.progress import reporting_to
+from weier.methods.load_progress import reporting_to
 from weier.pipeline.single import case_of, solve_one
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)

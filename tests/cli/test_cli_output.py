@@ -10,7 +10,7 @@ import xarray as xr
 import weier
 from weier.cli import output
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import reporting_to
+from weier.methods.load_progress import reporting_to
 from weier.pipeline import resume
 
 SERIES = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]

@@ -18,7 +18,7 @@ from tests.scenes import blank, curves_in
 from weier import Profile
 from weier.api.rows import surface_row
 from weier.data import curves, dataset
-from weier.pipeline.curves import SURFACE
+from weier.pipeline.needed_curves import SURFACE
 from weier.scene import load
 
 METHODS = ["demelio", "bem"]

@@ -9,7 +9,7 @@ import pytest
 from tests.scenes import curves_in, scene_in, solve_scene
 from weier.pipeline import adopt as adoption
 from weier.pipeline.adopt import RECORD, adopt
-from weier.pipeline.curves import SURFACE
+from weier.pipeline.needed_curves import SURFACE
 from weier.pipeline.store import Store
 
 SCENE = {

@@ -14,11 +14,11 @@ from weier.data import dataset
 from weier.data.variables import Check
 from weier.methods import westergaard
 from weier.pipeline import claims
-from weier.pipeline.claims import claim, measures, report
-from weier.pipeline.claims.case import StudyArrays
+from weier.pipeline.claims import claim, measures, verdicts
 from weier.pipeline.claims.paper import by_phases
-from weier.pipeline.curves import Curves
+from weier.pipeline.claims.rows import StudyArrays
 from weier.pipeline.gather import read_study
+from weier.pipeline.needed_curves import Curves
 
 LOADS = np.geomspace(1e-3, 4, 40)
 TOTAL = 1.4
@@ -318,7 +318,7 @@ def test_one_independent_contact_is_the_contact_of_one_wave():
     ],
 )
 def test_one_number_decides(name, excesses, said):
-    assert report.decisive_line(claims.evaluate(name, one_ensemble(*excesses))).endswith(said)
+    assert verdicts.decisive_line(claims.evaluate(name, one_ensemble(*excesses))).endswith(said)
 
 
 @pytest.mark.parametrize(
@@ -348,7 +348,7 @@ def test_the_spacing_of_loads_changes_nothing(loads):
 def test_without_the_curves_a_claim_is_not_measured(name):
     measured = claims.evaluate(name, [case(archard=np.nan, bem=np.nan)])
     assert measured.outcome == Check.not_measured
-    assert report.decisive_line(measured).startswith("Not measured: ")
+    assert verdicts.decisive_line(measured).startswith("Not measured: ")
 
 
 def test_single_profiles_and_the_other_datum_stand_beside_the_verdict():

@@ -143,11 +143,11 @@ def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(of_loads, tm
 
 
 def test_figures_and_the_explorer_show_each_study_at_its_own_loads(of_loads, tmp_path):
-    from weier.figures import comparison, page
+    from weier.figures import many_curves, page
 
     studies = [read_study(of_loads, name) for name in LOADS]
     figure = of_loads.scene.figure("both")
-    _, panels, _ = comparison.compare(studies, "", "compliance", figure.grouping)
+    _, panels, _ = many_curves.compare(studies, "", "compliance", figure.grouping)
     drawn = [line.get_xdata() for axes in panels for line in axes.get_lines() if line.get_xdata().size > 1]
     assert {float(x.min()) for x in drawn} >= {0.02, 0.05}
     assert all(np.isfinite(x).all() for x in drawn)

@@ -11,9 +11,9 @@ import xarray as xr
 from tests.scenes import curves_in, scene_in, solve_scene
 from weier.api import batch
 from weier.pipeline import jobs
-from weier.pipeline.curves import CLOSED
 from weier.pipeline.gather import read_study
 from weier.pipeline.jobs import solve
+from weier.pipeline.needed_curves import CLOSED
 
 SCENE = {
     "title": "t",

@@ -8,7 +8,7 @@ import signal
 import numpy as np
 import pytest
 
-from weier.pipeline.curves import Kind
+from weier.pipeline.needed_curves import Kind
 from weier.pipeline.store import Store
 from weier.scene.identity import keys_of
 

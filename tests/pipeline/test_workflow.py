@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import pytest
 
 from tests.scenes import solve_scene
-from weier.figures.checks import load_by_name
+from weier.figures.scene_checks import load_by_name
 from weier.pipeline import workflow
-from weier.pipeline.curves import CLOSED
+from weier.pipeline.needed_curves import CLOSED
 from weier.pipeline.workflow import Plan, ending_in_one_sentence, kernels_file
 
 SCENE = """

@@ -10,7 +10,7 @@ import pytest
 import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
 from tests.scenes import curves_in, scene_in, solve_scene, write_data
-from weier.figures import checks, comparison, lines, page, tables, values
+from weier.figures import lines, many_curves, page, scene_checks, tables, values
 from weier.pipeline.gather import read_study
 from weier.scene import SceneError
 
@@ -38,7 +38,7 @@ def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("si")
     write_heights(folder / "a.csv")
     write_heights(folder / "b.csv", 3 * np.roll(HEIGHTS, 7) + 2e-7 * np.cos(2 * np.pi * X / 32e-6))
-    loaded = scene_in(folder, SCENE, checks.load_scene)
+    loaded = scene_in(folder, SCENE, scene_checks.load_scene)
     return folder, loaded, solve_scene(loaded, folder / "curves")
 
 
@@ -93,7 +93,7 @@ def test_figures_are_in_si_units(solved):
         "series": ("compliance", "series"),
     }.items():
         figure = loaded.figures[name]
-        _, (axes,), extent = comparison.compare(
+        _, (axes,), extent = many_curves.compare(
             [read_study(solutions, study)], "", quantity, figure.grouping, figure.interface
         )
         surfaces = [case.profile for case in loaded.study(study)]
@@ -133,7 +133,7 @@ def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
 )
 def test_what_has_no_pressure_is_refused(solved, changes, message):
     with pytest.raises(SceneError, match=message):
-        scene_in(solved[0], SCENE | changes, checks.load_scene)
+        scene_in(solved[0], SCENE | changes, scene_checks.load_scene)
 
 
 def test_single_loads_have_units_too(solved):

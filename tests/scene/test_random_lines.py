@@ -5,7 +5,7 @@ import pytest
 
 from tests.scenes import scene_in, solve_scene, write_data
 from weier import Interface, gaussian, open_dataset, scene, solve
-from weier.figures import checks, comparison
+from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
 from weier.scene.figure import Grouping
 
@@ -20,7 +20,7 @@ def load(folder, loads=LOADS, interface=None, **studies):
     figure = {"draw": "compliance", "studies": [*studies], "median over": "trace"}
     values = {"title": "t", "loads": loads, "methods": ["patches"], "studies": studies, "figures": {"f": figure}}
     values |= {"interface": interface} if interface else {}
-    return scene_in(folder, values, checks.load_scene)
+    return scene_in(folder, values, scene_checks.load_scene)
 
 
 def line_of(seed, **changes):
@@ -43,7 +43,7 @@ def test_each_seed_is_the_line_of_the_library_and_all_are_one_ensemble(tmp_path)
         table = data.weier.ensemble()
         assert table.cases.tolist() == [3] * len(LOADS)
         np.testing.assert_allclose(table.compliance_mean, expected.compliance.values.reshape(3, -1).mean(axis=0))
-    _, panels, _ = comparison.compare(
+    _, panels, _ = many_curves.compare(
         [read_study(solutions, "rough")], "t", "compliance", Grouping(median_over=("trace",))
     )
     assert len(panels[0].collections) == 1  # the band

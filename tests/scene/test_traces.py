@@ -11,7 +11,7 @@ from tests.scenes import scene_in, solve_scene, write_data
 from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.figures import checks, comparison, traces
+from weier.figures import many_curves, scene_checks, traces
 from weier.figures.page import explorer
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
@@ -40,7 +40,7 @@ def write_heights(path, heights=HEIGHTS):
 
 
 def load(folder, **changes):
-    return scene_in(folder, SCENE | changes, checks.load_scene)
+    return scene_in(folder, SCENE | changes, scene_checks.load_scene)
 
 
 @pytest.fixture
@@ -224,7 +224,7 @@ def test_curves_of_a_trace_go_through_files_beside_those_of_a_series(folder):
     assert data["status"].values.tolist() == [[Status.solved, Status.not_requested], [Status.solved] * 2]
     assert np.isfinite(data["compliance"].values[0, 0]).all()
     studies = [read_study(solutions, name) for name in ("mine", "series")]
-    _, panels, _ = comparison.compare(studies, "t", "compliance", BY_DEFAULT)
+    _, panels, _ = many_curves.compare(studies, "t", "compliance", BY_DEFAULT)
     assert "(b)  shaft.csv" in [axes.get_title() for axes in panels]
     with open_dataset(folder / "contact.nc") as data:
         assert re.fullmatch(r"mine: trace = shaft\.csv, m = 2, trace_digest = [0-9a-f]{12}", data.case.values[0])
@@ -281,7 +281,7 @@ def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     solutions = solve_scene(loaded, folder / "curves")
     read = [read_study(solutions, name) for name in studies]
     one = loaded.figures["f"]
-    figure, (axes,), _ = comparison.compare(read, "", "compliance", one.grouping)
+    figure, (axes,), _ = many_curves.compare(read, "", "compliance", one.grouping)
     texts = [text.get_text() for text in axes.get_legend().get_texts()]
     assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
     assert not axes.collections

@@ -11,6 +11,6 @@ tradeoff, extremes and convergence.
 | `tradeoff` | speed against accuracy of all variants of methods |
 
 `variants` lists what is compared, `runner` runs a variant, `reference` computes the reference, `families` draws hard
-series, `metrics` computes errors, `comparison` fills a dataset, and `report` makes a command and its page of a
+series, `metrics` computes errors, `runs` fills a dataset, and `page` makes a command and its page of a
 measurement. Imports the pipeline and all folders below it.
 """

@@ -12,11 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.accuracy import comparison
-from weier.accuracy.comparison import Comparison
+from weier.accuracy import runs
 from weier.accuracy.metrics import by_resolved_terms
-from weier.accuracy.report import Page, measurement, number
+from weier.accuracy.page import Page, measurement, number
 from weier.accuracy.runner import run
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant
 from weier.data import variables
 from weier.data.markdown import table
@@ -66,8 +66,8 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     loads = checked_loads(mean_pressure)
     variants = tuple(Variant(str(terms), bem.METHOD.name, {}) for terms in range(1, max_terms + 1))
     compared = [Comparison(profile.describe(), Case.of(profile, (), {}), loads, variants) for profile in profiles]
-    data = comparison.blank(compared, KEPT, {})
-    comparison.fill(data, compared, _solve)
+    data = runs.blank(compared, KEPT, {})
+    runs.fill(data, compared, _solve)
     counts = np.array(data["variant"].values, int)
     data = data.drop_vars(["solution_method", "variant"]).rename_dims(variant="resolved_terms")
     return data.assign_coords(resolved_terms=("resolved_terms", counts, variables.attributes("resolved_terms", OWN)))

@@ -11,8 +11,8 @@ import numpy as np
 
 from weier.accuracy.families import FAMILIES, VARIANTS, Draw, draws
 from weier.accuracy.metrics import deviation
+from weier.accuracy.page import Page, measurement
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.report import Page, measurement
 from weier.accuracy.runner import attempt
 from weier.accuracy.variants import Variant
 from weier.data import markdown

@@ -11,12 +11,12 @@ import click
 import numpy as np
 import xarray as xr
 
-from weier.accuracy import comparison
-from weier.accuracy.comparison import Comparison
+from weier.accuracy import runs
 from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
+from weier.accuracy.page import Page, measurement, number
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.report import Page, measurement, number
 from weier.accuracy.runner import run
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant, variants_of
 from weier.data.markdown import plain, table
 from weier.data.variables import LOAD_DIMS, VARIABLES, Status, Variable
@@ -33,7 +33,7 @@ SCENE = Path("config/accuracy/tradeoff.yaml")
 REPEAT = 5
 # those of the table of variables
 KEPT = (
-    *comparison.KEPT,
+    *runs.KEPT,
     "resistance_error",
     "resistance_deviation",
     "contact_fraction",
@@ -70,13 +70,13 @@ def measure(scene: Scene) -> xr.Dataset:
         Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
         for case in scene.cases.values()
     ]
-    data = comparison.blank(comparisons, KEPT, OWN)
+    data = runs.blank(comparisons, KEPT, OWN)
     for case, compared in enumerate(comparisons):
         print(f"reference {case + 1}/{len(comparisons)}: {compared.name}", file=sys.stderr)
         right = contact_reference(compared.case.profile, tuple(compared.loads.tolist()))
         data["reference_compliance"].values[case] = np.array(right.compliance, float)
         data["reference_resistance"].values[case] = np.array(right.resistance, float)
-    comparison.fill(data, comparisons, _measure)
+    runs.fill(data, comparisons, _measure)
     return data
 
 

@@ -20,7 +20,7 @@ from weier.data import dataset
 from weier.data.variables import LOADS, VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
-from weier.methods.progress import keeping
+from weier.methods.load_progress import keeping
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings
 from weier.scene.case import Case

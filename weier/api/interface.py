@@ -17,7 +17,7 @@ from weier.data.bodies import Bodies, to_normalised
 from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.methods.progress import converting
+from weier.methods.load_progress import converting
 from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves, checked_surface
 

@@ -25,7 +25,7 @@ from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import converting
+from weier.methods.load_progress import converting
 from weier.methods.registry import EXACT
 from weier.methods.settings import TOLERANCE
 from weier.surface.limits import check_resolvable

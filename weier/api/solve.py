@@ -19,7 +19,7 @@ from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
 from weier.methods.curve import Curve
-from weier.methods.progress import converting
+from weier.methods.load_progress import converting
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt

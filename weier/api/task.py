@@ -11,7 +11,7 @@ import numpy as np
 from weier.api.progress import clock
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve, joined
-from weier.methods.progress import keeping
+from weier.methods.load_progress import keeping
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves

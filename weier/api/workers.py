@@ -18,7 +18,7 @@ from weier.api.progress import Loads, Progress
 from weier.api.rows import Outcome
 from weier.api.task import CurveTask
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.progress import reporting_to
+from weier.methods.load_progress import reporting_to
 
 # The message where the pool of processes breaks.
 LOST = (

@@ -12,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from weier.cli import jobs, profile, report, table
+from weier.cli import one_profile, report, rules, table
 from weier.data.provenance import VERSION
 from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
@@ -49,15 +49,15 @@ def cli() -> None:
 
 
 for _command in (
-    profile.solve,
-    profile.plot,
+    one_profile.solve,
+    one_profile.plot,
     report.report,
     table.table,
-    jobs.compile,
-    jobs.adopt,
-    jobs.curves,
-    jobs.make,
-    jobs.draw,
+    rules.compile,
+    rules.adopt,
+    rules.curves,
+    rules.make,
+    rules.draw,
 ):
     cli.add_command(_command)
 

@@ -14,14 +14,14 @@ import xarray as xr
 from weier.api.task import Known
 from weier.cli import result
 from weier.data import dataset
-from weier.methods.progress import curve_so_far
+from weier.methods.load_progress import curve_so_far
 from weier.pipeline import resume
 from weier.pipeline.jobs import APPEND_SECONDS
 from weier.scene.case import Case
 from weier.units import unit_of
 
 if TYPE_CHECKING:
-    from weier.cli.profile import Request
+    from weier.cli.one_profile import Request
 
 
 class Output:

@@ -14,7 +14,7 @@ import click
 import numpy as np
 
 from weier.cli import options
-from weier.cli.bodies import OF_AN_ENSEMBLE, read_bodies, table_of
+from weier.cli.bodies_file import OF_AN_ENSEMBLE, read_bodies, table_of
 from weier.data import markdown
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import replacing, write_text

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from weier import units
-from weier.cli.bodies import table_of
+from weier.cli.bodies_file import table_of
 from weier.data import dataset
 from weier.data.files import write_text
 from weier.data.provenance import NORMALISED

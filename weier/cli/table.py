@@ -44,7 +44,7 @@ def table(contact: Path, path: Path, bodies: Path | None, ensemble: bool, study:
     weier table results/paper/contact.nc ohms.csv --si bodies.yaml
     weier table curve.nc ohms.nc --si bodies.yaml
     """  # noqa: D301 - click wants the character
-    from weier.cli.bodies import read_bodies, table_of
+    from weier.cli.bodies_file import read_bodies, table_of
     from weier.data import dataset  # xarray takes half a second, and the help of the command needs none of it
     from weier.data.selection import as_cases
 

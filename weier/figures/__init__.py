@@ -59,13 +59,13 @@ KINDS = {
     "compliance": FigureKind(
         "Compliance over mean pressure. All curves of one profile meet at full contact, where the compliance is the "
         "sum of the amplitudes of its waves, or the height of a trace.",
-        "comparison",
+        "many_curves",
         "compliance",
         grouped=True,
     ),
     "contact_fraction": FigureKind(
         "Contact fraction, the contact area over the nominal area, over mean pressure.",
-        "comparison",
+        "many_curves",
         "contact_fraction",
         grouped=True,
     ),
@@ -102,7 +102,7 @@ KINDS = {
     "resistance": FigureKind(
         "Contact resistance over mean pressure. The exact curve drops steeply at the birth of a contact and has a "
         "kink where two merge.",
-        "comparison",
+        "many_curves",
         "resistance",
         grouped=True,
     ),

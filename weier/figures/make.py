@@ -6,7 +6,7 @@ from pathlib import Path
 
 from weier import figures
 from weier.pipeline import claims
-from weier.pipeline.curves import Curves
+from weier.pipeline.needed_curves import Curves
 from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 

@@ -19,8 +19,8 @@ from weier.kernels.arrays import Array
 from weier.methods import bem, patches
 from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE, Curve
 from weier.methods.errors import MARGIN, OutOfReachError
+from weier.methods.load_progress import converting
 from weier.methods.method import TOLERANCES, Method, Setting, Style
-from weier.methods.progress import converting
 from weier.surface.limits import MAX_WAVES
 from weier.surface.profile import Profile, terms_within
 from weier.surface.waves import Waves, checked_surface

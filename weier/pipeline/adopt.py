@@ -13,8 +13,8 @@ from weier.data.files import replacing, write_text
 from weier.data.provenance import origin
 from weier.data.variables import VARIABLES
 from weier.methods.curve import QUANTITIES
-from weier.pipeline.curves import SURFACE, Curves, Part
 from weier.pipeline.jobs import solve
+from weier.pipeline.needed_curves import SURFACE, Curves, Part
 from weier.pipeline.store import ORIGIN, SUFFIX, Store
 
 SAMPLE = 50  # curves of each kind that are solved again, evenly spread over those that there are

@@ -28,7 +28,7 @@ from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
 from weier.methods.settings import all_settings, defaults
-from weier.pipeline.curves import Curves, Part
+from weier.pipeline.needed_curves import Curves, Part
 from weier.pipeline.store import ORIGIN
 from weier.scene.case import short_keys
 from weier.scene.cases import Scene

@@ -13,7 +13,7 @@ from weier.api.rows import Outcome, curve_row, surface_row
 from weier.api.task import CurveTask
 from weier.digests import numerics
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.pipeline.curves import SURFACE, Kind, Part
+from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
 from weier.scene.case import Case
 from weier.surface.spectrum import columns_of_fits

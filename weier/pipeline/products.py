@@ -13,7 +13,7 @@ from typing import Any
 
 from weier.data.provenance import source_date
 from weier.digests import DIGITS, digest, digest_of_modules, numerics
-from weier.pipeline.curves import Curves
+from weier.pipeline.needed_curves import Curves
 from weier.scene.cases import Scene
 from weier.scene.identity import digest_of_keys
 

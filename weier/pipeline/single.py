@@ -20,7 +20,7 @@ from weier.data.variables import Status, attributes
 from weier.digests import numerics
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import converting, reporting_to
+from weier.methods.load_progress import converting, reporting_to
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from weier.data.files import replacing, write_text
 from weier.kernels.arrays import Flags, Indices
-from weier.pipeline.curves import Kind, Part
+from weier.pipeline.needed_curves import Kind, Part
 from weier.scene.identity import Keys, distinct
 
 KEY, ORIGIN = "key", "origin"  # of each row, and of all rows of a segment

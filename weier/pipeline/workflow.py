@@ -22,8 +22,8 @@ from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.curves import CLOSED, SURFACE, Curves, Part
 from weier.pipeline.forecast import forecast_scene
+from weier.pipeline.needed_curves import CLOSED, SURFACE, Curves, Part
 from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys

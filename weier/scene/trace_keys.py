@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
 from weier.surface.measured.instruments import AXES
+from weier.surface.measured.length_units import UNITS
 from weier.surface.measured.text import SEPARATORS
 from weier.surface.measured.trace import ENDS, MIRRORED
-from weier.surface.measured.units import UNITS
 
 
 class TraceKey(NamedTuple):

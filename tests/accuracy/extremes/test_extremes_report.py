@@ -8,8 +8,8 @@ import pytest
 from tests.conventions import check, complaints
 from weier import figures
 from weier.accuracy import extremes
-from weier.accuracy.comparison import Comparison
 from weier.accuracy.runner import Outcome
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant
 from weier.data import dataset
 from weier.data.variables import Check

@@ -9,9 +9,9 @@ from weier import ConvergenceError, Profile
 from weier.methods import layer, westergaard
 from weier.methods.layer.closure import closure_of
 from weier.methods.layer.conditions import violations
+from weier.methods.layer.layer_curve import ACCURACY, POINTS
 from weier.methods.layer.scales import RESIDUAL_FRACTION, coarser_units, finest_wave, model_of
-from weier.methods.layer.solver import ACCURACY, POINTS
-from weier.methods.layer.tables import BOTTOM_POSITIONS
+from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS
 from weier.methods.layer.wave import attainable, midpoints, solve_waves
 
 

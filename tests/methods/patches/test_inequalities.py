@@ -12,10 +12,10 @@ from weier.methods.patches import gaps, inequalities
 from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
-from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import field_of_forces
 from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
+from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import MINIMUM, ContactState, end_sums, make_segments
 from weier.methods.patches.surface import make_series, nearest_crests
 

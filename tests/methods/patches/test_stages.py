@@ -8,14 +8,14 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
-from weier.methods.patches import certificate, fields, stages
+from weier.methods.patches import certificate, pressure_and_gap, stages
 from weier.methods.patches.certificate import check_violation, contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, carried_along, make_guess, take_step
-from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.gaps import GAPS
 from weier.methods.patches.given_edges import solve_tangent
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
+from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
 from weier.methods.patches.solver import solve_state
 from weier.methods.patches.stages import follow_contacts, solve_in_stages
@@ -128,7 +128,7 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
 def test_fast_sums_that_are_off_are_noticed(monkeypatch):
     """Closed forms at some of the points are the reference."""
     state = patches.solve_load(FOUR_WAVES, 1.8).state
-    assert state.segments.centre.size > fields.MIN_SUM
+    assert state.segments.centre.size > pressure_and_gap.MIN_SUM
     monkeypatch.setattr(certificate, "residuals_by_sums", lambda state, series, crest, *others: np.zeros(crest.size))
     wrong = state._replace(approach=state.approach + 1e-7)
     assert contact_residual(wrong, state.kind.series(surface_of(FOUR_WAVES)))[0].max() > 1e-8

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from weier import Interface, solve
+from weier.surface.measured.length_units import cells_of_heading, unit_of_cell
 from weier.surface.measured.trace import Trace
-from weier.surface.measured.units import cells_of_heading, unit_of_cell
 
 N = np.arange(200)
 X = N / 200  # mm

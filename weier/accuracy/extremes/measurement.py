@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from weier.accuracy import comparison, metrics
-from weier.accuracy.comparison import Comparison
-from weier.accuracy.extremes import checks
-from weier.accuracy.extremes.cases import extremes
+from weier.accuracy import metrics, runs
+from weier.accuracy.extremes import curve_checks
+from weier.accuracy.extremes.ill_conditioned import extremes
 from weier.accuracy.reference import find_reference
 from weier.accuracy.runner import Outcome, attempt
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, QUALITY, RUN, VARIABLES, Check, Variable
 from weier.kernels.arrays import Array
@@ -56,11 +56,11 @@ def measure(cases: Sequence[Comparison] | None = None) -> xr.Dataset:
 
     """
     cases = list(extremes() if cases is None else cases)
-    data = comparison.blank(cases, comparison.KEPT, OWN)
+    data = runs.blank(cases, runs.KEPT, OWN)
     data["extreme"].values[:] = [case.name for case in cases]
     for name in CHECKS:
         data[name].values[:] = Check.not_measured
-    comparison.fill(data, cases, _examine)
+    runs.fill(data, cases, _examine)
     return data
 
 
@@ -73,7 +73,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
     deviation = metrics.deviation(h, right.compliance), metrics.deviation(R, right.resistance)
     digits = metrics.digits(h, right.compliance), metrics.digits(R, right.resistance)
     errors = result.compliance_error, result.resistance_error
-    stated = checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
+    stated = curve_checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
     both = deviation, errors, right.uncertainty
     return {
         "compliance": h,
@@ -88,20 +88,20 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
         "points": result.others.get("points", np.nan),
         "one_curve": Check(not result.message),
         "without_warning": Check(not result.warned),
-        "within_stated_error": Check.of(checks.within_stated_error(*map(np.concatenate, both))),
+        "within_stated_error": Check.of(curve_checks.within_stated_error(*map(np.concatenate, both))),
         **_check_curve(method, profile, compared.loads[solved], h[solved], R[solved], stated, result.solution_error),
     }
 
 
 def _check_curve(
-    method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: checks.Stated, solution_error: float
+    method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: curve_checks.Stated, solution_error: float
 ) -> dict[str, Check]:
     """Return the checks of a curve at the solved loads; those of its shape need at least two loads."""
-    found, noise, total = {}, checks.OF_TABLES.get(method.name, checks.ROUNDING), profile.total_amplitude
+    found, noise, total = {}, curve_checks.OF_TABLES.get(method.name, curve_checks.ROUNDING), profile.total_amplitude
     # Without a first contact, Persson's compliance falls without bound as ln p (docs/persson.md).
     if p.size > 0 and method.name != "persson":
-        found["within_band"] = Check(checks.within_band(profile, p, h, R, noise, stated, solution_error))
+        found["within_band"] = Check(curve_checks.within_band(profile, p, h, R, noise, stated, solution_error))
     if p.size > 1:
-        found["monotone"] = Check(checks.monotone(h, noise.height * total, stated))
-        found["concave"] = Check(checks.concave(p, h, R, noise, total, stated))
+        found["monotone"] = Check(curve_checks.monotone(h, noise.height * total, stated))
+        found["concave"] = Check(curve_checks.concave(p, h, R, noise, total, stated))
     return found

@@ -23,8 +23,8 @@ from weier.data.bodies import Bodies
 from weier.data.files import write_text
 from weier.figures import UNDRAWN, UNGROUPED
 from weier.figures.page.explorer import curve_explorer
-from weier.pipeline.curves import Curves
 from weier.pipeline.gather import read_cases
+from weier.pipeline.needed_curves import Curves
 from weier.units import unit_of
 
 MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.

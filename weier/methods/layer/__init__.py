@@ -3,7 +3,7 @@
 docs/layer.md derives the formulas; each module names its sections.
 """
 
-from weier.methods.layer.method import METHOD
-from weier.methods.layer.solver import POINTS, curve, tail_closure
+from weier.methods.layer.layer_curve import POINTS, curve, tail_closure
+from weier.methods.layer.nonlinear_layer import METHOD
 
 __all__ = ["METHOD", "POINTS", "curve", "tail_closure"]

@@ -18,7 +18,7 @@ from weier.methods import archard
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import position_in
 from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, Scale, coarser_units
-from weier.methods.layer.tables import (
+from weier.methods.layer.scaling_tables import (
     MAX_HALVINGS,
     MAX_ROWS,
     Rows,

@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import Closure
 from weier.methods.layer.conditions import violations
-from weier.methods.layer.tables import Rows, lattice, log_load_at, position_of, tabulate
+from weier.methods.layer.scaling_tables import Rows, lattice, log_load_at, position_of, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, midpoints, solve_waves
 
 ROUNDING = 1e-13  # of the freshly applied operator, and at the lightest loads: the least residual of a wave

@@ -3,12 +3,12 @@
 Each module names its sections of that page. `surface` is the profile as a cosine series about its crests; `segments`
 holds contacts or gaps with their nodes and densities. A load starts from `start`. `given_edges` (with `kind`,
 `contacts`, `gaps`, `rule`, `pair_sums`) solves on given edges, `edge_iteration` moves them, `inequalities` (with
-`fields`) finds missing segments, and `stages` is the iteration over these. `thin_gaps` are cracks in closed form, and
-`certificate` bounds the error of h and estimates that of R. `solver` and `event_search` are the interface.
+`pressure_and_gap`) finds missing segments, and `stages` is the iteration over these. `thin_gaps` are cracks in closed
+form, and `certificate` bounds the error of h and estimates that of R. `solver` and `event_search` are the interface.
 """
 
+from weier.methods.patches.contact_patches import METHOD
 from weier.methods.patches.event_search import Events, events, expected_loads
-from weier.methods.patches.method import METHOD
 from weier.methods.patches.solver import Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import TOLERANCE
 

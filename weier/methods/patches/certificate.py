@@ -16,8 +16,8 @@ from weier.methods.chebyshev import gauss_rule
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
-from weier.methods.patches.fields import MIN_SUM, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
+from weier.methods.patches.pressure_and_gap import MIN_SUM, residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.segments import ContactState, Segments, integrals, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from weier.kernels.arrays import Array, Indices
-from weier.methods.patches.fields import values_at
+from weier.methods.patches.pressure_and_gap import values_at
 from weier.methods.patches.segments import contact_pieces
 from weier.methods.patches.solver import Solution
 from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests

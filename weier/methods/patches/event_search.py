@@ -17,9 +17,9 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
-from weier.methods.patches.fields import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import EPS
+from weier.methods.patches.pressure_and_gap import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, curve, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices, Records
-from weier.methods.patches.fields import complementary_residuals
 from weier.methods.patches.given_edges import Forces, Punches, field_of_forces
 from weier.methods.patches.inequalities import minima_of_gaps
 from weier.methods.patches.kind import (
@@ -21,6 +20,7 @@ from weier.methods.patches.kind import (
     NEW_CONTACT_WIDTH,
     OnContacts,
 )
+from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
 from weier.methods.patches.thin_gaps import singularities_of_gaps

@@ -24,13 +24,13 @@ from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
 from weier.methods.patches.edge_iteration import ContactProblem, NewtonStep
-from weier.methods.patches.fields import (
+from weier.methods.patches.given_edges import field_of_forces
+from weier.methods.patches.kind import EPS, Kind
+from weier.methods.patches.pressure_and_gap import (
     at_point,
     complementary_residuals,
     smooth_part,
 )
-from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.kind import EPS, Kind
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, end_sums
 from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
 

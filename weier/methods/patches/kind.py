@@ -28,7 +28,7 @@ MAX_THINNESS = 2e-4
 # compliance to second order
 MAX_TENSION = 1e-9
 # rounding of tensions over the largest pressure of their contact or the load; of gaps over the sum of the amplitudes:
-# above the differences between shifted profiles (tests/methods/patches/test_patches_fields.py); and of singularities
+# above the differences between shifted profiles (tests/methods/patches/test_pressure_and_gap.py); of singularities
 # over min(w, 1), with w the displacement under the whole load: at edges near births and mergers they do not fall
 # below it
 FIELD_ROUNDING = 1e-13

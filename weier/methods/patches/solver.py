@@ -17,8 +17,9 @@ from weier.kernels.blas import one_thread
 from weier.methods.curve import Curve
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
+from weier.methods.load_progress import count_load, keeping
 from weier.methods.patches.certificate import stated_errors
-from weier.methods.patches.fields import node_forces, pressures_or_gaps
+from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -30,7 +31,6 @@ from weier.methods.patches.surface import (
     evaluate_at,
     nearest_crests,
 )
-from weier.methods.progress import count_load, keeping
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 

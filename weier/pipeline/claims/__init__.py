@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from weier.api.rows import BOUNDS
 from weier.checks import unknown
 from weier.data.files import write_text
-from weier.pipeline.claims import report
-from weier.pipeline.claims.case import CaseRow, StudyArrays
+from weier.pipeline.claims import verdicts
 from weier.pipeline.claims.claim import Claim, Judgement, judge
 from weier.pipeline.claims.paper import CLAIMS
-from weier.pipeline.curves import Curves
+from weier.pipeline.claims.rows import CaseRow, StudyArrays
+from weier.pipeline.needed_curves import Curves
 from weier.scene import Mistake, Scene
 
 if TYPE_CHECKING:
@@ -61,8 +61,8 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
     cases = cache(lambda study: StudyArrays.of(gather.read_study(curves, study, without)).cases)
     judged = {name: _judge(name, chain.from_iterable(map(cases, studies))) for name, studies in scene.claims.items()}
     step = "checked against the paper" if judged else "gathered"
-    gather.write(curves, path, step, report.to_dataset(judged))
-    write_text(table, report.to_markdown(scene.title, judged))
+    gather.write(curves, path, step, verdicts.to_dataset(judged))
+    write_text(table, verdicts.to_markdown(scene.title, judged))
 
 
 def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:

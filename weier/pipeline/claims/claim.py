@@ -16,7 +16,7 @@ import numpy as np
 from weier.data import curves
 from weier.data.markdown import significant
 from weier.data.variables import Check
-from weier.pipeline.claims.case import CaseRow
+from weier.pipeline.claims.rows import CaseRow
 
 Cases: TypeAlias = Sequence[CaseRow]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided

@@ -14,8 +14,8 @@ import numpy as np
 from weier.data import curves
 from weier.kernels.arrays import Array, Flags
 from weier.methods.registry import find_method
-from weier.pipeline.claims.case import CaseRow
 from weier.pipeline.claims.claim import Cases, MissingError
+from weier.pipeline.claims.rows import CaseRow
 from weier.surface.series import full_contact_pressure, tail_amplitude
 from weier.theory.bounds import resistance_bounds
 

@@ -10,7 +10,6 @@ from weier.api.rows import BOUNDS
 from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
-from weier.pipeline.claims.case import CaseRow
 from weier.pipeline.claims.claim import (
     MIN_FRACTION,
     MIN_MEMBERS,
@@ -33,6 +32,7 @@ from weier.pipeline.claims.measures import (
     describe,
     need,
 )
+from weier.pipeline.claims.rows import CaseRow
 from weier.surface.profile import PARAMETERS
 
 # Limits that stand for words of the paper.

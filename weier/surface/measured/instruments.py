@@ -18,9 +18,9 @@ from zipfile import BadZipFile
 import numpy as np
 
 from weier.checks import checked_count, checked_word, shown
+from weier.surface.measured.length_units import length_unit
 from weier.surface.measured.line import Line
 from weier.surface.measured.text import Layout, NoTextError, read_columns
-from weier.surface.measured.units import length_unit
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
 OF_TEXT = ("asc", "xyz")  # The formats of SurfaceTopography that are text.

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from weier.surface.measured.units import length_unit
+from weier.surface.measured.length_units import length_unit
 from weier.units import unit_of
 
 

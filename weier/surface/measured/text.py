@@ -22,7 +22,7 @@ import numpy as np
 
 from weier.checks import checked_count, checked_word, shown
 from weier.kernels.arrays import Array
-from weier.surface.measured import units
+from weier.surface.measured import length_units
 from weier.surface.measured.artefacts import MAX_HEIGHTS, MIN_HEIGHTS
 from weier.surface.measured.line import Line
 
@@ -218,9 +218,9 @@ class _Table:
         if not with_positions:
             self._check_ends([text for (text,) in texts], values[:, 0])
         cells = [self.cells[column] for column in self.columns]
-        others = (units.HEIGHTS, units.POSITIONS)[-len(cells) :]
+        others = (length_units.HEIGHTS, length_units.POSITIONS)[-len(cells) :]
         named = [
-            "" if units.quantity_of_cell(cell) == other else units.unit_of_cell(cell)
+            "" if length_units.quantity_of_cell(cell) == other else length_units.unit_of_cell(cell)
             for cell, other in zip(cells, others, strict=True)
         ]
         within = set(self.block)
@@ -289,7 +289,7 @@ class _Table:
                 f"columns must be numbers from 0 to {self.count - 1}, of {self.count} columns in line "
                 f"{self.block[0] + 1} of {self.path}, got {max(given)}: say delimiter= if it has more"
             )
-        named = [units.quantity_of_cell(cell) == units.POSITIONS for cell in self.cells]
+        named = [length_units.quantity_of_cell(cell) == length_units.POSITIONS for cell in self.cells]
         return given or ((1, 0) if named == [False, True] else tuple(range(self.count)))
 
     def _texts(self) -> list[list[str]]:
@@ -385,10 +385,10 @@ class _Table:
     def _is_no_heading_of_heights(self, at: int) -> bool:
         """Return whether a line names neither heights in their column nor their unit."""
         cell = self._cells(self.lines[at])[self.columns[0]]
-        return units.quantity_of_cell(cell) != units.HEIGHTS and not units.unit_of_cell(cell)
+        return length_units.quantity_of_cell(cell) != length_units.HEIGHTS and not length_units.unit_of_cell(cell)
 
     def _cells(self, heading: str) -> list[str]:
-        return units.cells_of_heading(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
+        return length_units.cells_of_heading(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
 
     def _arguments(self, where: str, text: str) -> str:
         """Return the arguments for a text in or next to the table that is not read."""

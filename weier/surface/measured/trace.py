@@ -27,10 +27,10 @@ from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.artefacts import Filled
 from weier.surface.measured.instruments import lines_of, read_lines
+from weier.surface.measured.length_units import UNITS, agreed_unit, in_words, known_unit
 from weier.surface.measured.line import Line, line_of_array
 from weier.surface.measured.positions import on_grid
 from weier.surface.measured.text import Layout
-from weier.surface.measured.units import UNITS, agreed_unit, in_words, known_unit
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 

@@ -9,10 +9,10 @@ import pytest
 
 from weier import ConvergenceError, Profile
 from weier.methods import layer
-from weier.methods.layer import fixed_point, solver, tables
+from weier.methods.layer import fixed_point, layer_curve, scaling_tables
+from weier.methods.layer.layer_curve import ACCURACY, POINTS, _may_be_infinite
 from weier.methods.layer.scales import model_of
-from weier.methods.layer.solver import ACCURACY, POINTS, _may_be_infinite
-from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
+from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS
 from weier.surface.series import tail_amplitude
 
 
@@ -21,14 +21,14 @@ def test_what_the_tables_leave_below_their_first_row_is_not_seen(D, gamma, m):
     """The lightest load of the ordinary tables, on these and on those that begin 650 e-folds lower."""
     loads = np.array([MIN_LOADS[0], 1e-12, 1.0])
     model = model_of(D, gamma, m, POINTS, ACCURACY)
-    short, long = (solver._solve(loads, bottom, MAX_POSITION, model)[0] for bottom in BOTTOM_POSITIONS)
+    short, long = (layer_curve._solve(loads, bottom, MAX_POSITION, model)[0] for bottom in BOTTOM_POSITIONS)
     np.testing.assert_allclose(short, long, rtol=ACCURACY)
 
 
 @pytest.mark.parametrize(("limit", "least"), [("MAX_HALVINGS", 2), ("MAX_ROWS", 20)])
 @pytest.mark.parametrize("m", [3, math.inf])
 def test_a_table_that_misses_the_accuracy_is_refused(monkeypatch, limit, least, m):
-    for module in (tables, fixed_point):
+    for module in (scaling_tables, fixed_point):
         monkeypatch.setattr(module, limit, least)
     with pytest.raises(ConvergenceError, match=r"still off by .* rows, above .*, its part of the accuracy"):
         layer.curve(Profile(1.25, 5, m), [0.1, 0.2])

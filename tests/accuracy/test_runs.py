@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from weier import Profile
-from weier.accuracy import comparison, extremes, tradeoff
-from weier.accuracy.comparison import Comparison
+from weier.accuracy import extremes, runs, tradeoff
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant
 from weier.data.variables import CURVE, RUN, Variable
 from weier.scene import Case
@@ -27,12 +27,12 @@ def comparisons():
 
 
 def test_each_value_stands_at_its_case_variant_and_load(comparisons):
-    data = comparison.blank(comparisons, ("compliance", "settings"), OWN)
+    data = runs.blank(comparisons, ("compliance", "settings"), OWN)
 
     def measured(comparison, variant):
         return {"mood": comparison.loads * 2, "remark": f"{comparison.name} by {variant.name}", "unknown": 1.0}
 
-    comparison.fill(data, comparisons, measured)
+    runs.fill(data, comparisons, measured)
     assert data["variant"].values.tolist() == ["bem 12", "bem 24", "demelio"]
     assert data["solution_method"].values.tolist() == ["bem", "bem", "demelio"]
     assert data["mean_pressure"].values.tolist() == [0.1, 0.5, 1.0]
@@ -48,12 +48,12 @@ def test_each_value_stands_at_its_case_variant_and_load(comparisons):
 
 
 def test_all_variables_are_described(comparisons):
-    data = comparison.blank(comparisons, ("compliance",), OWN)
+    data = runs.blank(comparisons, ("compliance",), OWN)
     assert all("long_name" in data[name].attrs for name in data.variables)
 
 
 def test_variants_have_names_of_their_own():
     """Else the numbers of one would stand in the place of those of another."""
     profile = Profile(1.25, 5, 2)
-    for listed in (tradeoff.variants(profile), extremes.cases.variants(profile, np.array([0.1]))):
+    for listed in (tradeoff.variants(profile), extremes.ill_conditioned.variants(profile, np.array([0.1]))):
         assert len({variant.name for variant in listed}) == len(listed) > 1

@@ -10,7 +10,7 @@ from weier.data import bodies
 from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.methods.settings import defaults
-from weier.pipeline.curves import SURFACE, Curves
+from weier.pipeline.needed_curves import SURFACE, Curves
 from weier.pipeline.store import Store
 from weier.scene.case import identity
 from weier.surface.measured.trace import Trace

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from weier import Profile
-from weier.accuracy.extremes import cases, extremes
-from weier.accuracy.extremes.cases import around, beside, variants
+from weier.accuracy.extremes import extremes, ill_conditioned
+from weier.accuracy.extremes.ill_conditioned import around, beside, variants
 
 USUAL = np.geomspace(1e-6, 100, 25)
 
@@ -43,11 +43,11 @@ def test_what_no_computer_holds_is_tried_for_its_refusal():
 def test_loads_stand_beside_and_around():
     ulp = np.finfo(float).eps
     assert beside(1.0).tolist() == [1 - ulp, 1 - ulp / 2, 1.0, 1 + ulp, 1 + 2 * ulp]
-    assert around([1.0]).tolist() == sorted([1.0, *(1 + s * d for s in (-1, 1) for d in cases.DISTANCES)])
+    assert around([1.0]).tolist() == sorted([1.0, *(1 + s * d for s in (-1, 1) for d in ill_conditioned.DISTANCES)])
 
 
 def test_each_extreme_has_a_name_of_its_own_and_loads_that_increase(monkeypatch):
-    monkeypatch.setattr(cases, "events", lambda *_: {"mean_pressure": xr.DataArray(USUAL)})
+    monkeypatch.setattr(ill_conditioned, "events", lambda *_: {"mean_pressure": xr.DataArray(USUAL)})
     found = list(extremes())
     assert len({comparison.name for comparison in found}) == len(found) > 30
     assert all((np.diff(comparison.loads) > 0).all() and comparison.variants for comparison in found)

@@ -8,7 +8,7 @@ from tests.methods.patches.westergaard_states import KINDS, WAVES
 from tests.profiles import THREE_WAVES
 from weier import Profile
 from weier.methods import patches
-from weier.methods.patches import fields
+from weier.methods.patches import pressure_and_gap
 from weier.methods.patches.kind import FIELD_ROUNDING
 from weier.methods.patches.segments import ContactState, make_segments
 from weier.methods.patches.surface import evaluate_series, from_crests, make_series, nearest_crests
@@ -77,12 +77,12 @@ def test_integrals_of_densities_are_those_of_direct_quadrature(period, is_slope)
         [0.08, 0.1, 0.149, 0.1501, 0.2, 0.29, 0.31, 0.5, 0.62, 0.88, 0.901, 0.97, 1.045, -0.35, 2.61]
     )
     expected = [integrate(state, period, at, "cot" if is_slope else "ln") for at in x]
-    found = fields.density_integrals(state, period, np.zeros(x.size), x, is_slope)
+    found = pressure_and_gap.density_integrals(state, period, np.zeros(x.size), x, is_slope)
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
     for part in (x[:1], x[9:10]):  # the same counted from another origin
-        again = fields.density_integrals(state, period, part + period, -period * np.ones(1), is_slope)
+        again = pressure_and_gap.density_integrals(state, period, part + period, -period * np.ones(1), is_slope)
         assert again[0] == pytest.approx(
-            fields.density_integrals(state, period, np.zeros(1), part, is_slope)[0], abs=1e-12
+            pressure_and_gap.density_integrals(state, period, np.zeros(1), part, is_slope)[0], abs=1e-12
         )
 
 
@@ -102,9 +102,9 @@ def test_residuals_are_gaps_and_pressures_of_the_definition(period, dual, by_sum
         along = np.array([integrate(state, period, at, "ln") for at in x])
         expected = -0.3 + series.maximum - height - 2 * along
     if by_sums:
-        found = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
+        found = pressure_and_gap.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
     else:
-        found = fields.residuals_one_by_one(state, series, crest, y)
+        found = pressure_and_gap.residuals_one_by_one(state, series, crest, y)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * period)
 
 
@@ -119,13 +119,13 @@ def test_one_wave_has_the_gap_and_the_pressure_of_westergaard(wave, dual):
     x = wave.crest + np.concatenate([inside, outside])
     pressure = np.concatenate([wave.pressure(inside), np.zeros(6)])
     gap = np.concatenate([np.zeros(5), wave.gap(outside)])
-    of_pressure = fields.pressures_or_gaps(state, series, x, False)
+    of_pressure = pressure_and_gap.pressures_or_gaps(state, series, x, False)
     np.testing.assert_allclose(of_pressure, pressure, rtol=0, atol=1e-10 / min(a, half - a))
     np.testing.assert_allclose(
-        fields.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
+        pressure_and_gap.pressures_or_gaps(state, series, x, True), gap, rtol=0, atol=1e-11 * wave.period
     )
     crest, y = nearest_crests(series, x)
-    by_sums = fields.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
+    by_sums = pressure_and_gap.residuals_by_sums(state, series, crest, y, np.zeros(x.size), x)
     atol = 1e-10 / min(a, half - a) if dual else 1e-10
     np.testing.assert_allclose(by_sums, pressure if dual else gap, rtol=0, atol=atol)
 
@@ -139,11 +139,11 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
     assert segments.centre.size == 1
     assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
     curvature = -evaluate_series(series, crest, 0.0)[2]
-    for t in fields.far_field_from(state.coefficient.size) * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
+    for t in pressure_and_gap.far_field_from(state.coefficient.size) * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
         root = np.sqrt(t * t - 1)
         expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))
         y = segments.centre[0] + segments.half_width[0] * t
-        gap = fields.complementary_residuals(state, series, np.array([crest]), np.array([y]))
+        gap = pressure_and_gap.complementary_residuals(state, series, np.array([crest]), np.array([y]))
         assert gap == pytest.approx(expected, rel=1e-9, abs=0)
 
 
@@ -160,7 +160,7 @@ def test_fast_sums_are_the_closed_forms(profile, fraction, dual, monkeypatch):
     x = np.concatenate([np.random.default_rng(0).uniform(-1, 2, 300) * profile.period, near])
     values = []
     for limit in (0, 10**9):
-        monkeypatch.setattr(fields, "MIN_SUM", limit)
+        monkeypatch.setattr(pressure_and_gap, "MIN_SUM", limit)
         values.append((solution.pressure(x), solution.gap(x)))
     (pressure, gap), (closed_pressure, closed_gap) = values
     force = solution.mean_pressure * profile.period

@@ -11,7 +11,7 @@ import pytest
 from weier import scene
 from weier.data import dataset
 from weier.digests import numerics
-from weier.pipeline.curves import CLOSED, Curves
+from weier.pipeline.needed_curves import CLOSED, Curves
 from weier.pipeline.products import made_of
 from weier.pipeline.store import Store
 

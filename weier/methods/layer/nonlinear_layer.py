@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from weier.kernels.arrays import Array
-from weier.methods.layer.solver import (
+from weier.methods.layer.layer_curve import (
     ACCURACY,
     MAX_ACCURACY,
     MAX_POINTS,
@@ -16,7 +16,7 @@ from weier.methods.layer.solver import (
     check,
     curve,
 )
-from weier.methods.layer.tables import MIN_LOADS
+from weier.methods.layer.scaling_tables import MIN_LOADS
 from weier.methods.method import CURVE_SECONDS, Method, Range, Setting, Style
 from weier.surface.profile import Profile
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from weier.accuracy.extremes.measurement import CHECKS, measure
-from weier.accuracy.report import Page, measurement, number
+from weier.accuracy.page import Page, measurement, number
 from weier.accuracy.runner import Outcome
 from weier.data.markdown import plain, table
 from weier.data.variables import Check

@@ -15,7 +15,7 @@ import benchmarks
 from benchmarks.__main__ import NAMES as BENCHMARKS
 from weier import accuracy
 from weier.accuracy.__main__ import NAMES, main
-from weier.accuracy.report import Measurements, Page, measurement, number
+from weier.accuracy.page import Measurements, Page, measurement, number
 from weier.data import dataset, provenance
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 import weier
 from weier import scene
-from weier.cli import profile
+from weier.cli import one_profile
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2", "--phases", "1"]
 
@@ -292,6 +292,6 @@ def test_a_backend_of_jupyter_that_is_not_installed_draws_all_the_same(tmp_path)
 
 
 def test_settings_are_completed():
-    (option,) = (parameter for parameter in profile.solve.params if parameter.name == "settings")
+    (option,) = (parameter for parameter in one_profile.solve.params if parameter.name == "settings")
     found = [item.value for item in option.shell_complete(None, "bem.po")]
     assert found == ["bem.points_per_wave="]

@@ -12,7 +12,7 @@ import numpy as np
 from click.core import ParameterSource
 
 from weier import units
-from weier.cli.bodies import read_bodies
+from weier.cli.bodies_file import read_bodies
 from weier.cli.options import (
     FORCE,
     INTO,
@@ -32,7 +32,7 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
-from weier.methods.progress import STOPS, reporting_to
+from weier.methods.load_progress import STOPS, reporting_to
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import TOLERANCE
 from weier.scene import Case, Figure

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from tests.scenes import blank
 from weier import figures
 from weier.data.bodies import Bodies
-from weier.figures import comparison, lines
+from weier.figures import lines, many_curves
 from weier.scene import Axis, Grouping
 from weier.scene import Figure as Wanted
 
@@ -32,7 +32,7 @@ def sweep() -> xr.Dataset:
 
 
 def sketch(sweep: xr.Dataset, **grouping) -> Figure:
-    return comparison.draw([sweep], "", "compliance", grouping=Grouping(**grouping))
+    return many_curves.draw([sweep], "", "compliance", grouping=Grouping(**grouping))
 
 
 def words(figure: Figure) -> list[str]:
@@ -167,9 +167,9 @@ def test_units_are_si_where_a_scene_has_the_two_bodies(kind, sweep, tmp_path, mo
 def test_an_error_is_a_band_where_it_can_be_seen_and_else_it_is_left_out(sweep: xr.Dataset) -> None:
     one = sweep.isel(case=[0]).copy(deep=True)
     one["compliance_error"] = one["compliance"] * 0.1
-    (axes,) = comparison.draw([one.assign(compliance_error=one["compliance"] * 1e-4)], "", "compliance").axes
+    (axes,) = many_curves.draw([one.assign(compliance_error=one["compliance"] * 1e-4)], "", "compliance").axes
     assert not axes.collections
-    (axes,) = comparison.draw([one], "", "compliance").axes
+    (axes,) = many_curves.draw([one], "", "compliance").axes
     (band, _) = axes.collections
     values = one["compliance"].sel(solution_method="demelio").values[0]
     assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.1 * values.max())
@@ -189,7 +189,7 @@ def test_a_line_is_the_median_in_a_band_of_percentiles(sweep: xr.Dataset) -> Non
 
 def test_an_ensemble_is_a_band_behind_the_curves_of_its_series(sweep: xr.Dataset) -> None:
     single = sweep.isel(case=[0])
-    axes = comparison.draw([single], "", "compliance", behind=[sweep]).axes[0]
+    axes = many_curves.draw([single], "", "compliance", behind=[sweep]).axes[0]
     band = axes.collections[0]
     assert band.get_label() == f"10 to 90 % of {SEEDS} phases"  # those of the same gamma, by boundary elements alone
     expected = np.percentile(sweep["compliance"].values[:SEEDS, 1, -1], [10, 90])

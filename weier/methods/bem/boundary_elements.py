@@ -7,8 +7,8 @@ from typing import Any
 
 from weier.checks import checked_count, checked_word
 from weier.kernels.arrays import Array
-from weier.methods.bem import error_model
-from weier.methods.bem.solver import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curve, with_errors
+from weier.methods.bem import stated_errors
+from weier.methods.bem.loading_curve import POINTS_PER_WAVE, RESIDUAL, STAIRCASES, curve, with_errors
 from weier.methods.curve import Curve
 from weier.methods.error_model import RESIDUAL_FACTOR
 from weier.methods.errors import OutOfReachError
@@ -19,7 +19,7 @@ from weier.surface.waves import MAX_POINTS, Waves
 
 MIN_POINTS_PER_WAVE = 3  # more than two resolve a wave
 RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
-# g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `error_model.MAX_POINTS`
+# g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `stated_errors.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
 
 
@@ -49,10 +49,10 @@ def grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | 
             f"the tolerance of boundary elements must exceed {least:g} g_0, the rounding of fine grids, got "
             f'{tolerance:g}: take a larger tolerance or the method "patches"'
         )
-    if found > error_model.MAX_POINTS:
+    if found > stated_errors.MAX_POINTS:
         raise OutOfReachError(
             f"boundary elements need {found:.2g} points for a tolerance of {tolerance:g} g_0, more than "
-            f'{error_model.MAX_POINTS}: take a larger tolerance or the method "patches"'
+            f'{stated_errors.MAX_POINTS}: take a larger tolerance or the method "patches"'
         )
     return int(found), _residual_within(tolerance)
 
@@ -66,7 +66,7 @@ def _points(profile: Waves, points_per_wave: int | None) -> int:
 def points_within(profile: Waves, tolerance: float) -> float:
     """Return the least number of points per period whose bound is within a tolerance, in g_0; inf by rounding."""
     error = tolerance - RESIDUAL_FACTOR * _residual_within(tolerance)
-    return error_model.fewest_points(profile, error) if error > 0 else math.inf
+    return stated_errors.fewest_points(profile, error) if error > 0 else math.inf
 
 
 def _residual_within(tolerance: float) -> float:
@@ -75,7 +75,7 @@ def _residual_within(tolerance: float) -> float:
 
 def within_few_points(profile: Waves, tolerance: float) -> bool:
     """Return whether a grid no finer than the default meets a tolerance, in g_0."""
-    few = min(POINTS_PER_WAVE * profile.waves_per_period[-1], error_model.MAX_POINTS)
+    few = min(POINTS_PER_WAVE * profile.waves_per_period[-1], stated_errors.MAX_POINTS)
     return points_within(profile, tolerance) <= few
 
 

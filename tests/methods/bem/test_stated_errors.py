@@ -16,11 +16,11 @@ LOADS = np.geomspace(1e-3, 10, 12)
 
 @pytest.mark.parametrize("error", [0.3, 1e-2, 1e-4])
 def test_points_are_the_fewest_that_do(error):
-    points = bem.error_model.fewest_points(THREE_WAVES, error)
+    points = bem.stated_errors.fewest_points(THREE_WAVES, error)
     waves = THREE_WAVES.waves_per_period[-1]
-    assert bem.error_model.compliance_error(THREE_WAVES, points) <= error * (1 + 1e-12)
+    assert bem.stated_errors.compliance_error(THREE_WAVES, points) <= error * (1 + 1e-12)
     # Rounded up to what halves: by 1 in 8 at most, and 3 in 4 of the points leave a larger error.
-    assert points == 12 * waves or bem.error_model.compliance_error(THREE_WAVES, int(points * 0.75)) > error
+    assert points == 12 * waves or bem.stated_errors.compliance_error(THREE_WAVES, int(points * 0.75)) > error
 
 
 def test_a_tolerance_is_met_on_fine_grids_as_far_as_rounding_allows():
@@ -40,7 +40,7 @@ def test_the_largest_curvature_is_bounded_by_samples(profile):
     waves = profile.waves_per_period[-1]
     x = np.linspace(0, float(profile.period), 2000 * waves + 1)
     largest = np.abs(profile.curvature(x)).max() * (float(profile.period) / (2 * np.pi * waves)) ** 2
-    assert largest <= bem.error_model.curvature(profile) * (1 + 1e-12) <= 1.021 * largest
+    assert largest <= bem.stated_errors.curvature(profile) * (1 + 1e-12) <= 1.021 * largest
 
 
 def test_more_loads_hold_the_resistance_more_closely():

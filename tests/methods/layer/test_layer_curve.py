@@ -9,7 +9,7 @@ import pytest
 
 from weier import Profile
 from weier.methods import archard, layer, westergaard
-from weier.methods.layer.solver import ACCURACY
+from weier.methods.layer.layer_curve import ACCURACY
 from weier.surface.series import leading_amplitude
 
 CASES = [(1.1, 10, 3), (1.25, 5, 2), (1.25, 5, 4), (1.5, 2, 3), (1.75, 3, 3), (1.9, 2, 4)]

@@ -7,13 +7,13 @@ import numpy as np
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Setting, Style, applies_to_resolvable
 from weier.methods.patches import stages
 from weier.methods.patches.certificate import sample_points
-from weier.methods.patches.fields import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.given_edges import (
     make_punches,
     moved_expansion,
     solve_forces_on_contacts,
     transfer_forces,
 )
+from weier.methods.patches.pressure_and_gap import residuals_by_sums, residuals_one_by_one
 from weier.methods.patches.solver import MIN_LOAD, curve
 from weier.methods.patches.start import TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of

@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array
-from weier.methods.bem import active_set, error_model
+from weier.methods.bem import active_set, stated_errors
 from weier.methods.bem.grids import full_contact_pressure
 from weier.methods.bem.staircase import ContactPoint, contact_on_nodes, remove_staircase
 from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
-from weier.methods.progress import count_load, keeping
+from weier.methods.load_progress import count_load, keeping
 from weier.surface.limits import check_points, check_resolvable
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
@@ -136,7 +136,7 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
 def with_errors(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
     """Return a curve with its stated errors; that of the resistance depends on all loads."""
     points, residual = int(curve.values()["points"]), curve.values()["residual"]
-    h_error, R_error = error_model.errors(profile, loads, points, (curve.compliance, curve.resistance), residual)
+    h_error, R_error = stated_errors.errors(profile, loads, points, (curve.compliance, curve.resistance), residual)
     return replace(curve, compliance_error=h_error, resistance_error=R_error)
 
 

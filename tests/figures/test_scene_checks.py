@@ -8,7 +8,7 @@ import yaml
 import weier
 from weier import figures, scene
 from weier.data.bodies import Bodies
-from weier.figures import checks
+from weier.figures import scene_checks
 from weier.scene import Grouping, SceneError
 
 OF_STUDIES = [name for name, kind in figures.KINDS.items() if not kind.command]
@@ -59,7 +59,7 @@ MISTAKES = [
 def test_figures_that_cannot_be_drawn_are_reported(figure, said, tmp_path):
     path = write(tmp_path, **figure)
     with pytest.raises(SceneError, match=rf"^{re.escape(str(path))}, line \d+: figures.{said}"):
-        checks.load_scene(path)
+        scene_checks.load_scene(path)
 
 
 SOUND = [
@@ -74,7 +74,7 @@ SOUND = [
 
 @pytest.mark.parametrize("figure", SOUND, ids=str)
 def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
-    checks.load_scene(write(tmp_path, **figure))
+    scene_checks.load_scene(write(tmp_path, **figure))
 
 
 CONDUCTORS = dict.fromkeys(["mu_1", "mu_2"], 1e11) | dict.fromkeys(["nu_1", "nu_2"], 0.3)
@@ -96,9 +96,9 @@ def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1
     path.write_text(path.read_text().replace("- 0.1", "- 0.1 MPa") + yaml.safe_dump({"interface": bodies}))
     if said:
         with pytest.raises(SceneError, match=f"figures.f.draw: {said}"):
-            checks.load_scene(path)
+            scene_checks.load_scene(path)
     else:
-        assert checks.load_scene(path).figures["f"].interface == Bodies(**bodies)
+        assert scene_checks.load_scene(path).figures["f"].interface == Bodies(**bodies)
 
 
 def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):

@@ -70,8 +70,8 @@ def curves(
     WHAT says of which products, GROUP by which compiled method. NUMERICS is the digest of the code that has planned.
     Ctrl-C, SIGTERM of a cluster and a kill leave the curves that are in the store by then.
     """
-    from weier.pipeline.curves import Curves
     from weier.pipeline.jobs import solve
+    from weier.pipeline.needed_curves import Curves
     from weier.pipeline.workflow import missing
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -94,7 +94,7 @@ def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) ->
     One that cannot be made is named, and the others are made. The exit code is 1 if none is.
     """
     from weier.figures.make import make_product
-    from weier.pipeline.curves import Curves
+    from weier.pipeline.needed_curves import Curves
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
     unfinished = drafts.with_name(f".{drafts.name}")  # DRAFTS are there as a whole
@@ -127,7 +127,7 @@ def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
     next to the curves.
     """
     from weier.pipeline.adopt import adopt as adopt_curves
-    from weier.pipeline.curves import Curves
+    from weier.pipeline.needed_curves import Curves
 
     store = Store(folder, numerics())
     wanted = [Curves(weier.load_scene(path), store) for path in scenes]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.accuracy.comparison import Comparison
+from weier.accuracy.runs import Comparison
 from weier.accuracy.variants import Variant, by_default
 from weier.api.fields import events
 from weier.kernels.arrays import Array

@@ -20,7 +20,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, model_of, scale_on
-from weier.methods.layer.tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
+from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
 from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
 from weier.surface.series import tail_amplitude
