@@ -172,9 +172,9 @@ def main(rounds: int, factor: float) -> Page:
     bent, laws = bent_laws(rounds)
     spectra = []
     for times in (0.1, 1, 3, 10):
-        with scaled("EMPTY", times, spectrum):
+        with scaled("REMOVED_WAVE_RATIO", times, spectrum):
             refused = [f"{part} of {lines}" for part, lines in (without_power(rounds, 2), without_power(rounds, 8))]
-        spectra.append(["EMPTY", f"{times:g}", *refused])
+        spectra.append(["REMOVED_WAVE_RATIO", f"{times:g}", *refused])
     with scaled("MIN_RATIO", 0.5, spectrum):
         bands = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
     of_bands = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]

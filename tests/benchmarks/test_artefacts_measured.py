@@ -27,7 +27,7 @@ def test_fits_to_roughness_are_seldom_doubted(monkeypatch):
     doubted, fits = artefacts.doubted_fits(2)
     assert doubted == 0
     assert fits > 20
-    monkeypatch.setattr(spectrum, "DOMINANT", 0.5)
+    monkeypatch.setattr(spectrum, "DOMINANCE_DEVIATIONS", 0.5)
     assert artefacts.doubted_fits(2)[0] > 10
 
 
@@ -35,5 +35,5 @@ def test_fits_to_power_laws_are_seldom_cut_off(monkeypatch):
     bent, fits = artefacts.bent_laws(5)
     assert bent <= 0.15 * fits
     assert fits > 25
-    monkeypatch.setattr(bends, "MORE_FOR_OTHERS", -3.0)
+    monkeypatch.setattr(bends, "RARE_BEND_MARGIN", -3.0)
     assert artefacts.bent_laws(5)[0] > 0.3 * fits

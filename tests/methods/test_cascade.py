@@ -115,8 +115,8 @@ def test_finer_tables_change_less_than_their_accuracy(series, monkeypatch):
     usual = cascade.contact_fraction(p, *series)
     monkeypatch.setattr(cascade, "LIGHT_SPACING", 0.01)
     monkeypatch.setattr(cascade, "HEAVY_SPACING", 0.02)
-    monkeypatch.setattr(cascade, "AROUND", np.geomspace(1e-8, 0.06, 60))
-    monkeypatch.setattr(cascade, "CONVERGED", 1e-9)
+    monkeypatch.setattr(cascade, "KINK_OFFSETS", np.geomspace(1e-8, 0.06, 60))
+    monkeypatch.setattr(cascade, "CONVERGENCE_TOLERANCE", 1e-9)
     assert (
         np.abs(cascade.contact_fraction(p, *series) / usual - 1).max()
         < (3 if series[-1] > 10 else 1) * cascade.ACCURACY

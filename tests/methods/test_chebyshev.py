@@ -34,12 +34,10 @@ def test_closed_forms_of_integrals_agree_with_quadrature(t):
 
 @pytest.mark.parametrize("count", [1, 8, 33])
 @pytest.mark.parametrize(
-    ("of_second_kind", "roots", "polynomial"), [(False, roots_chebyt, eval_chebyt), (True, roots_chebyu, eval_chebyu)]
+    ("second_kind", "roots", "polynomial"), [(False, roots_chebyt, eval_chebyt), (True, roots_chebyu, eval_chebyu)]
 )
-def test_rules_are_those_of_scipy_and_their_expansions_invert_the_polynomials(
-    count, of_second_kind, roots, polynomial
-):
-    rule, (node, weight) = chebyshev.gauss_rule(count, of_second_kind), roots(count)
+def test_rules_are_those_of_scipy_and_their_expansions_invert_the_polynomials(count, second_kind, roots, polynomial):
+    rule, (node, weight) = chebyshev.gauss_rule(count, second_kind), roots(count)
     assert rule.node == pytest.approx(node, abs=1e-14)
     assert rule.weight == pytest.approx(weight, rel=1e-12)
     np.testing.assert_allclose(rule.polynomial, polynomial(np.arange(count)[:, None], node), atol=1e-11)

@@ -49,9 +49,9 @@ def test_gains_are_those_of_the_likelihood_by_definition(scatter):
         (rated,) = bends._rated(band, [bend]) or [None]
         most, beta = greatest(band, bend.bent(x))
         if rated is None:
-            assert not bends.LEAST_STEEP < beta < bends.KINKED
+            assert not bends.MIN_LAW_EXPONENT < beta < bends.MAX_LAW_EXPONENT
             continue
-        rare = 0 if bend.is_rolloff else bends.MORE_FOR_OTHERS
+        rare = 0 if bend.is_rolloff else bends.RARE_BEND_MARGIN
         dispersion = np.var(
             band.variance / np.exp(-beta * bend.bent(x)) / np.mean(band.variance / np.exp(-beta * bend.bent(x)))
         )
@@ -81,7 +81,7 @@ def test_the_bend_of_each_kind_is_found_where_it_is(scatter):
         assert (found.side, found.factor) == (side, factor)
         assert found.place == pytest.approx(true.place, abs=math.log(2))
         assert found.beta == pytest.approx(2, abs=0.6)
-        assert found.gain > bends.BENT
+        assert found.gain > bends.MIN_BEND_GAIN
 
 
 @pytest.mark.parametrize(("beta", "is_law"), [(0.85, False), (0.95, True), (3.9, True), (4.2, False), (5.5, False)])
@@ -96,8 +96,8 @@ def test_laws_have_the_exponents_of_rough_surfaces(beta, is_law):
 
 def test_power_laws_seldom_have_bends():
     gains = [likeliest_bend(random_spectrum(lambda k: k**-2.2, 2.0, seed), 4.0).gain for seed in range(100)]
-    assert np.mean(np.array(gains) > bends.BENT) < 0.12
-    assert np.max(gains) < bends.CERTAINLY_BENT + 3
+    assert np.mean(np.array(gains) > bends.MIN_BEND_GAIN) < 0.12
+    assert np.max(gains) < bends.CERTAIN_BEND_GAIN + 3
 
 
 def test_bends_that_leave_no_room_for_a_law_are_refused():

@@ -9,10 +9,10 @@ import pytest
 
 from benchmarks.artefacts import within_errors, without_power
 from weier.surface import spectrum
-from weier.surface.bends import BENT, LONG, SHORT, Spectrum, likeliest_bend
+from weier.surface.bends import LONG, MIN_BEND_GAIN, SHORT, Spectrum, likeliest_bend
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
-from weier.surface.spectrum import columns_of_fits, fit
+from weier.surface.spectrum import fit, fit_columns
 
 LAMBDA, HEIGHT = 1e-3, 2e-6  # of the coarsest wave, in m
 
@@ -382,7 +382,7 @@ def test_columns_of_fits_have_reasons_and_catch_warnings():
     line = line / line.std() + 0.3 * x / 2000
     scratched = line - 4 * np.exp(-(((x - 730.3) / 2.5) ** 2))
     clean, spoilt, noise = (Trace(z, 2e-3, height_unit="um") for z in (line, scratched, random.normal(size=2000)))
-    found = columns_of_fits([(clean, None), None, (spoilt, None), (noise, None), (clean, 1e-6)])
+    found = fit_columns([(clean, None), None, (spoilt, None), (noise, None), (clean, 1e-6)])
     assert found["trace_fit_D"][0] == fit(clean).D
     assert np.isnan(found["trace_fit_D"]).tolist() == [False, True, False, True, True]
     assert np.isnan(found["trace_fit_lambda_0"]).tolist() == [False, True, False, True, True]
@@ -391,7 +391,7 @@ def test_columns_of_fits_have_reasons_and_catch_warnings():
     assert "decide on D" in remarks[2]
     assert "beta between 1 and 3" in remarks[3]
     assert "longest must lie between" in remarks[4]
-    assert list(columns_of_fits([])) == list(found)
+    assert list(fit_columns([])) == list(found)
 
 
 def without_scatter(law):
@@ -422,9 +422,9 @@ def test_a_bend_that_is_not_significant_adds_its_effect_times_its_probability():
     band = without_scatter(lambda k: (k**2 + k_c**2) ** -1.2)
     law = spectrum._law(band, 1 / 8, 1 / 512, Fraction(2))
     bend = likeliest_bend(band, 4.0)
-    assert 0 < bend.gain < BENT
+    assert 0 < bend.gain < MIN_BEND_GAIN
     same, rolloff, doubt = spectrum._straight_law(band, law, 1 / 512, {LONG: False, SHORT: False})
     assert (same, rolloff) == (law, None)
     pure = spectrum._law(band._replace(variance=band.k**-2.4), 1 / 8, 1 / 512, Fraction(2))
     bias = np.array([law.D - pure.D, math.log(law.g_0 / pure.g_0)])
-    np.testing.assert_allclose(doubt * (1 + math.exp(BENT - bend.gain)), bias**2, rtol=0.15)
+    np.testing.assert_allclose(doubt * (1 + math.exp(MIN_BEND_GAIN - bend.gain)), bias**2, rtol=0.15)

@@ -7,9 +7,9 @@ from scipy.integrate import quad
 
 from weier.theory.halfplane import (
     displacement_at_distance,
-    displacement_of_punch,
     eigenvalues,
     influence_coefficients,
+    punch_displacement,
     replace_by_influence,
     take_logarithms,
 )
@@ -53,7 +53,7 @@ def test_a_narrow_flat_punch_sinks_in_as_its_pressure_says(period):
     r, place = 1e-4 * period, np.arcsin(0.3)
     ends = (-np.pi / 2, place), (place, np.pi / 2)
     u = sum(quad(lambda t: displacement_at_distance(r * (np.sin(t) - 0.3), period), *end)[0] for end in ends)
-    assert u / np.pi == pytest.approx(displacement_of_punch(r, period), rel=1e-7)
+    assert u / np.pi == pytest.approx(punch_displacement(r, period), rel=1e-7)
 
 
 @pytest.mark.parametrize("dual", [False, True])

@@ -9,7 +9,7 @@ from time import perf_counter
 
 from weier.data.markdown import significant
 from weier.kernels.jit import COMPILING_SECONDS
-from weier.methods.load_progress import STOPS, reporting_to
+from weier.methods.load_progress import INTERRUPTIONS, reporting_to
 
 ERASE = "\r\033[K"  # This escape sequence clears the line of a terminal.
 LONG = 10.0  # A solution that takes longer, in seconds, is announced.
@@ -139,7 +139,7 @@ def watching(total: int, expected: float, max_seconds: float | None) -> Iterator
     try:
         with reporting_to(watch):
             yield
-    except STOPS as stop:
+    except INTERRUPTIONS as stop:
         vars(stop).setdefault("curve", None)
         raise
     finally:

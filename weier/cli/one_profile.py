@@ -32,7 +32,7 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
-from weier.methods.load_progress import STOPS, reporting_to
+from weier.methods.load_progress import INTERRUPTIONS, reporting_to
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import TOLERANCE
 from weier.scene import Case, Figure
@@ -191,7 +191,7 @@ def solve(
     try:
         with nullcontext() if kept is None else reporting_to(kept):
             data = solve_one(case, np.unique(request.loads), workers, max_seconds, known)
-    except STOPS as stopped:
+    except INTERRUPTIONS as stopped:
         if getattr(stopped, "curve", None) is None:
             raise
         data, stop = vars(stopped)["curve"], stopped

@@ -11,7 +11,7 @@ from threadpoolctl import OpenBLASController, get_cached_controller
 
 
 class _OneThread(ContextDecorator):
-    """A context or decorator for the whole process: BLAS has one setting, which the last thread to leave restores."""
+    """A context or decorator for the whole process: the last thread to leave restores BLAS's only setting."""
 
     _lock, _inside = Lock(), 0
 
@@ -27,7 +27,7 @@ class _OneThread(ContextDecorator):
         with self._lock:
             self._inside -= 1
             if self._inside == 0:
-                # threadpoolctl heeds one thread alone, until it is released: that which set the limit, then this one.
+                # Until it is released, threadpoolctl heeds one thread: the one that set the limit, then this one.
                 OpenBLASController.clear_controlling_thread(force=True)
                 self._limits.restore_original_limits()
                 OpenBLASController.clear_controlling_thread(force=True)

@@ -18,7 +18,7 @@ from typing import Any, TypeVar, cast
 from weier.digests import KERNELS, cache_root, digest, digest_of_modules
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-# without a wrapper for callers in C, of which there are none
+# no_cfunc_wrapper: no C code calls the kernels
 OPTIONS = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 NOT_CACHED = "kernels are compiled for this run alone ({}): let NUMBA_CACHE_DIR name a folder that keeps them"
 # The seconds that a thread has spent on compiling and loading kernels. A process spends them once, so that they are
@@ -35,7 +35,7 @@ def cache_folder() -> Path:
     OSError
         If there is no folder to keep anything in: see `cache_root`.
     """
-    from importlib.metadata import version  # which takes longer than all that is imported above
+    from importlib.metadata import version  # this import takes longer than all imports above
 
     made_of = digest_of_modules(*KERNELS), OPTIONS, version("numba"), version("rocket-fft")
     return cache_root() / f"weier-{digest(made_of)[:16]}"
@@ -43,9 +43,9 @@ def cache_folder() -> Path:
 
 @functools.cache
 def _numba() -> tuple[Any, bool]:
-    """Return numba, which takes a kernel that another one calls for its function, and whether it can keep code.
+    """Return numba, set up to call kernels from kernels, and whether it can keep compiled code.
 
-    Where its folder cannot be written, numba would keep code beside the sources, under no digest.
+    If its folder is not writable, numba would cache code next to the sources, without a digest.
     """
     import numba
     import rocket_fft  # noqa: F401 - registers numpy's Fourier transforms
@@ -76,12 +76,12 @@ class Kernel:
 
     @functools.cached_property
     def within(self) -> Any:
-        """What other kernels call: without a wrapper for Python."""
+        """The function for other kernels, without a wrapper for Python."""
         return _numba()[0].njit(**self.options, no_cpython_wrapper=True)(self.function)
 
     @functools.cached_property
     def compiled(self) -> Any:
-        """What Python calls; the function itself where numba's settings disable compiling."""
+        """The function for Python; the uncompiled function if numba's settings disable compiling."""
         numba, keeps = _numba()
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache_folder()) if keeps else ""
         try:
@@ -107,7 +107,7 @@ class Kernel:
 
     def _compile(self, arguments: tuple[Any, ...]) -> None:
         """Load what is kept for arguments of these types, or compile it, which takes many seconds, and say so."""
-        source = Path(self.function.__code__.co_filename).parent.name  # by which numba names a folder of its own
+        source = Path(self.function.__code__.co_filename).parent.name  # numba names its own folder by this
         if not (_numba()[1] and any(cache_folder().glob(f"{source}_*/*.nbi"))):
             _announce(source)
         self.compiled.compile(tuple(map(_numba()[0].typeof, arguments)))

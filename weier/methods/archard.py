@@ -19,7 +19,7 @@ from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, full_contact_pressure
 
 LN2 = np.log(2)
-NEGLIGIBLE = 1e-20  # keeps differences positive; below their rounding
+NEGLIGIBLE = 1e-20  # below the rounding of differences, which it keeps positive
 # terms that bring ln xi from -700 to within 0.2 of its fixed point, and of the expansion: 12 * 0.2^12/12! < 1e-16
 TERMS = 12
 
@@ -41,7 +41,7 @@ def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: Arra
         Compliance in g_0, of the broadcast shape.
     """
     waves = remaining(mean_pressure, D, gamma, m, _fixed_point)
-    return waves.with_flat_waves(_sums(waves, (waves.D - 2) * np.log(waves.gamma), 1.0))  # of h_n (19), (21)
+    return waves.with_flat_waves(_sums(waves, (waves.D - 2) * np.log(waves.gamma), 1.0))  # (19), (21)
 
 
 def resistance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:

@@ -27,12 +27,12 @@ from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
 TOLERANCE = 1e-3
-MAX_LISTED = 5  # loads in a message
+MAX_LISTED = 5  # a message lists at most this many loads
 # stated error of R over the remaining differences of truncations if they decay as the amplitudes do: no error of 69
 # exceeded it, the largest was 0.88 of it (`python -m benchmarks truncated_resistance --count 40`)
-DIFFERENCES = 4.0
-# unknown where terms are left out
-OF_CONTACT = "indentation", "contact_fraction", "contact_fraction_error", "elastic_energy", "patch_count"
+DIFFERENCE_FACTOR = 4.0
+# NaN if terms are left out
+CONTACT_QUANTITIES = "indentation", "contact_fraction", "contact_fraction_error", "elastic_energy", "patch_count"
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,7 +122,7 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
     if not math.isinf(surface.m):
         patches.METHOD.check_applies(surface)
         return Choice(surface, 0.0, patches.METHOD, settings)
-    kept, left_out = _fewest_terms(surface, tolerance / DIFFERENCES, least=3)
+    kept, left_out = _fewest_terms(surface, tolerance / DIFFERENCE_FACTOR, least=3)
     if kept.m < 3:
         raise OutOfReachError(
             f"the resistance of {surface.describe()} is estimated from three truncations, and {kept.m:g} terms are "
@@ -168,10 +168,10 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
 
 
 def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Curve:
-    """Return the curve of the whole surface from that of the terms solved, with all that their method returns.
+    """Return the curve of the whole surface from the curve of the terms solved, with all quantities of the latter.
 
-    Where terms are left out, the resistance is that of the terms solved, its error is by chords of the concave h(p),
-    and quantities of the contact are NaN, without edges.
+    If terms are left out, the resistance is the one of the terms solved, its error follows from chords of the concave
+    h(p), quantities of the contact are NaN, and there are no edges.
     """
     solved = replace(solved, chosen_method=choice.method.name, chosen_terms=float(choice.kept.m))
     if not choice.left_out:
@@ -180,7 +180,7 @@ def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Cu
     low, high = complete_bounds(
         solved.compliance, choice.left_out, profile.total_amplitude, known["compliance_error"]
     )
-    unknown: dict[str, Any] = {name: np.full(loads.size, np.nan) for name in OF_CONTACT if name in known}
+    unknown: dict[str, Any] = {name: np.full(loads.size, np.nan) for name in CONTACT_QUANTITIES if name in known}
     whole = replace(
         solved,
         compliance=(low + high) / 2,
@@ -192,14 +192,14 @@ def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Cu
 
 
 def _with_resistance_error(choice: Choice, loads: Array, curve: Curve) -> Curve:
-    """Return a curve, where terms are left out, with the error of its resistance by chords over all loads."""
+    """Return the curve of a truncated series with the error of its resistance by chords over all loads."""
     R, error = curve.resistance, curve.values()["compliance_error"]
     shallowest, steepest = resistance_bounds(loads, curve.compliance, 0.0, first_contact(choice.kept), error)
     return replace(curve, resistance_error=np.maximum(steepest - R, R - shallowest))
 
 
 def _complete(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
-    """Return a curve of a tolerance of the compliance with what depends on all loads."""
+    """Return a curve with the quantities that depend on all loads, for a tolerance of the compliance."""
     choice = choose(profile, **settings)
     if choice.left_out:
         return _with_resistance_error(choice, loads, curve)
@@ -210,21 +210,21 @@ def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: flo
     """Return the curve of an infinite series with as many terms as its resistance requires, and the estimated error.
 
     The differences of successive truncations decay about as the amplitudes, by the factor q = gamma^(D-2) a term, so
-    that the remaining ones sum to the last one times q/(1 - q). No terms are added where the tolerance cannot be
-    expected from as many as can be resolved.
+    that the remaining ones sum to the last one times q/(1 - q). No terms are added if the tolerance cannot be
+    reached with the largest number of terms that can be resolved.
     """
     q, most, curves = float(profile.gamma) ** (profile.D - 2), terms_within(profile, MAX_WAVES), list[Curve]()
     for k in range(1, most + 1):
-        # Next to full contact of a truncation, where R vanishes, its difference to the next one says nothing.
+        # Near full contact of a truncation R vanishes, and the difference to the next truncation means nothing.
         if loads[-1] > 0.5 * profile.truncated(k).full_contact_load:
             continue
-        with converting(lambda _: None):  # curves of fewer terms are not the one asked for
+        with converting(lambda _: None):  # listeners expect a curve of all terms, not of fewer
             curves.append(choice.method.solve(profile.truncated(k), loads, **choice.settings))
         if len(curves) < 3:
             continue
         solved, R = curves[-1], [curve.resistance for curve in curves[-3:]]
         difference = np.maximum(np.abs(R[2] - R[1]), q * np.abs(R[1] - R[0]))
-        error = DIFFERENCES * q / (1 - q) * difference + solved.values()["resistance_error"]
+        error = DIFFERENCE_FACTOR * q / (1 - q) * difference + solved.values()["resistance_error"]
         excess = float(np.max(error / np.fmax(solved.resistance, 1))) / tolerance
         if (excess <= 1 and k >= choice.kept.m) or q ** (most - k) * excess > 1:
             break
@@ -288,7 +288,7 @@ METHOD = Method(
     takes_traces=True,
     infinite=True,
     check=_check,
-    by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R takes terms by the heaviest load
+    by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R needs most terms at the heaviest load
     complete=_complete,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,

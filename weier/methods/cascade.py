@@ -26,14 +26,19 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
-LIGHTEST, HEAVIEST = -690.0, math.log(1e4)  # ln xi of a table: lighter loads are refused, heavier waves are flat
-ACCURACY = 1e-4  # relative: of the tables by the spacings below (tests/methods/test_cascade.py)
-CONVERGED = 1e-5  # relative change of a table by one more wave below which the tables of longer series are the same
-MAX_TABLES = 200  # each takes some 20 ms
-LIGHT_TABLES = 25  # until 2^-k, the distance of the exponent of F_k from 1, is negligible
+MIN_LOG_LOAD, MAX_LOG_LOAD = (
+    -690.0,
+    math.log(1e4),
+)  # ln xi of a table: lighter loads are refused, heavier waves are flat
+ACCURACY = 1e-4  # relative error of the tables due to the spacings below (tests/methods/test_cascade.py)
+CONVERGENCE_TOLERANCE = (
+    1e-5  # relative change of a table by one more wave below which the tables of longer series are the same
+)
+MAX_TABLES = 200  # one table takes some 20 ms
+LIGHT_TABLES = 25  # beyond, 2^-k, the distance of the exponent of F_k from 1, is negligible
 # Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink.
 LIGHT_SPACING, HEAVY_SPACING = 0.02, 0.04
-AROUND = np.geomspace(1e-7, 0.06, 24)
+KINK_OFFSETS = np.geomspace(1e-7, 0.06, 24)
 # Nodes and weights of tanh-sinh quadrature on (0, 1), for integrands with singular ends.
 _STEPS = np.arange(-3.2, 3.21, 0.16)
 NODES = 1 / (1 + np.exp(-np.pi * np.sinh(_STEPS)))
@@ -70,7 +75,7 @@ class Table:
     def over(self, xi: Array, scale: ArrayLike = 1.0) -> Array:
         """Return the values under these loads over a power of a scale."""
         with np.errstate(divide="ignore"):
-            ratio = self._ratio(np.clip(np.log(xi), LIGHTEST, HEAVIEST))
+            ratio = self._ratio(np.clip(np.log(xi), MIN_LOG_LOAD, MAX_LOG_LOAD))
         return np.asarray(ratio * (np.minimum(xi, 1.0) / scale) ** self.exponent)
 
 
@@ -99,7 +104,7 @@ def exceedance(pressure: float, mean_pressure: ArrayLike, D: float, gamma: float
         step = (D - 1) * math.log(gamma)
         finest = Finest(pressure * math.exp(-step * (m - 1)))
         # A wave far below its load only shifts it, and the finer ones are a series of their own.
-        flat = np.minimum(np.ceil(np.maximum(np.log(p) - HEAVIEST, 0) / step), m)
+        flat = np.minimum(np.ceil(np.maximum(np.log(p) - MAX_LOG_LOAD, 0) / step), m)
         for skipped in np.unique(flat):
             here = flat == skipped
             load, waves = p[here] * np.exp(-step * skipped), int(m - skipped)
@@ -137,7 +142,7 @@ def _fraction(finest: Finest, xi: Array, step: float, waves: int) -> Array:
     for _ in range(math.ceil(_tables(step, waves))):
         before, ratios = ratios, _cascaded(finer, np.exp(rows), step)
         finer = Table(rows, ratios, (1 + finer.exponent) / 2, kinks)
-        if np.all(np.abs(ratios - before) <= CONVERGED * ratios):
+        if np.all(np.abs(ratios - before) <= CONVERGENCE_TOLERANCE * ratios):
             break  # The ratios of longer series are the same.
     covered = np.minimum(xi, 1.0)
     ratio = _cascaded(finer, xi, step) * math.exp(-step * (waves - 1))
@@ -166,28 +171,28 @@ def _limit(xi: Array, pressure: float) -> Array:
     covered, excess = np.minimum(xi, 1.0), np.maximum(xi - 1, 0)
     above = np.maximum(pressure - excess, 0)
     root = 1 - covered + np.hypot(1 - covered, above)
-    with np.errstate(over="ignore"):  # beyond the peak, however far
+    with np.errstate(over="ignore"):  # also far beyond the peak
         return np.asarray(np.divide(above**2, 2 * covered * root, out=np.zeros(above.shape), where=above > 0))
 
 
 def _loads_with(pressure: float) -> tuple[float, float]:
-    """Return the loads of one wave at which its peak, and its trough, has this pressure."""
+    """Return the two loads of a wave at which its peak pressure and its trough pressure have this value."""
     return (pressure**2 / 4 if pressure <= 2 else pressure - 1), pressure + 1
 
 
 def _rows(kinks: set[float]) -> Array:
     """Return ln xi of the rows of a table: dense where it is singular."""
-    light = -np.sinh(np.arange(math.asinh(-LIGHTEST), 0, -LIGHT_SPACING))
+    light = -np.sinh(np.arange(math.asinh(-MIN_LOG_LOAD), 0, -LIGHT_SPACING))
     places = np.log([kink for kink in kinks if kink > 0])[:, None]
-    around = places + np.concatenate([-AROUND, [0.0], AROUND])
-    rows = np.concatenate([light, np.arange(0, HEAVIEST, HEAVY_SPACING), [HEAVIEST], around.ravel()])
-    rows = np.unique(np.clip(rows, LIGHTEST, HEAVIEST))
-    return rows[np.append(True, np.diff(rows) > AROUND[0] / 2)]
+    around = places + np.concatenate([-KINK_OFFSETS, [0.0], KINK_OFFSETS])
+    rows = np.concatenate([light, np.arange(0, MAX_LOG_LOAD, HEAVY_SPACING), [MAX_LOG_LOAD], around.ravel()])
+    rows = np.unique(np.clip(rows, MIN_LOG_LOAD, MAX_LOG_LOAD))
+    return rows[np.append(True, np.diff(rows) > KINK_OFFSETS[0] / 2)]
 
 
 def _tables(step: float, waves: float) -> float:
-    """Return the number of tables that a series takes at most; none is taken of an infinite one."""
-    return min(max(waves - 2, 0), HEAVIEST / step + LIGHT_TABLES) if math.isfinite(waves) else 0
+    """Return the largest number of tables that a series needs; an infinite series needs none."""
+    return min(max(waves - 2, 0), MAX_LOG_LOAD / step + LIGHT_TABLES) if math.isfinite(waves) else 0
 
 
 def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:

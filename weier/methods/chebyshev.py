@@ -29,9 +29,9 @@ class Rule(NamedTuple):
     """Gauss's quadrature at the zeros of T_K, for int phi/sqrt(1-t^2) dt, or of U_K, for int sqrt(1-t^2) phi dt.
 
     node : t, ascending, shape (K,)
-    weight : of the values at the nodes, shape (K,)
+    weight : quadrature weight of each node, shape (K,)
     polynomial : T_k or U_k at the nodes, one k a row, shape (K, K)
-    expansion : from values at the nodes to coefficients in T_k or U_k, shape (K, K)
+    expansion : matrix from values at the nodes to coefficients in T_k or U_k, shape (K, K)
     """
 
     node: Array
@@ -41,9 +41,9 @@ class Rule(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def gauss_rule(count: int, of_second_kind: bool) -> Rule:
+def gauss_rule(count: int, second_kind: bool) -> Rule:
     """Return the rule with this number of nodes; angles are reduced in integers, exact for the highest degrees."""
-    if of_second_kind:
+    if second_kind:
         degree, angle = np.arange(1, count + 1), np.arange(count, 0, -1)
         sine = np.sin(np.pi / (count + 1) * angle)
         weight, scale = np.pi / (count + 1) * sine**2, np.pi / (count + 1)
@@ -53,7 +53,7 @@ def gauss_rule(count: int, of_second_kind: bool) -> Rule:
         weight, scale = np.full(count, np.pi / count), np.pi / (2 * count)
         polynomial = np.cos(scale * (degree[:, None] * angle % (4 * count)))
     expansion = 2 / np.pi * polynomial * weight
-    if not of_second_kind:
+    if not second_kind:
         expansion[0] *= 0.5
     return Rule(np.cos(scale * angle), weight, polynomial, expansion)
 
@@ -69,7 +69,7 @@ def evaluate_expansion(a: Array, t: float) -> float:
 
 @kernel
 def _outer_radius(t: float) -> float:
-    """Return rho, of a point outside [-1, 1]."""
+    """Return rho = t + sign(t) sqrt(t^2-1) of a point t outside [-1, 1]."""
     return t + np.copysign(np.sqrt((t - 1) * (t + 1)), t)
 
 

@@ -42,7 +42,7 @@ def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
     """Return the sums S_0 and S_1 over m terms, of gamma^-n and of n gamma^-n."""
     # sum n r^n = [sum of r^n over m - 1 terms - (m - 1) r^(m-1)] r/(1 - r), r = 1/gamma
     fewer = np.maximum(m - 1, 0)
-    last = fewer * np.exp(-np.log(gamma) * fewer)  # a power takes ten times as long where it vanishes
+    last = fewer * np.exp(-np.log(gamma) * fewer)  # powers that underflow take ten times as long
     return _geometric(gamma, m), (_geometric(gamma, fewer) - last) / (gamma - 1)
 
 

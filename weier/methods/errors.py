@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the least one within reach.
+MARGIN = 1.05  # A suggested tolerance, which has two digits, is not below the smallest attainable one.
 
 
 class ConvergenceError(RuntimeError):

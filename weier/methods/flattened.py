@@ -40,12 +40,12 @@ class Remaining(NamedTuple):
     gamma: Array
 
     def with_flat_waves(self, h: Array) -> Array:
-        """Return the compliance of all waves from that of the remaining ones."""
+        """Return the compliance of all waves from the compliance of the waves that are not flat."""
         flat = self.flat, self.D, self.gamma
         return np.asarray(leading_amplitude(*flat) + amplitude(*flat) * h)
 
     def behind_flat_waves(self, slope: Array) -> Array:
-        """Return the resistance of all waves from that of the remaining ones."""
+        """Return the resistance of all waves from the resistance of the waves that are not flat."""
         return np.asarray(self.gamma**-self.flat * slope)  # g_n/p_n* = gamma^-n
 
 

@@ -2,7 +2,7 @@
 
 Ctrl-C, or a listener with a time limit, stops a solver between two loads or within one. The exception carries the
 curve of the loads that were solved before, as `curve`: the loops over the loads set it, and callers convert it. A
-listener has the same by `curve_so_far`.
+listener gets the same curve from `curve_so_far`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextvars import ContextVar
 from functools import reduce
 from typing import Any
 
-STOPS = (KeyboardInterrupt, TimeoutError)  # that end a solution from outside
+INTERRUPTIONS = (KeyboardInterrupt, TimeoutError)  # exceptions that end a solution from outside
 _LISTENERS: ContextVar[tuple[Callable[[], None], ...]] = ContextVar("listeners", default=())
 _CONVERSIONS: ContextVar[tuple[Callable[[Any], Any], ...]] = ContextVar("conversions", default=())  # innermost first
 
@@ -42,12 +42,12 @@ def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
 def keeping(so_far: Callable[[Any], Any]) -> Iterator[None]:
     """In a `with` statement, give an exception that stops the solver a curve.
 
-    `so_far` returns it, or None, from that of the innermost such statement, which is None without one.
+    `so_far` returns this curve, or None, from the curve of the innermost such statement (None if there is none).
     """
     token = _CONVERSIONS.set((so_far, *_CONVERSIONS.get()))
     try:
         yield
-    except STOPS as stop:
+    except INTERRUPTIONS as stop:
         vars(stop)["curve"] = so_far(getattr(stop, "curve", None))
         raise
     finally:

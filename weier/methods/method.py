@@ -20,7 +20,7 @@ from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
-CURVE_SECONDS = 5e-4  # of the simplest curve: `python -m benchmarks expected_seconds`
+CURVE_SECONDS = 5e-4  # takes the simplest curve: `python -m benchmarks expected_seconds`
 
 
 class Style(NamedTuple):
@@ -58,14 +58,14 @@ class Range(NamedTuple):
         return f"[{self.least:g}, {self.most:g}{')' if self.half_open else ']'}"
 
 
-TOLERANCES = Range(1e-13, 1.0, half_open=True)  # g_0; below, rounding of fields dominates
+TOLERANCES = Range(1e-13, 1.0, half_open=True)  # g_0; rounding of fields dominates smaller errors
 
 
 class Setting(NamedTuple):
     """A keyword of a solver.
 
     default : its value unless it is given; where it is None, None may be given, too
-    meaning : with its unit, for help texts
+    meaning : description with its unit, for help texts
     values : the range of a number, or the words to choose from
     """
 
@@ -117,7 +117,7 @@ class Method:
     numerical : bool
         Whether it solves the truncated series itself, so that its curve is exact but for its `compliance_error`.
     uses_phases : bool
-        Whether the curve depends on the phases; if not, profiles that differ in nothing else have the same curve.
+        Whether the curve depends on the phases; if not, profiles that differ only in phases have the same curve.
     least_load : float
         Least load, in p_0*.
     stiffness : bool
@@ -133,8 +133,8 @@ class Method:
         From settings as keywords to whether each load is solved by itself, and costs so much that a curve should go
         on from the loads that are known.
     complete : callable
-        From a surface, loads, a Curve joined of curves of some of these loads, and settings as keywords to this Curve
-        with what depends on all loads.
+        From a surface, loads, a Curve joined from curves of some of these loads, and settings as keywords to this
+        Curve with the quantities that depend on all loads.
     run_kernels : callable
         Runs compiled functions that usual curves do not reach, for `weier compile`.
     """

@@ -26,7 +26,7 @@ from weier.surface.profile import Profile
 from weier.surface.series import MAX_EXPONENT, MAX_TERMS, leading_amplitude
 
 NEGLIGIBLE = 40.0  # exp(-40) is below rounding.
-SMALL = -NEGLIGIBLE  # ln x below which E_1(x) = -ln x - 0.577... to rounding.
+SMALL_LOG = -NEGLIGIBLE  # ln x below which E_1(x) = -ln x - 0.577... to rounding.
 MAX_VALUES = 2**20  # loads times terms in one array: 8 MB
 
 
@@ -43,12 +43,12 @@ class Rates(NamedTuple):
 
     @property
     def terms(self) -> float:
-        """An upper bound on the terms of an infinite series, from the first above underflow to the geometric sums."""
+        """Upper bound on the number of terms between underflow and the geometric sums."""
         saturation = math.log(MAX_EXPONENT) + NEGLIGIBLE - min(math.log(math.expm1(self.growth)), 0)
         return min(saturation / self.growth, (MAX_EXPONENT + NEGLIGIBLE) / self.decay) + 2
 
     def terms_of(self, m: float) -> float:
-        """Return the same for m terms."""
+        """Return the bound on the number of terms for m terms."""
         return min(self.terms + 1 / self.decay, m)
 
 
@@ -121,7 +121,7 @@ def _exponents_and_weights(p: Array, n: Array, rates: Rates) -> tuple[Array, Arr
 
 def _integral(log_x: Array) -> Array:
     """Return E_1(x), also where x underflows."""
-    small = log_x < SMALL
+    small = log_x < SMALL_LOG
     return np.where(small, -log_x - np.euler_gamma, scipy.special.exp1(np.exp(np.where(small, 0.0, log_x))))
 
 

@@ -19,7 +19,7 @@ from weier.theory.halfplane import displacement_at_distance
 
 Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
 
-NEIGHBOURS = 8  # on either side of a punch; their cost is in `python -m benchmarks tuning`
+NEIGHBOURS = 8  # neighbours on either side of a punch; `python -m benchmarks tuning` measures their cost
 # largest number of coarsest punches, each of which is conditioned on all before it. There are more than half as many,
 # so that the neighbours of a finer one are distinct, and their equations fit into the same matrix.
 MAX_COARSEST = 4 * NEIGHBOURS

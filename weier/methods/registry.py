@@ -48,7 +48,7 @@ def default_method(*surfaces: Waves, within_tolerance: bool = False) -> str:
 
 
 def methods_run_by(name: str) -> tuple[Method, ...]:
-    """Return the methods that a method runs: itself, or all where it chooses among them."""
+    """Return the methods that a method may run: itself, or all if it chooses among them."""
     method = find_method(name)
     return METHODS if method is WITHIN_TOLERANCE else (method,)
 

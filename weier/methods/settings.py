@@ -9,7 +9,7 @@ from weier.checks import nearest
 from weier.methods.method import Method
 from weier.methods.registry import METHODS, find_method
 
-TOLERANCE = "tolerance"  # has the same meaning in all methods
+TOLERANCE = "tolerance"  # the setting that has the same meaning in all methods
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:

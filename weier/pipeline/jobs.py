@@ -16,7 +16,7 @@ from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
 from weier.scene.case import Case
-from weier.surface.spectrum import columns_of_fits
+from weier.surface.spectrum import fit_columns
 
 # Seconds of work that are lost with a job that is killed (an append takes 0.02); rows that fit into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
@@ -77,7 +77,7 @@ def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
     if kind.method == SURFACE:
         row = surface_row(case.profile)
         if "trace" in case.parameters:
-            fits = columns_of_fits([(case.profile, case.parameters["trace"].get("longest"))])
+            fits = fit_columns([(case.profile, case.parameters["trace"].get("longest"))])
             row |= {name: column[0] for name, column in fits.items()}
         return row
     curve = CurveTask(case.profile, kind.method, kind.settings, kind.loads_for(case.profile))

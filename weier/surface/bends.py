@@ -15,18 +15,18 @@ import scipy  # Its submodules are loaded on first use.
 
 from weier.kernels.arrays import Array, Indices
 
-# Twice the gain in log likelihood from which a roll-off counts: the 0.95 quantile of chi^2 with one degree of
-# freedom. Other bends need more, since they are rarer. `python -m benchmarks artefacts` counts wrong verdicts.
-BENT, MORE_FOR_OTHERS = 3.84, 3.0
-CERTAINLY_BENT = 10.8  # the same of the 0.999 quantile, from which a given band is refused
-LEAST_STEEP, KINKED = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
-BISECTIONS = 30  # of the exponent, to 1e-8
-SHARPNESS = (2.0, 8.0)  # of bends, which are smooth or abrupt
-FLAT, STEEP = 0.0, 3.0  # slopes beyond a bend over that of the law; those of other bends lie between
+# Twice the gain in log likelihood from which a roll-off is significant: the 0.95 quantile of chi^2 with one degree of
+# freedom. Other bends are rarer and need a margin. `python -m benchmarks artefacts` counts wrong verdicts.
+MIN_BEND_GAIN, RARE_BEND_MARGIN = 3.84, 3.0
+CERTAIN_BEND_GAIN = 10.8  # the 0.999 quantile, from which a given band is refused
+MIN_LAW_EXPONENT, MAX_LAW_EXPONENT = 0.9, 4.0  # exponents of laws with bends; self-affine ones have 1 to 3, kinks 4
+BISECTIONS = 30  # bisections for the exponent, which reach 1e-8
+SHARPNESS = (2.0, 8.0)  # exponent s of a smooth and of an abrupt bend
+FLAT, STEEP = 0.0, 3.0  # extreme ratios of the slope beyond a bend to the slope of the law
 LONG, SHORT = -1, 1  # sides of a bend, beyond which the law does not hold
 BENDS_PER_OCTAVE = 4  # places at which a bend is tried; results hardly change with eight
-BINS_PER_OCTAVE = 16  # of waves for the likelihood, which varies little within
-TURNED = 1 / 16  # (k_b/k)^s, or (k/k_b)^s, from which the slope is nearly that of the law
+BINS_PER_OCTAVE = 16  # bins of waves; the likelihood varies little within one
+TRANSITION_END = 1 / 16  # (k_b/k)^s, or (k/k_b)^s, from which the slope is nearly that of the law
 
 
 class Spectrum(NamedTuple):
@@ -73,16 +73,16 @@ class Bend(NamedTuple):
     @property
     def end(self) -> float:
         """Return ln k at which the law ends."""
-        return self.place + self.side * math.log(TURNED) / self.sharpness
+        return self.place + self.side * math.log(TRANSITION_END) / self.sharpness
 
 
 def likeliest_bend(band: Spectrum, least_ratio: float) -> Bend | None:
-    """Return the likeliest bend beside a law on this ratio of wavelengths at least; None if there is none.
+    """Return the likeliest bend that leaves a law on at least this ratio of wavelengths; None if there is none.
 
     Raises
     ------
     ValueError
-        If a bend that leaves no room for a law is certainly likelier than all that do.
+        If a bend that leaves no room for a law is certainly likelier than all other bends.
     """
     top, bottom = math.log(band.k[0]), math.log(band.k[-1])
     steps = np.arange(0, bottom - top - math.log(2), math.log(2) / BENDS_PER_OCTAVE).tolist()
@@ -92,7 +92,7 @@ def likeliest_bend(band: Spectrum, least_ratio: float) -> Bend | None:
     length = math.log(least_ratio / (1 + 1e-9))
     other_end = {LONG: bottom, SHORT: top}
     best = next((bend for bend in bends if bend.side * (bend.end - other_end[bend.side]) >= length), None)
-    if bends and bends[0].gain > CERTAINLY_BENT + max(0.0, best.gain if best else 0.0):
+    if bends and bends[0].gain > CERTAIN_BEND_GAIN + max(0.0, best.gain if best else 0.0):
         raise ValueError(
             f"the spectrum must be a power law from one wavelength to {least_ratio:g} times of it at least, got a "
             f"bend at {band.period / math.exp(bends[0].place):.3g} m between {band.period / band.k[0]:.3g} and "
@@ -101,7 +101,7 @@ def likeliest_bend(band: Spectrum, least_ratio: float) -> Bend | None:
     return best
 
 
-def log_of(power: Any) -> Array:
+def log_relative_power(power: Any) -> Array:
     """Return the logarithm of a power over the greatest one."""
     return np.asarray(np.log(np.maximum(power / np.max(power), 1e-300)))
 
@@ -116,7 +116,7 @@ def _rated(band: Spectrum, bends: list[Bend]) -> list[Bend]:
     """
     x = np.log(band.k)
     bins = np.unique(np.floor(BINS_PER_OCTAVE * np.log2(band.k / band.k[0])), return_inverse=True)[1]
-    waves, log_power = np.bincount(bins), log_of(np.bincount(bins, band.variance))
+    waves, log_power = np.bincount(bins), log_relative_power(np.bincount(bins, band.variance))
     mean_x = np.bincount(bins, x) / waves
     q = np.array([mean_x, *(bend.bent(mean_x) for bend in bends)])
     q -= (q @ waves / x.size)[:, np.newaxis]
@@ -124,25 +124,25 @@ def _rated(band: Spectrum, bends: list[Bend]) -> list[Bend]:
     least = scipy.special.logsumexp(log_power + beta[:, np.newaxis] * q, axis=1)
     gain = 2 * x.size / band.scatter * (least[0] - least[1:])
     found = [
-        bend._replace(beta=own, gain=more - (0 if bend.is_rolloff else MORE_FOR_OTHERS))
+        bend._replace(beta=own, gain=more - (0 if bend.is_rolloff else RARE_BEND_MARGIN))
         for bend, own, more in zip(bends, beta[1:].tolist(), gain.tolist(), strict=True)
-        if LEAST_STEEP < own < KINKED
+        if MIN_LAW_EXPONENT < own < MAX_LAW_EXPONENT
     ]
     if not found:
         return []
     best = max(found, key=lambda bend: bend.gain)
-    over_law = scipy.special.softmax(log_of(band.variance) + best.beta * best.bent(x))
-    effective = 1 / float(over_law @ over_law) - 3  # waves, less the parameters
+    over_law = scipy.special.softmax(log_relative_power(band.variance) + best.beta * best.bent(x))
+    effective = 1 / float(over_law @ over_law) - 3  # degrees of freedom: waves minus parameters
     dispersion = max(1.0, (x.size / max(effective, 1e-9) - 1) / band.scatter)
     return [bend._replace(gain=bend.gain / dispersion) for bend in found]
 
 
 def _exponents(log_power: Array, q: Array) -> Array:
-    """Return the likeliest exponent of each row of q, by bisection between -2 KINKED and 2 KINKED.
+    """Return the likeliest exponent of each row of q, by bisection within +-2 MAX_LAW_EXPONENT.
 
     The powers times exp(beta q) then have their centre at q = 0.
     """
-    low, high = np.full(len(q), -2 * KINKED), np.full(len(q), 2 * KINKED)
+    low, high = np.full(len(q), -2 * MAX_LAW_EXPONENT), np.full(len(q), 2 * MAX_LAW_EXPONENT)
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         right = np.sum(scipy.special.softmax(log_power + middle[:, np.newaxis] * q, axis=1) * q, axis=1) > 0

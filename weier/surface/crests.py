@@ -26,12 +26,12 @@ from weier.surface.expansions import (
 SAMPLES_PER_WAVE = 16  # samples per finest wave that resolve every crest
 # offsets of the samples from the nearest node, in steps
 SAMPLE_OFFSETS = np.arange(-0.5, 0.5, NODES_PER_WAVE / SAMPLES_PER_WAVE)
-MAX_SAMPLES = 2**17  # per period, up to which all crests are located before a solution
+MAX_SAMPLES = 2**17  # samples per period up to which all crests are located before a solution
 # Newton's method starts within 1/16 of the finest wave: 6 steps to rounding, 25 if the curvature vanishes as well
 MAX_NEWTON_STEPS = 40
 # subdivisions of the interval around a sampled maximum that may hold several crests; odd, for symmetry
 SUBDIVISIONS = 31
-MIN_SEPARATION = 1e-5  # of crests, in the finest wave; closer ones are equal to rounding
+MIN_SEPARATION = 1e-5  # distance of crests, in finest waves; closer crests are equal to rounding
 MAX_SAMPLED_WAVES = 10**6  # finest waves whose samples take 128 MB
 
 
@@ -59,7 +59,7 @@ class Crests(NamedTuple):
     """The crests of a series, in any order, among the nodes that it is expanded about.
 
     node, offset : the nearest node, and the distance from there, at most half a step, shape (crests,)
-    expansion : of the series about each crest, shape (crests, ORDER + 1); the slope is 0
+    expansion : coefficients about each crest, shape (crests, ORDER + 1); the slope is 0
     """
 
     node: Indices
@@ -140,8 +140,8 @@ def highest_crest(
 ) -> tuple[float, float]:
     """Return position and height of the highest point of a series: the highest of the sampled maxima that may be it.
 
-    A crest is half a step from the nearest sample at most, and so higher by an eighth of the largest curvature, in
-    steps, at most. ValueError is raised if the samples would be more than a computer holds.
+    A crest is at most half a step from the nearest sample, and so at most an eighth of the largest curvature, in
+    steps, higher. ValueError is raised if the samples would not fit into memory.
     """
     if waves_per_period[-1] > MAX_SAMPLED_WAVES:
         raise ValueError(
@@ -167,7 +167,7 @@ def crest_heights(
     Twin crests may differ by so little that the heights of both, as floats, do not show it. A position that is off
     by slope/curvature, to rounding of a float, is corrected by slope^2/(2 curvature).
     """
-    import mpmath as mp  # which takes a tenth of a second, and few profiles need
+    import mpmath as mp  # few profiles need this import of a tenth of a second
 
     with mp.workdps(40):
         k = [2 * mp.pi * mp.mpf(int(n)) / mp.mpf(period) for n in waves_per_period]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices
 
-NODES_PER_WAVE = 4  # per finest wave, so that theta_n <= pi/2
-ORDER = 22  # remainder 3e-16, see above
+NODES_PER_WAVE = 4  # nodes per finest wave, so that theta_n <= pi/2
+ORDER = 22  # gives the remainder 3e-16, see above
 # Degrees of the terms of a polynomial, and binomial coefficients for its translation.
 DEGREE = np.arange(ORDER + 1.0)
 BINOMIAL = np.array([[math.comb(j, i) for j in range(ORDER + 1)] for i in range(ORDER + 1)], float)
@@ -42,7 +42,7 @@ def expand(amplitude: Array, waves_per_period: Sequence[int], phase: Array) -> E
     nodes = count_nodes(waves_per_period[-1])
     spectrum = np.zeros((nodes // 2 + 1, ORDER + 1), complex)
     wave = 0.5 * nodes * np.exp(1j * phase)
-    spectrum[np.array(waves_per_period)] = wave[:, None] * _of_waves(amplitude, waves_per_period, nodes)
+    spectrum[np.array(waves_per_period)] = wave[:, None] * _wave_coefficients(amplitude, waves_per_period, nodes)
     return np.asarray(np.fft.irfft(spectrum, nodes, axis=0))
 
 
@@ -51,10 +51,10 @@ def expand_at(
 ) -> Expansions:
     """Return the expansions about some nodes, by direct sums."""
     angle = np.stack([phase_angle(k, node, nodes) for k in waves_per_period], axis=-1)
-    return np.asarray((np.exp(1j * (angle + phase)) @ _of_waves(amplitude, waves_per_period, nodes)).real)
+    return np.asarray((np.exp(1j * (angle + phase)) @ _wave_coefficients(amplitude, waves_per_period, nodes)).real)
 
 
-def _of_waves(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
+def _wave_coefficients(amplitude: Array, waves_per_period: Sequence[int], nodes: int) -> NDArray[np.complex128]:
     """Return the coefficients a (i theta)^j/j! of each wave, shape (terms, ORDER + 1)."""
     factor = np.empty((len(waves_per_period), ORDER + 1), complex)
     factor[:, 0] = amplitude

@@ -103,7 +103,7 @@ def gaussian(
             f"of {height:.3g} m: is a unit wrong? Lengths and heights are in m"
         )
     coefficient = math.sqrt(2) * height / size * amplitude * np.exp(1j * phases.first(k.size))
-    return Trace.of_waves(
+    return Trace.from_waves(
         k,
         coefficient,
         lambda_0=length,

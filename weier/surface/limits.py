@@ -17,7 +17,7 @@ def resolvable(profile: Waves) -> bool:
 
 
 def check_resolvable(profile: Waves) -> None:
-    """Refuse a surface whose finest wave fits more often into the period than a computer can hold."""
+    """Refuse a surface that has more finest waves per period than a computer can hold."""
     if not resolvable(profile):
         raise ValueError(
             f"the finest wave must fit at most {MAX_WAVES} times into the period, which {profile.describe()} "
@@ -35,7 +35,7 @@ def _nearby_ratio(profile: Waves) -> str:
     """Return advice to take a rational gamma close to the given one, if its period is short enough."""
     if not isinstance(profile, Profile):  # A trace has no gamma, and its waves are counted when it is made.
         return ""
-    most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # of the numerator
+    most = math.exp(math.log(MAX_WAVES) / (profile.m - 1)) * (1 + 1e-12)  # largest numerator
     denominator = int(most / float(profile.gamma))
     if denominator < 1:
         return ""

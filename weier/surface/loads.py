@@ -14,11 +14,11 @@ from weier.kernels.arrays import Array, Indices
 from weier.surface.waves import Waves
 
 LOAD_RANGE = 1e-12, 1e12  # p_0*; outside, rounding leaves few digits of the compliance
-MAX_PASCAL = 1e13  # above any modulus, in Pa
-FAR_BEYOND = 100.0  # factor above full contact from which loads are probably in Pa
+MAX_PASCAL = 1e13  # Pa; exceeds any modulus
+SUSPECT_LOAD_RATIO = 100.0  # ratio to full contact above which loads are probably in Pa
 
 
-LoadsOf = Callable[[Waves], Array]  # From a surface to its loads in p_0*, where the common loads are in Pa.
+LoadsOf = Callable[[Waves], Array]  # Returns the loads of a surface in p_0*, for common loads in Pa.
 
 
 def listed_loads(mean_pressure: ArrayLike) -> tuple[Array, Indices]:
@@ -63,9 +63,9 @@ def unit_doubt(profile: Waves, loads: Array) -> str:
     """Return a warning if all loads are far above full contact and may not be in p_0*; otherwise empty."""
     if math.isinf(profile.m):
         return ""
-    with np.errstate(over="ignore"):  # of a series of very many terms
-        full = float(np.sum(profile.full_contact_pressure))  # at most
-    if loads.min() <= FAR_BEYOND * full or loads.max() > MAX_PASCAL:
+    with np.errstate(over="ignore"):  # pressures of very long series overflow
+        full = float(np.sum(profile.full_contact_pressure))  # upper bound on full contact
+    if loads.min() <= SUSPECT_LOAD_RATIO * full or loads.max() > MAX_PASCAL:
         return ""
     return (
         f"all loads lie far beyond full contact, which takes {full:.3g} p_0* at most, got {loads.min():.3g} p_0* and "
@@ -87,7 +87,7 @@ def check_pascal(loads: Array) -> None:
 
 
 def check_range(loads: Array) -> None:
-    """Refuse more loads than a scene may have, and loads so light or heavy that rounding leaves nothing of them."""
+    """Refuse more loads than a scene may have, and loads that are too light or heavy for double precision."""
     check_count(loads)
     low, high = LOAD_RANGE
     if loads.min() < low or loads.max() > high:

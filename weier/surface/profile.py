@@ -28,8 +28,8 @@ from weier.surface.waves import Waves
 PARAMETERS = ("D", "gamma", "m")
 # largest integer in the fraction of a float gamma: 1.1 is 11/10, and pi is refused
 MAX_DENOMINATOR = 10**6
-ROUNDING = 1e-9  # relative, of phases of 2 pi
-WHOLE_RADIANS = 10  # larger whole numbers are probably degrees
+ROUNDING = 1e-9  # relative rounding of phases of 2 pi
+MAX_WHOLE_RADIANS = 10  # larger whole numbers are probably degrees
 # largest seed: data hold seeds as floats, which have all integers up to here
 MAX_SEED = 2**53 - 1
 
@@ -105,7 +105,7 @@ class Profile(Waves):
     m: float
     phases: Phases = 0.0
 
-    # The generated one would accept only the types that the fields have.
+    # A generated __init__ would accept only the types of the fields.
     def __init__(
         self,
         D: float,
@@ -121,7 +121,7 @@ class Profile(Waves):
             phases = random_phases(seed)
         m = series.checked_terms(m)
         fields = {"D": series.checked_dimension(D), "gamma": checked_ratio(gamma), "m": m}
-        # In place of assignments, which a frozen dataclass refuses.
+        # A frozen dataclass refuses assignments.
         vars(self).update(fields, phases=checked_phases(phases, m))
 
     def __repr__(self) -> str:
@@ -221,7 +221,7 @@ class Profile(Waves):
 
     @property
     def listed_phases(self) -> Array:
-        """Phases that results list, in radians; of the infinite series those of two terms, unless they are random."""
+        """Phases that results list, in radians; for the infinite series, those of two terms unless random."""
         if math.isfinite(self.m):
             return self.phase
         return np.full(1, np.nan) if isinstance(self.phases, RandomPhases) else np.array([0.0, self.phases])
@@ -239,7 +239,7 @@ class Profile(Waves):
         phases: Any = self.phases
         if isinstance(self.phases, RandomPhases):
             seed, phases = float(self.phases.seed), None
-            if self.m <= 1000:  # random phases in labels; the seed defines them
+            if self.m <= 1000:  # the seed defines random phases, so labels omit them
                 phases = self.phase.tolist()
         own = {name: float(getattr(self, name)) for name in PARAMETERS}
         return own | {"seed": seed, "phases": json.dumps(phases)}
@@ -260,11 +260,11 @@ def checked_phases(phases: float | Sequence[float] | Array | RandomPhases, m: fl
     others = np.abs(values[values != 0])
     beyond = others > 2 * math.pi * (1 + ROUNDING)
     # A translation adds multiples of other numbers to some phases, but rarely whole numbers.
-    if others.size and (beyond.all() or (np.all(others % 1 == 0) and others.max() > WHOLE_RADIANS)):
+    if others.size and (beyond.all() or (np.all(others % 1 == 0) and others.max() > MAX_WHOLE_RADIANS)):
         warnings.warn(
             f"{'all phases that are not 0' if beyond.all() else 'some phases'} exceed 2 pi, got {shown(phases)}: "
             "phases are in radians, and numpy.radians converts them from degrees",
-            stacklevel=3,  # at the call of Profile
+            stacklevel=3,  # the warning points at the call of Profile
         )
     if values.ndim == 0:
         return float(values)

@@ -15,7 +15,7 @@ from weier.checks import checked_number
 from weier.kernels.arrays import Array
 
 INFINITE = ("inf", ".inf", "infinity")  # spellings of Python and YAML
-MAX_TERMS = 10**6  # of a finite series, whose amplitudes are an array
+MAX_TERMS = 10**6  # terms of a finite series, whose amplitudes are stored in an array
 MAX_EXPONENT = 750.0  # above -ln of any double, so that exp(-750) underflows
 
 

@@ -21,7 +21,15 @@ from numpy.typing import NDArray
 from weier import units
 from weier.checks import checked_number, shown
 from weier.kernels.arrays import Array, Flags, Indices
-from weier.surface.bends import BENT, CERTAINLY_BENT, LONG, SHORT, Spectrum, likeliest_bend, log_of
+from weier.surface.bends import (
+    CERTAIN_BEND_GAIN,
+    LONG,
+    MIN_BEND_GAIN,
+    SHORT,
+    Spectrum,
+    likeliest_bend,
+    log_relative_power,
+)
 from weier.surface.measured.artefacts import detrended
 from weier.surface.measured.trace import DECIMAL_ROUNDING, PERIODIC, TAPER, TAPERED, Trace
 from weier.surface.profile import Profile, checked_ratio
@@ -30,22 +38,22 @@ from weier.surface.series import amplitude
 PARTS = 20  # parts of a line, each omitted from the spectrum in turn
 # standard errors of D or ln g_0 without a part from the median over the parts, from which that part dominates the
 # fit: 5 of 1928 random lines of 200 to 4000 heights had one (`python -m benchmarks artefacts --rounds 150`)
-DOMINANT = 2.0
+DOMINANCE_DEVIATIONS = 2.0
 # The next three were measured by the same command.
 # default length of the trace over the longest wavelength: within one and two errors are 0.68 and 0.96 of the lines of
 # five octaves; with a length of one wavelength 0.76 and 0.97
 WAVES_IN_LENGTH = 4
-MIN_RATIO = 4.0  # of the wavelengths: on two octaves 0.68 of the lines have a D between 1 and 2, on one 0.33
+MIN_RATIO = 4.0  # smallest ratio of the wavelengths: 0.68 of lines on two octaves have 1 < D < 2, 0.33 on one
 # power over that of the neighbours below which a wave was removed by a filter or stylus: none of 360 whole spectra is
 # refused, nor at three times as much; at ten times three are
-EMPTY = 0.01
-AROUND = math.sqrt(2)  # half an octave on either side
+REMOVED_WAVE_RATIO = 0.01
+HALF_OCTAVE = math.sqrt(2)  # ratio of wavelengths over half an octave
 # Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a periodic
 # trace, and one square in a mirrored one.
 PERIODIC_SCATTER, MIRRORED_SCATTER = 1.0, 2.0
-STEEPEST = 40.0  # bracket of the exponent; a series has 1 to 3
+EXPONENT_BRACKET = 40.0  # largest |exponent| in bisection; a series has 1 to 3
 # standard deviations of the mean power of half an octave about the law, beyond which the law does not hold there
-OUTLYING = 3.0
+OUTLIER_DEVIATIONS = 3.0
 
 
 @dataclass(frozen=True)
@@ -148,7 +156,7 @@ def fit(
     D = 1.40, m = 11, g_0 = 1.00e-06 m
     """
     if isinstance(trace, list | tuple) and trace:
-        return tuple(_fit_of_many(one, longest, shortest, gamma) for one in trace)
+        return tuple(_fit_one(one, longest, shortest, gamma) for one in trace)
     if not isinstance(trace, Trace):
         raise ValueError(f"trace must be a weier.Trace, or a list of some, got {shown(trace)}")
     ratio = checked_ratio(gamma)
@@ -175,7 +183,7 @@ def fit(
     return Fit(law.D, D_error, ratio, law.m, lambda_0, law.g_0, law.g_0 * g_0_error, rolloff, trace.source)
 
 
-def columns_of_fits(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
+def fit_columns(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
     """Return the fits of traces, each with its `longest`, as columns of results; None stands for another surface.
 
     Where a trace has no fit, its numbers are NaN, and the remark is the reason. Where a part of the line dominates a
@@ -200,7 +208,7 @@ def columns_of_fits(traces: Iterable[tuple[Trace, float | None] | None]) -> dict
     return columns | {"trace_fit_remark": np.array(remarks, str)}
 
 
-def _fit_of_many(trace: Trace, *arguments: Any) -> Any:
+def _fit_one(trace: Trace, *arguments: Any) -> Any:
     """Return the fit of one of several traces, which is named if it is refused."""
     try:
         return fit(trace, *arguments)
@@ -292,10 +300,10 @@ def _law(whole: Spectrum, first: float, last: float, ratio: Fraction) -> Law:
     D_influence, D_bias = _influence_on_D(k, beta, scatter)
     D = (5 - beta) / 2 - D_bias
     n = np.arange(m)
-    variances = amplitude(n, D, float(ratio)) ** 2  # of the terms, over that of the first
+    variances = amplitude(n, D, float(ratio)) ** 2  # variance of the terms over the variance of the first
     part = variances / variances.sum()
     share = (k / k[0]) ** -beta / ((k / k[0]) ** -beta).sum()
-    slope = math.log(ratio) * float(n @ part)  # of ln g_0 by D, with the opposite sign, at a given variance
+    slope = math.log(ratio) * float(n @ part)  # minus the derivative of ln g_0 with respect to D at a given variance
     curvature = math.log(ratio) ** 2 * float(n**2 @ part - (n @ part) ** 2)
     influences = np.array([D_influence, share / 2 - slope * D_influence])
     errors = np.sqrt(scatter * (influences**2).sum(axis=1))
@@ -311,10 +319,10 @@ def _excess(k: Indices, variance: Array, beta: float, scatter: float) -> tuple[I
     half_octave = np.floor(2 * np.log2(k / k[0])).astype(int)
     half_octave = np.unique(half_octave, return_inverse=True)[1]
     weight, x = _weights(k)
-    weighted = scipy.special.softmax(log_of(weight * variance) + beta * x)  # by weights, the power over the law
+    weighted = scipy.special.softmax(log_relative_power(weight * variance) + beta * x)  # weighted power over the law
     mean = np.bincount(half_octave, weighted) / np.bincount(half_octave, weight)
     theory = scatter / np.bincount(half_octave)
-    return half_octave, np.maximum((mean - 1) ** 2 - OUTLYING**2 * theory, 0)
+    return half_octave, np.maximum((mean - 1) ** 2 - OUTLIER_DEVIATIONS**2 * theory, 0)
 
 
 def _straight_law(
@@ -322,9 +330,9 @@ def _straight_law(
 ) -> tuple[Law, float | None, Array]:
     """Return the law between all significant bends, the wavelength of the roll-off, in m, and the doubt about a bend.
 
-    The doubt is a variance of D and ln g_0: the square of what the likeliest bend that is not significant would do to
-    them, times its probability. The odds of the likeliest of many bends are taken as exp(gain - BENT), so that errors
-    cover power laws and spectra with bends alike (docs/measured.rst).
+    The doubt is a variance of D and ln g_0: the squared bias by the likeliest bend that is not significant, times the
+    probability of this bend. Its odds are taken as exp(gain - MIN_BEND_GAIN), so that the errors cover power laws and
+    spectra with bends alike (docs/measured.rst).
 
     Raises
     ------
@@ -334,21 +342,21 @@ def _straight_law(
     first, rolloff, doubt = law.longest, None, np.zeros(2)
     while bend := likeliest_bend(whole.between(first, last), _least_ratio(law.ratio)):
         at, end = (whole.period / math.exp(x) for x in (bend.place, bend.end))
-        if given[bend.side] and bend.gain > CERTAINLY_BENT:
+        if given[bend.side] and bend.gain > CERTAIN_BEND_GAIN:
             what = "roll-off" if bend.is_rolloff else "bend"
             advice = "longest" if bend.side == LONG else "shortest"
             raise ValueError(
                 f"the spectrum must be one power law from {first:.6g} to {last:.6g} m, got a {what} at {at:.3g} m: "
                 f"take {advice}={end:.3g}, or none"
             )
-        if given[bend.side] or bend.gain <= BENT:
+        if given[bend.side] or bend.gain <= MIN_BEND_GAIN:
             x = np.log(whole.k)
             with_bend, without = (
                 _law(whole._replace(variance=np.exp(-bend.beta * q)), first, last, law.ratio)
                 for q in (bend.bent(x), x)
             )
             shift = with_bend.D - without.D, math.log(with_bend.g_0 / without.g_0)
-            doubt = np.square(shift) * scipy.special.expit(bend.gain - BENT)
+            doubt = np.square(shift) * scipy.special.expit(bend.gain - MIN_BEND_GAIN)
             break
         first, last = (end, last) if bend.side == LONG else (first, end)
         rolloff = at if bend.is_rolloff else rolloff
@@ -363,11 +371,11 @@ def _has_power(k: Indices, power: Array) -> Flags:
     shorter ones, but not a hundredth of these.
     """
     sums = np.append(0, np.cumsum(power))
-    low, high = np.searchsorted(k, k / AROUND, "left"), np.searchsorted(k, k * AROUND, "right")
+    low, high = np.searchsorted(k, k / HALF_OCTAVE, "left"), np.searchsorted(k, k * HALF_OCTAVE, "right")
     mean = (sums[high] - sums[low]) / (high - low)
     falling, rising = mean * k**3.0, mean[::-1]
-    known = falling > EMPTY * np.maximum.accumulate(falling)
-    return np.asarray(known & (rising > EMPTY * np.maximum.accumulate(rising))[::-1])
+    known = falling > REMOVED_WAVE_RATIO * np.maximum.accumulate(falling)
+    return np.asarray(known & (rising > REMOVED_WAVE_RATIO * np.maximum.accumulate(rising))[::-1])
 
 
 def _check_power(k: Indices, known: Indices, period: float) -> None:
@@ -379,10 +387,10 @@ def _check_power(k: Indices, known: Indices, period: float) -> None:
     within = known[(known >= k[0]) & (known <= k[-1])]
     widest = np.diff(np.log(within)).max(initial=math.log(1 + 1 / k[0]))
     if not within.size or math.log(k[-1] / within[-1]) > widest:
-        last = period / (within if within.size else known)[-1] * AROUND
+        last = period / (within if within.size else known)[-1] * HALF_OCTAVE
         raise ValueError(f"{problem} shorter than {last:.3g} m: take shortest={last:.3g}")
     if math.log(within[0] / k[0]) > widest:
-        first = period / within[0] / AROUND
+        first = period / within[0] / HALF_OCTAVE
         raise ValueError(f"{problem} longer than {first:.3g} m: take longest={first:.3g}")
 
 
@@ -396,7 +404,7 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     windows = list(zip(ends[:-width].tolist(), ends[width:].tolist(), strict=True))
     length = trace.lambda_0 * z.size / trace.samples
     around = _extended(trace, z)
-    without = np.empty((2, len(windows)))  # D and ln g_0
+    without = np.empty((2, len(windows)))  # columns: D and ln g_0
     for part, (start, end) in enumerate(windows):
         flat = z.copy()
         flat[start:end] = np.interp(np.arange(start, end), [start - 1, end], around[[start - 1, end % around.size]])
@@ -407,9 +415,9 @@ def _artefact(trace: Trace, z: Array, law: Law, width: int = 1) -> str:
     shift = without - np.median(without, axis=1, keepdims=True)
     over_error = np.abs(shift) / law.errors[:, np.newaxis]
     quantity, at = np.unravel_index(int(over_error.argmax()), shift.shape)
-    if not over_error[quantity, at] > DOMINANT:
+    if not over_error[quantity, at] > DOMINANCE_DEVIATIONS:
         return ""
-    cut = (trace.samples - z.size) // 2  # tapered heights at either end
+    cut = (trace.samples - z.size) // 2  # number of tapered heights at either end
     x = (cut + np.array(windows[at])) / trace.samples * trace.lambda_0
     D_error, g_0_error = law.errors.tolist()
     if quantity == 0:
@@ -435,14 +443,14 @@ def _weights(k: Indices) -> tuple[Array, Array]:
 def _exponent(k: Indices, power: Array) -> float:
     """Return the exponent beta of a spectrum k^-beta."""
     weight, x = _weights(k)
-    log_power = log_of(weight * power)
+    log_power = log_relative_power(weight * power)
 
     def centre(beta: float) -> float:
         return float(scipy.special.softmax(log_power + beta * x) @ x)  # w_k P_k k^beta itself may overflow
 
-    if not centre(-STEEPEST) < 0 < centre(STEEPEST):  # few waves, beside none
-        return math.copysign(STEEPEST, -centre(0))
-    return float(scipy.optimize.brentq(centre, -STEEPEST, STEEPEST))
+    if not centre(-EXPONENT_BRACKET) < 0 < centre(EXPONENT_BRACKET):  # the spectrum has hardly any waves
+        return math.copysign(EXPONENT_BRACKET, -centre(0))
+    return float(scipy.optimize.brentq(centre, -EXPONENT_BRACKET, EXPONENT_BRACKET))
 
 
 def _influence_on_D(k: Indices, beta: float, scatter: float) -> tuple[Array, float]:

@@ -18,8 +18,8 @@ from weier.checks import checked_count, checked_numbers, shown
 from weier.kernels.arrays import Array
 from weier.surface.crests import highest_crest, sample
 
-MAX_POINTS = 10**7  # of a sampled period or grid: 80 MB
-MAX_X = 1e15  # lambda_0; above, rounding is of the order of a wavelength
+MAX_POINTS = 10**7  # points of a sampled period or grid: 80 MB
+MAX_X = 1e15  # lambda_0; rounding of larger positions is of the order of a wavelength
 
 
 class Waves(ABC):
@@ -125,7 +125,7 @@ class Waves(ABC):
 
     @cached_property
     def full_contact_load(self) -> float:
-        """The mean pressure p from which on no gap is left, in p_0*: p + sum p_n* cos(...) is then 0 at one place."""
+        """Smallest mean pressure p of full contact, in p_0*: p + sum p_n* cos(...) vanishes at one point."""
         return highest_crest(-self.full_contact_pressure, self.waves_per_period, self.phase, self.period)[1]
 
     @cached_property

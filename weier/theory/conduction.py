@@ -84,7 +84,7 @@ def full_contact_pressure(modulus: float, lambda_0: ArrayLike, g_0: ArrayLike) -
 
 
 def shear_modulus(body: int, mu: ArrayLike | None, E: ArrayLike | None, nu: ArrayLike) -> Array:
-    """Return the shear modulus of body 1 or 2, which is given itself or by Young's modulus."""
+    """Return the shear modulus of body 1 or 2, from its own value or Young's modulus."""
     if mu is not None and E is None:
         return _checked(f"mu_{body}", mu)
     if E is not None and mu is None:

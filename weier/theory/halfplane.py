@@ -21,12 +21,12 @@ Number = TypeVar("Number", float, Array)
 
 # 2 sin(pi u)/u in powers of u^2: for |u| <= 1/2 the next term is below a relative 1e-16
 SINE = tuple(float(2 * (-1) ** k * np.pi ** (2 * k + 1) / np.prod(np.arange(1.0, 2 * k + 2))) for k in range(11))
-MANTISSA_BITS = 52  # of a double (IEEE 754)
-ROOT_OF_HALF = int(np.float64(0.5**0.5).view(np.int64))  # bits of 1/sqrt(2) as an integer
+MANTISSA_BITS = 52  # bits of the mantissa of a double (IEEE 754)
+SQRT_HALF_BITS = int(np.float64(0.5**0.5).view(np.int64))  # bits of 1/sqrt(2) as an integer
 LN_2 = float(np.log(2.0))
 
 
-@lru_cache(maxsize=16)  # of one hierarchy of grids, which the next profile has again
+@lru_cache(maxsize=16)  # holds one hierarchy of grids, which the next profile uses again
 def eigenvalues(points: int, period: float = 1.0) -> Array:
     """Return the eigenvalues of the influence matrix, displacement per pressure for each number of waves.
 
@@ -67,7 +67,7 @@ def displacement_at_distance(x: float, period: float) -> float:
     return -2 * np.log(abs(2 * np.sin(np.pi / period * x)))
 
 
-def displacement_of_punch(half_width: Number, period: float) -> Number:
+def punch_displacement(half_width: Number, period: float) -> Number:
     """Return the displacement under a narrow flat punch of unit force, -2 ln(pi r/L)."""
     return -2 * np.log(np.pi / period * half_width)
 
@@ -99,7 +99,7 @@ def take_logarithms(x: Array) -> None:
     """
     bits = x.view(np.int64)
     for i in range(x.size):
-        is_positive, k = x[i] > 0, (bits[i] - ROOT_OF_HALF) >> MANTISSA_BITS
+        is_positive, k = x[i] > 0, (bits[i] - SQRT_HALF_BITS) >> MANTISSA_BITS
         bits[i] -= k << MANTISSA_BITS  # x is m now
         s = (x[i] - 1) / (x[i] + 1)
         q = s * s

@@ -206,8 +206,8 @@ def test_kernels_as_plain_python_give_what_they_give_compiled():
 def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
     """The guess of each grid is made once, also if a part ends between two grids."""
     found = []
-    for part in (active_set.PART, 1, 3000):
-        monkeypatch.setattr(active_set, "PART", part)
+    for part in (active_set.WORK_PER_CALL, 1, 3000):
+        monkeypatch.setattr(active_set, "WORK_PER_CALL", part)
         solution = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10).solve_discrete(load, True)
         found.append((solution.plane, solution.work, solution.resistance))
     assert found[0] == found[1] == found[2]

@@ -15,7 +15,7 @@ from weier.methods import demelio, layer, westergaard
 from weier.methods.layer import fixed_point, layer_curve
 from weier.methods.layer.layer_curve import ACCURACY, POINTS
 from weier.methods.layer.scales import Model, finer_waves, scale_on
-from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, position_of
+from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, table_position
 from weier.methods.layer.wave import midpoints
 from weier.surface.series import tail_amplitude
 
@@ -43,7 +43,7 @@ def test_damped_steps_find_the_curve_that_wave_by_wave_sums_approach():
     """Without a fixed point: 100 waves, each on a table of the finer ones, and what the others may add at most."""
     loads, D, gamma, m = np.geomspace(1e-3, 3, 5), 1.99, 100, 100
     model = Model(D, gamma, m, midpoints(POINTS), 1e-2, 1e-8)
-    finer = finer_waves(model, BOTTOM_POSITIONS[0], position_of(layer_curve._top(model)))
+    finer = finer_waves(model, BOTTOM_POSITIONS[0], table_position(layer_curve._top(model)))
     finite, _, _ = scale_on(finer, model).solve(np.log(loads))
     added = layer.curve(Profile(D, gamma, math.inf), loads).compliance - finite
     assert np.all(added > 0)

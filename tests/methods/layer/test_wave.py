@@ -7,7 +7,7 @@ import pytest
 
 from weier import ConvergenceError, Profile
 from weier.methods import layer, westergaard
-from weier.methods.layer.closure import closure_of
+from weier.methods.layer.closure import closure_from_table
 from weier.methods.layer.conditions import violations
 from weier.methods.layer.layer_curve import ACCURACY, POINTS
 from weier.methods.layer.scales import RESIDUAL_FRACTION, coarser_units, finest_wave, model_of
@@ -28,7 +28,7 @@ def test_a_stiff_layer_leaves_westergaard(xi):
     position = np.linspace(-4, 1, 200)  # the cubics between so many rows are the power law to 1e-8
     log_p = np.sinh(position)
     log_w, slope = log_p + np.log(1e-11 * np.sqrt(xi)), np.cosh(position)
-    found = solve_waves(np.log([xi]), closure_of(position, log_w, slope), midpoints(POINTS), 1e-12)
+    found = solve_waves(np.log([xi]), closure_from_table(position, log_w, slope), midpoints(POINTS), 1e-12)
     np.testing.assert_allclose(found.compliance, westergaard.compliance(xi), rtol=1e-6)
     np.testing.assert_allclose(found.rate / xi, westergaard.resistance(xi), rtol=1e-4, atol=2e-5)
 

@@ -20,7 +20,7 @@ from weier.methods.patches.certificate import (
     _sizes,
     certify,
     contact_residual,
-    effect_of_cracks,
+    crack_effect,
     error_bound,
     largest_displacement,
     sample_points,
@@ -133,7 +133,7 @@ def test_tension_outside_a_thin_gap_is_taken_off_in_the_other_gaps(period):
 
     force = quad(tension, right, left + period)[0]
     for dual in (False, True):
-        moved, mean, doubt = effect_of_cracks(wave.state(dual)._replace(cracks=cracks), period)
+        moved, mean, doubt = crack_effect(wave.state(dual)._replace(cracks=cracks), period)
         assert mean == pytest.approx(force / period, rel=1e-9, abs=0)
         assert moved == pytest.approx(largest_displacement(tension(right), force, period), rel=1e-9, abs=0)
         assert doubt == pytest.approx(abs(3e-12 - volume / period), rel=1e-12, abs=0)
@@ -153,9 +153,9 @@ def test_tension_of_a_thin_gap_is_taken_off_in_another_one(period, dual):
     t, b, volume = np.array([-0.3, 0.5]), np.array([2e-4, 1e-4]) * period, np.array([1e-9, 3e-9])
     cracks = Cracks(np.zeros(2, int), t, b / wave.half_width, b, none, none, volume, volume / period, none)
     state = wave.state(dual)._replace(cracks=cracks)
-    _, mean, _ = effect_of_cracks(state, period)
+    _, mean, _ = crack_effect(state, period)
     alone = [
-        effect_of_cracks(state._replace(cracks=Cracks(*(values[i : i + 1] for values in cracks))), period)[1]
+        crack_effect(state._replace(cracks=Cracks(*(values[i : i + 1] for values in cracks))), period)[1]
         for i in range(2)
     ]
 
@@ -454,7 +454,7 @@ def test_gaps_that_may_hold_a_contact_have_the_uncertainty_of_heights(period, mo
     wave, minima = OneWave(period, 0.2 * period, 0.0), np.zeros(2, MINIMUM)
     state = wave.state(True)._replace(coefficient=np.zeros_like(wave.state(True).coefficient))
     minima["value"] = np.array([0.9, 1.1]) * FIELD_ROUNDING
-    monkeypatch.setattr(patches.gaps, "minima_of_gaps", lambda state: minima)
+    monkeypatch.setattr(patches.gaps, "gap_minima", lambda state: minima)
     monkeypatch.setattr(certificate, "error_bound", lambda *arguments: 0.0)
     nothing = np.zeros(0, MINIMUM)
     found = certify(state, np.zeros(1), np.ones(1), np.zeros(1), nothing, nothing, wave.series(True), 1.0, 1e-3, 0.0)

@@ -30,7 +30,7 @@ def moves_of(psi, r, gap, dual):
     first, b = np.append(0, np.cumsum([c.size for c in coefficients])), np.concatenate(coefficients)
     a = regular_part(first, b)
     kind = KINDS[dual]
-    return edge_moves(first, np.array(r), np.array(gap), b, a, kind.right_sign, kind.k_0_of_curvature)
+    return edge_moves(first, np.array(r), np.array(gap), b, a, kind.right_sign, kind.curvature_k_0)
 
 
 def psi_of_hertz(r, a, shift, curvature):

@@ -263,6 +263,6 @@ def test_no_minimum_of_the_gap_is_hidden_by_rounding():
     edge = solution.centre + solution.half_width
     for width in np.geomspace(1e-6, 1e-2, 9):
         around = np.array([x]), np.array([-0.93 * width]), np.array([width])
-        np.testing.assert_array_equal(event_search._minima_of_gap(state, series, *around), 1)
+        np.testing.assert_array_equal(event_search._count_gap_minima(state, series, *around), 1)
         beside = edge, np.full(edge.size, 1e-3 * width), np.full(edge.size, 1e-2 * width)
-        np.testing.assert_array_equal(event_search._minima_of_gap(state, series, *beside), 0)
+        np.testing.assert_array_equal(event_search._count_gap_minima(state, series, *beside), 0)

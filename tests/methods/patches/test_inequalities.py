@@ -13,8 +13,8 @@ from weier.methods.patches.certificate import contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.given_edges import field_of_forces
-from weier.methods.patches.inequalities import find_missing, find_negative_intervals, minima_of_gaps, minima_outside
+from weier.methods.patches.given_edges import force_field
+from weier.methods.patches.inequalities import find_missing, find_negative_intervals, gap_minima, minima_outside
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import MINIMUM, ContactState, end_sums, make_segments
 from weier.methods.patches.surface import make_series, nearest_crests
@@ -81,7 +81,7 @@ def test_overlaps_in_gaps(period, part):
     overlap = r * (1 - 0.09) ** 1.5 * depth
     assert found["height"][0] == pytest.approx(overlap, rel=1e-9, abs=0)
     assert found["value"][0] == pytest.approx(-overlap, rel=0.05)
-    minima = minima_of_gaps(state)
+    minima = gap_minima(state)
     minimum = minima[np.argmin(minima["value"])]
     assert minimum["interval"] == 0
     assert minimum["value"] == pytest.approx(-overlap, rel=0.05)
@@ -94,7 +94,7 @@ def test_each_gap_has_minima_of_its_own_and_none_at_its_ends():
     one = state_of(lambda t: (1 - t * t) * 2 * (t - 0.25) - 3 * t * ((t - 0.25) ** 2 + 1e-4), 1.0, 0.1, True)
     middle, r, none = np.array([0.2, 0.5, 0.8]), np.array([0.1, 0.05, 0.02]), np.zeros(3)
     segments = make_segments(none.astype(int), none, middle, r, np.full(3, 12))
-    minima = minima_of_gaps(one._replace(segments=segments, coefficient=np.tile(one.coefficient, 3)))
+    minima = gap_minima(one._replace(segments=segments, coefficient=np.tile(one.coefficient, 3)))
     assert minima["interval"].tolist() == [0, 1, 2]
     assert (minima["position"] - middle) / r == pytest.approx(0.25, abs=0.05)
     assert minima["value"] == pytest.approx(1e-4 * 0.9375**1.5 * r, rel=0.1)
@@ -218,7 +218,7 @@ def test_a_missing_segment_gets_the_width_of_its_parabola(period, dual, monkeypa
     step = take_step(problem, make_guess(problem, segments, 1e-10), 1e-14)
 
     def residual(x):
-        total = field_of_forces(step.punches, step.forces.force, x)
+        total = force_field(step.punches, step.forces.force, x)
         return (0.0 if dual else step.forces.plane) + total - problem.forcing(*nearest_crests(series, x))
 
     edges, minima = find_missing(problem, step, 0.0, 0.0, 0.0)

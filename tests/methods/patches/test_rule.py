@@ -6,13 +6,13 @@ from numpy.polynomial.chebyshev import chebval
 
 from tests.methods.patches.westergaard_states import KINDS
 from weier.methods.patches.rule import (
-    add_own_blocks,
-    expansion_of,
-    forces_of,
+    add_self_influence,
+    add_self_influence_blocks,
+    expand_forces,
+    forces_from_expansion,
     make_rule,
-    own_tables,
     place_nodes,
-    times_own,
+    self_influence_tables,
 )
 
 PERIODS, COUNTS = (1.0, 2.0, 9.0), np.array([1, 2, 5, 12])
@@ -48,7 +48,9 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     kind = KINDS[dual]
     r, dense = RADII * period, np.zeros((FIRST[-1], FIRST[-1]))
     offset, left, diagonal = placed(FIRST, r, period, dual)
-    add_own_blocks(FIRST, left, diagonal, own_tables(FIRST, kind), kind.shift, kind.hankel_sign, dense)
+    add_self_influence_blocks(
+        FIRST, left, diagonal, self_influence_tables(FIRST, kind), kind.shift, kind.hankel_sign, dense
+    )
     for j, K in enumerate(COUNTS):
         here, wave = slice(FIRST[j], FIRST[j + 1]), waves(K, dual)
         t, k = -np.cos(angles(K, dual)), np.arange(K)
@@ -67,7 +69,7 @@ def test_own_influences_replace_the_kernel_by_its_closed_form(period, dual):
     assert not np.any(np.tril(dense, -1))
     force = np.random.default_rng(0).normal(size=FIRST[-1])
     total, rule = diagonal * force, make_rule(FIRST, kind)
-    times_own(FIRST, rule.own, rule.start, left, force, total)
+    add_self_influence(FIRST, rule.own, rule.start, left, force, total)
     both = dense + dense.T - np.diag(np.diag(dense))
     np.testing.assert_allclose(total, both @ force, atol=1e-12 * np.abs(both @ force).max())
 
@@ -86,7 +88,7 @@ def test_the_own_influence_is_inverted_degree_by_degree(dual, period):
     weight = np.pi / (nodes + 1) * np.sin(angles(nodes, dual)) ** 2 * 2 * np.pi * r**2
     for k in range(nodes):
         force = np.zeros(nodes)
-        times_own(first, rule.inverse, rule.start, 1 / left, wave[k], force)
+        add_self_influence(first, rule.inverse, rule.start, 1 / left, wave[k], force)
         force *= 2 * period**2 if dual else 0.5
         expected = weight * wave[k] / (k + 1) if dual else k / (2 * nodes) * wave[k]
         np.testing.assert_allclose(force, expected, atol=1e-12 * period**2)
@@ -102,7 +104,7 @@ def test_expansions_are_those_of_the_density(period, dual):
     if dual:
         b[FIRST[:-1]] = 0.0  # a slope with a mean would not close the gap
     _, left, _ = placed(FIRST, r, period, dual)
-    force = forces_of(FIRST, r, left, b, FIRST, np.arange(4), period, kind.shift, kind.derivative)
+    force = forces_from_expansion(FIRST, r, left, b, FIRST, np.arange(4), period, kind.shift, kind.derivative)
     for j, K in enumerate(COUNTS):
         here, angle = slice(FIRST[j], FIRST[j + 1]), angles(K, dual)
         t = -np.cos(angle)
@@ -114,5 +116,5 @@ def test_expansions_are_those_of_the_density(period, dual):
             expected = np.pi / K * r[j] * chebval(t, b[here])
         np.testing.assert_allclose(force[here], expected, atol=1e-12 * period**2)
     np.testing.assert_allclose(
-        expansion_of(FIRST, r, left, force, period, kind.shift, kind.derivative), b, atol=1e-12
+        expand_forces(FIRST, r, left, force, period, kind.shift, kind.derivative), b, atol=1e-12
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from weier import Interface, solve
-from weier.surface.measured.length_units import cells_of_heading, unit_of_cell
+from weier.surface.measured.length_units import cell_unit, heading_cells
 from weier.surface.measured.trace import Trace
 
 N = np.arange(200)
@@ -561,7 +561,7 @@ def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file):
     ],
 )
 def test_units_of_a_heading(heading, units):
-    assert list(map(unit_of_cell, cells_of_heading(heading, len(units), " "))) == units
+    assert list(map(cell_unit, heading_cells(heading, len(units), " "))) == units
 
 
 @pytest.mark.parametrize("heading", ["x (mm)", "Position [mm]", "Profile length (mm)"])

@@ -22,12 +22,12 @@ from weier.methods.bem.staircase import NodalSolution
 from weier.surface.waves import Waves
 
 TANGENT_TOLERANCE = 1e-4  # variation of A q in contact over R; the relative error of R is its square
-MIN_RESISTANCE = 1e-6  # g_0/p_0*: lower limit of R in that ratio; below, near full contact, rounding dominates
-MAX_STEPS = 1000  # per grid, a safeguard
+MIN_RESISTANCE = 1e-6  # g_0/p_0*: smallest R in that ratio; rounding dominates a smaller R, near full contact
+MAX_STEPS = 1000  # steps of conjugate gradients per grid, a safeguard
 # ratio of violations to the gap in contact at which the active set is first corrected; it grows by 1 with each
 # correction. Its cost is in `python -m benchmarks tuning`.
 FIRST_PATIENCE = 3
-PART = 2**22  # nodes in steps after which `_iterate` returns to Python, so that Ctrl-C works
+WORK_PER_CALL = 2**22  # nodes in steps after which `_iterate` returns to Python, so that Ctrl-C works
 
 # Progress of the iteration: steps of conjugate gradients and corrections of the contact on this grid; number of edges
 # of contact in the array `edge`; pairs of FFTs times their nodes on all grids; load, in p_0*; energy of the residual
@@ -45,7 +45,7 @@ class GridState(NamedTuple):
 
     pressure : p, shape (N,), in p_0*
     deformed : deformed surface z - A p, shape (N,), in g_0
-    direction : of the search, shape (N,), in p_0*; 0 outside contact
+    direction : search direction, shape (N,), in p_0*; 0 outside contact
     vector : residual, continued into the gaps, or a product, shape (N,)
     spectrum : work array for the FFT, shape (N//2 + 1,)
     contact : whether a node is in contact, shape (N,)
@@ -208,7 +208,7 @@ def _iterate(
     grid: Grid,
     state: GridState,
 ) -> bool:
-    """Begin or go on, for a number of steps; return whether the solution is found, or `MAX_STEPS` are over.
+    """Iterate for a number of steps; return whether the solution is found or `MAX_STEPS` are used up.
 
     It is found if the residual is small, on the finest grid on a freshly applied operator, with the pressure free of
     tension and scaled to the load. The contact is corrected when its violations exceed the error on it by a factor
@@ -260,7 +260,7 @@ class NestedSolver:
     def solve_discrete(self, load: float, with_tangent: bool, flatness: float = TANGENT_TOLERANCE) -> NodalSolution:
         """Return the solution under a load; `with_tangent`, also its derivative, at a third more cost.
 
-        Its arrays but those of pressure and gap are overwritten by the next solution.
+        The next solution overwrites its arrays, except pressure and gap.
         """
         progress, coarse, carried = self._progress, np.full(1, load), 0
         progress["load"], progress["work"], progress["resistance"] = load, 0, np.nan
@@ -272,13 +272,13 @@ class NestedSolver:
         if with_tangent and residual <= self.grid.max_residual:
             self._run(flatness, coarse, carried, self._flat, state)
         R = np.inf if progress["steps"].item() == MAX_STEPS else progress["resistance"].item()
-        work = progress["work"].item() / self.grid.height.size  # those of coarser grids count by their size
+        work = progress["work"].item() / self.grid.height.size  # FFTs of coarser grids count by their size
         fields = pressure, gap, state.pressure, -state.deformed, state.contact
         return NodalSolution(plane, R, residual, work, *fields)
 
     def _run(self, flatness: float, coarse: Array, carried: int, grid: Grid, state: GridState) -> None:
-        """Iterate until the solution is found, `PART` of the work at a time."""
-        problem = max(PART // state.vector.size, 1), flatness, coarse, carried, self.harmonics, grid, state
+        """Iterate until the solution is found, `WORK_PER_CALL` of the work at a time."""
+        problem = max(WORK_PER_CALL // state.vector.size, 1), flatness, coarse, carried, self.harmonics, grid, state
         is_done = _iterate(True, *problem)
         while not is_done:
             is_done = _iterate(False, *problem)

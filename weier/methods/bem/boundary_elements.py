@@ -1,4 +1,4 @@
-"""Boundary elements as one of the methods."""
+"""Declare the method of boundary elements."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from weier.surface.limits import check_points, check_resolvable
 from weier.surface.profile import Profile
 from weier.surface.waves import MAX_POINTS, Waves
 
-MIN_POINTS_PER_WAVE = 3  # more than two resolve a wave
-RESIDUAL_FRACTION = 1e-3  # of the tolerance; the rest is for the error of the grid, at the cost of a step or two
+MIN_POINTS_PER_WAVE = 3  # a wave is resolved by more than two points
+RESIDUAL_FRACTION = 1e-3  # fraction of the tolerance; the grid takes the rest, which costs a step or two
 # g_0: rounding leaves some 1e-18 a node (1e-14 on 10 000, 1e-13 on 100 000), so 3e-12 on `stated_errors.MAX_POINTS`
 MIN_RESIDUAL = 1e-11
 
@@ -64,7 +64,7 @@ def _points(profile: Waves, points_per_wave: int | None) -> int:
 
 
 def points_within(profile: Waves, tolerance: float) -> float:
-    """Return the least number of points per period whose bound is within a tolerance, in g_0; inf by rounding."""
+    """Return the fewest points per period whose bound meets a tolerance, in g_0; inf if rounding prevents it."""
     error = tolerance - RESIDUAL_FACTOR * _residual_within(tolerance)
     return stated_errors.fewest_points(profile, error) if error > 0 else math.inf
 
@@ -88,7 +88,7 @@ def _check(profile: Waves, staircase: str = "removed", **settings: Any) -> None:
 def points_of(
     profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None, **others: Any
 ) -> float:
-    """Return the points in a period by the settings."""
+    """Return the number of points per period that the settings give."""
     return _points(profile, points_per_wave) if tolerance is None else points_within(profile, tolerance)
 
 

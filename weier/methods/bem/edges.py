@@ -19,7 +19,7 @@ REACH = 2
 
 @kernel
 def find_edges(contact: Flags, space: Indices) -> Indices:
-    """Return nodes where contact begins or ends, between two more.
+    """Return the nodes at which contact begins or ends, with one more edge on either side.
 
     The first and the last number are the last and the first edge, shifted by one period. They are written to `space`,
     shape (N + 2,); without an edge they are meaningless.

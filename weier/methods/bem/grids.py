@@ -28,7 +28,7 @@ COARSE_ACCURACY = 30.0
 class Harmonics(NamedTuple):
     """The waves of a profile, from coarse to fine; arrays of shape (m,).
 
-    waves_per_period : of each
+    waves_per_period : number of waves of each term in one period
     cycle : phase, in wavelengths
     full_contact_pressure : mean pressure p_n* that flattens this wave alone, in p_0*
     """
@@ -64,7 +64,7 @@ def harmonics_of(profile: Waves) -> Harmonics:
 
 
 def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]:
-    """Return grids of ..., points/4, points/2 and points nodes, as long as they show the coarsest wave.
+    """Return grids of ..., points/4, points/2 and points nodes, as long as they resolve the coarsest wave.
 
     An odd number is preceded by at least half as many nodes, a number with small prime factors.
 
@@ -89,7 +89,7 @@ def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]
 
 
 def _make_grid(profile: Waves, points: int, terms: int, max_residual: float, is_coarse: bool) -> Grid:
-    influence = eigenvalues(points, profile.period).copy()  # not read-only, another type of arrays for kernels
+    influence = eigenvalues(points, profile.period).copy()  # a read-only array would be another type for kernels
     height, own = profile.sampled_height(points, terms), influence_coefficients(points, profile.period)[0]
     return Grid(terms, height, influence, inverse(influence), float(max_residual), own, is_coarse)
 
@@ -138,7 +138,7 @@ def copy_values(source: Array, target: Array) -> None:
 
 @kernel
 def refine(coarse: Array, p: Array) -> None:
-    """Set the pressure p on a grid from that on a coarser one, or on the same."""
+    """Interpolate the pressure p on a grid from a coarser grid or the same one."""
     points, i, rest = coarse.size, 0, 0  # i + rest/N nodes of the coarser grid lie before the node
     for node in range(p.size):
         before, here, after, later = coarse[i - 1], coarse[i], coarse[(i + 1) % points], coarse[(i + 2) % points]

@@ -59,10 +59,10 @@ def curve(
     Returns
     -------
     Curve
-        With the residual at the nodes, on a freshly applied operator, the pairs of FFTs as `work`, those of coarser
-        grids by their size, and the stated errors. That of the compliance is a bound at first contact, and was never
-        exceeded in tests at other loads. That of the resistance is from chords of the concave curve h(p), a bound if
-        the other is one.
+        With the residual at the nodes, on a freshly applied operator, the pairs of FFTs as `work`, counted by the
+        size of their grid, and the stated errors. The error of the compliance is a bound at first contact, and was
+        never exceeded in tests at other loads. The error of the resistance follows from chords of the concave h(p),
+        and is a bound if the error of the compliance is one.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _as_curve(profile: Waves, loads: Array, found: list[ContactPoint], points: i
 
 
 def with_errors(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
-    """Return a curve with its stated errors; that of the resistance depends on all loads."""
+    """Return a curve with its stated errors; the error of the resistance depends on all loads."""
     points, residual = int(curve.values()["points"]), curve.values()["residual"]
     h_error, R_error = stated_errors.errors(profile, loads, points, (curve.compliance, curve.resistance), residual)
     return replace(curve, compliance_error=h_error, resistance_error=R_error)
@@ -160,7 +160,7 @@ def checked_points(profile: Waves, points: int | None = None) -> int:
 
 
 def check_residual(residual: float, load: float, points: int, max_residual: float) -> None:
-    """Refuse a solution whose residual is above the largest, in g_0, or NaN, by a ConvergenceError."""
+    """Raise ConvergenceError if a residual is NaN or exceeds the limit, in g_0."""
     if not residual <= max_residual:
         raise ConvergenceError(
             f"boundary elements on {points} points stopped at a residual of {residual:.1e} g_0 under the mean "
@@ -171,7 +171,7 @@ def check_residual(residual: float, load: float, points: int, max_residual: floa
 
 
 def check_resistance(resistance: float, load: float, points: int) -> None:
-    """Refuse a resistance of inf, which marks one that did not converge."""
+    """Refuse a resistance of inf, which marks a solution that did not converge."""
     if np.isinf(resistance):
         raise ConvergenceError(
             f"boundary elements on {points} points found the pressure under {load:.6g} p_0* but not its derivative "

@@ -16,8 +16,8 @@ from weier.theory.bounds import first_contact, slope_bounds
 # z'' dx^2/8 with dx = 2 pi over the points per wave: the error at first contact for a crest half a node off the grid
 MISSED_CREST = (2 * math.pi) ** 2 / 8
 
-MAX_POINTS = 2**21  # a second per load
-MAX_OTHERS = 400  # chords per load; more hardly tighten the bounds
+MAX_POINTS = 2**21  # takes a second per load
+MAX_CHORDS = 400  # chords per load; more hardly tighten the bounds
 
 
 def compliance_error(profile: Waves, points: int) -> float:
@@ -26,7 +26,7 @@ def compliance_error(profile: Waves, points: int) -> float:
 
 
 def solution_error(profile: Waves, points: int, residual: Array) -> Array:
-    """Return the bound on the error of h, in g_0, of the shape of the residuals: grid plus residual."""
+    """Return the bound on the error of h, in g_0: error of the grid plus residual, shape of the residuals."""
     return np.asarray(compliance_error(profile, points) + RESIDUAL_FACTOR * residual)
 
 
@@ -65,12 +65,12 @@ def errors(
     (h, R), full = curve, profile.full_contact_load
     rounding = COMPLIANCE_ROUNDING * profile.total_amplitude
     h_error = np.where(loads < full, solution_error(profile, points, residual), rounding)
-    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_OTHERS)).astype(np.int64))
+    some = np.unique(np.linspace(0, loads.size - 1, min(loads.size, MAX_CHORDS)).astype(np.int64))
     other = np.concatenate([[0.0], loads[some], [full]])
     lower = np.concatenate(
         [[first_contact(profile) - rounding], (h - h_error)[some], [profile.total_amplitude - rounding]]
     )
     low, high = np.zeros((2, loads.size))
-    for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_OTHERS)):
+    for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / MAX_CHORDS)):
         low[part], high[part] = slope_bounds(loads[part], (h + h_error)[part], other, lower)
     return h_error, np.where(loads < full, np.maximum(high - R, R - low), 0.0)

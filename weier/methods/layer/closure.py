@@ -24,7 +24,7 @@ class Closure(NamedTuple):
     log_height: float
 
 
-def closure_of(position: Array, log_compression: Array, slope: Array) -> Closure:
+def closure_from_table(position: Array, log_compression: Array, slope: Array) -> Closure:
     """Return the closure of a table: ln w and its slope at increasing positions, each of shape (rows,).
 
     The two slopes of a cubic are limited to three times its chord.

@@ -10,7 +10,7 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 
 from weier.kernels.arrays import Array
 from weier.methods.layer.closure import Closure, log_compression
-from weier.methods.layer.wave import Depth, depth_of, log_pressure_factor
+from weier.methods.layer.wave import Depth, log_pressure_factor, reference_heights
 
 POINTS_OUTSIDE = 8  # points outside the contact at which the gap is checked
 
@@ -20,7 +20,7 @@ def violations(state: Array, log_load: Array, closure: Closure, h: Array) -> Arr
 
     The conditions are u + w = h - 2 sin^2(pi x) in contact and at its edge, >= outside, and the mean pressure.
     """
-    points, depth, load = state.shape[1] - 1, depth_of(state[:, -1]), np.exp(log_load)
+    points, depth, load = state.shape[1] - 1, reference_heights(state[:, -1]), np.exp(log_load)
     excess = np.expm1(state[:, :-1])
     series = load[:, None] * scipy.fft.dct(excess, axis=1) / (points * np.maximum(np.arange(points), 1))
     series[:, 0] = 0  # coefficients of cos(k theta) in u

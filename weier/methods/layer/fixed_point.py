@@ -27,18 +27,18 @@ from weier.methods.layer.scaling_tables import (
     lattice,
     log_load_at,
     merge,
-    position_of,
+    table_position,
 )
 from weier.methods.layer.wave import closure_sensitivity
 
-TABLE_FRACTION = 0.5  # of the accuracy for the table; the rest is for the residuals of the waves
+TABLE_FRACTION = 0.5  # fraction of the accuracy for the table; the residuals of the waves have the rest
 MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's estimate
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
-MAX_STEPS = 400  # 7 to 30 are usual
+MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
-# fraction of the correction that is tried next if a wave has no solution, and its lower limit
-PART_AGAIN, MIN_PART = 0.25, 1e-3
-RESIDUAL_FRACTION = 0.1  # residual of the waves over the relative error of the table
+# factor on the correction if a wave has no solution, and the smallest fraction tried
+RETRY_FRACTION, MIN_FRACTION = 0.25, 1e-3
+RESIDUAL_FRACTION = 0.1  # ratio of the waves' residual to the relative error of the table
 
 
 def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
@@ -54,7 +54,7 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
         over_scales = np.linalg.inv(np.eye(len(size)) - size)
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
-        adjacent = np.maximum(np.append(errors, 0), np.append(0, errors))  # cells on either side of a row
+        adjacent = np.maximum(np.append(errors, 0), np.append(0, errors))  # each row has a cell on either side
         if np.max(over_scales @ adjacent) <= TABLE_FRACTION * model.accuracy:
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
@@ -86,7 +86,7 @@ def _guess(model: Model, position: Array) -> Rows:
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
     """
-    heavy = position[position >= position_of(MIN_ESTIMATED_LOAD)]
+    heavy = position[position >= table_position(MIN_ESTIMATED_LOAD)]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
     unknown = np.empty((heavy.size, 0))
     rows, _ = _damped_newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
@@ -103,7 +103,7 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
     step is at most the limit.
     """
     identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
-    spline = scipy.interpolate.CubicSpline(rows.position, identity)  # through ln W as a function of its rows
+    spline = scipy.interpolate.CubicSpline(rows.position, identity)  # the rows also determine ln W between them
     image, correction, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
     for _ in range(MAX_STEPS):
         log_W = np.minimum(image.log_compliance + part * correction, top)
@@ -113,9 +113,9 @@ def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]
         try:
             new = scale.rows(rows.position, rows.state if rows.state.size else None)
         except ConvergenceError:
-            if part < MIN_PART:
+            if part < MIN_FRACTION:
                 raise
-            part *= PART_AGAIN
+            part *= RETRY_FRACTION
             continue
         if settled and part == 1:
             return rows, size

@@ -20,7 +20,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import log_compression
 from weier.methods.layer.fixed_point import infinite_waves
 from weier.methods.layer.scales import ComplianceTable, Model, finer_waves, model_of, scale_on
-from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, position_of
+from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS, MAX_POSITION, MIN_LOADS, log_load_at, table_position
 from weier.surface.loads import checked_loads
 from weier.surface.profile import Profile
 from weier.surface.series import tail_amplitude
@@ -28,8 +28,8 @@ from weier.surface.series import tail_amplitude
 POINTS = 24  # error of the compliance 5e-6 of the total amplitude (notes of `curve`)
 ACCURACY = 1e-5
 MIN_POINTS, MAX_POINTS = 4, 500  # 40 loads on 384 points take 3 s, growing as the cube
-MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # at the larger one few rows are added to the initial ones
-MAX_SCALES = 1000  # of a finite series that differs from the infinite one
+MIN_ACCURACY, MAX_ACCURACY = 1e-9, 1e-2  # an accuracy of 1e-2 adds few rows to the initial ones
+MAX_SCALES = 1000  # scales of a finite series that differs from the infinite one
 TAIL_FRACTION = 0.1  # tail over accuracy up to which a series is treated as infinite
 FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
@@ -87,7 +87,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
     parts = zip(
         np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),
         (BOTTOM_POSITIONS[1], BOTTOM_POSITIONS[0], BOTTOM_POSITIONS[0]),
-        (position_of(top), position_of(top), MAX_POSITION),
+        (table_position(top), table_position(top), MAX_POSITION),
         strict=True,
     )
     solved = [_solve(some, bottom, end, model) for some, bottom, end in parts if some.size]
@@ -139,8 +139,8 @@ def _finer_waves(bottom: float, top: float, model: Model) -> ComplianceTable:
     """Return the waves finer than the first, on tables that depend on no load."""
     D, gamma, m, _, accuracy, _ = model
     if _may_be_infinite(bottom, model):
-        waves = infinite_waves(model, bottom, position_of(_top(model)))
-        tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # no compliance changes by more
+        waves = infinite_waves(model, bottom, table_position(_top(model)))
+        tail = 0.0 if math.isinf(m) else float(tail_amplitude(m, D, gamma))  # bounds the change of every compliance
         if tail <= TAIL_FRACTION * accuracy * math.exp(waves.rows.log_compliance[0]):
             return waves
     if m > MAX_SCALES + 1:

@@ -1,4 +1,4 @@
-"""The non-linear layer as one of the methods (docs/layer.md, "Error and limits")."""
+"""Declare the method of the non-linear layer (docs/layer.md, "Error and limits")."""
 
 from __future__ import annotations
 

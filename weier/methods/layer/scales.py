@@ -16,12 +16,12 @@ from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
 from weier.methods.layer.closure import Closure
 from weier.methods.layer.conditions import violations
-from weier.methods.layer.scaling_tables import Rows, lattice, log_load_at, position_of, tabulate
-from weier.methods.layer.wave import Mesh, Solutions, attainable, depth_of, midpoints, solve_waves
+from weier.methods.layer.scaling_tables import Rows, lattice, log_load_at, table_position, tabulate
+from weier.methods.layer.wave import Mesh, Solutions, attainable, midpoints, reference_heights, solve_waves
 
-ROUNDING = 1e-13  # of the freshly applied operator, and at the lightest loads: the least residual of a wave
-# residual of a wave, relative to the compression at the edge of its contact, over the accuracy: residuals add up over
-# the scales. No setting of its own, since `accuracy` is one.
+ROUNDING = 1e-13  # rounding floor of the residual of a wave at the lightest loads
+# Ratio of a wave's residual, relative to the compression at the edge of contact, to the accuracy: residuals add up
+# over the scales.
 RESIDUAL_FRACTION = 1e-5
 
 
@@ -67,7 +67,7 @@ class ComplianceTable(NamedTuple):
 class Scale(NamedTuple):
     """One scale: a wave on the layer of all finer ones.
 
-    closure : of that layer, in the units of this wave
+    closure : closure of that layer, in the units of this wave
     amplitude, log_full : the limit of W, and the ln xi at which it is reached
     mesh, tolerance : mesh and relative residual of the solution for the wave
     """
@@ -92,14 +92,14 @@ class Scale(NamedTuple):
         The contact conditions are checked on a freshly applied operator.
         """
         h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
-        partial = log_load < self.log_full  # above: full contact, h exact
+        partial = log_load < self.log_full  # contact is full at heavier loads, and h is exact
         if partial.any():
             loads = log_load[partial]
             waves = self._solved(loads, None)
             breach = violations(waves.state, loads, self.closure, waves.compliance)
             self._check_residual(loads, breach, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
             h[partial], rate[partial] = np.minimum(waves.compliance, self.amplitude), waves.rate
-            residual[partial] = breach * depth_of(waves.state[:, -1]).total
+            residual[partial] = breach * reference_heights(waves.state[:, -1]).total
         return h, rate, residual
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
@@ -125,7 +125,7 @@ class Scale(NamedTuple):
 
 
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
-    """Return the next coarser wave on these."""
+    """Return the next coarser wave on a layer of these waves."""
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
     # The pressure in the troughs is at least xi - 1, which must flatten the finer waves.
     log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))
@@ -156,6 +156,6 @@ def finer_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
     waves = finest_wave(bottom, top, accuracy)
     for _ in range(int(model.m) - 2):
         scale = scale_on(waves, model)
-        rows = tabulate(scale.rows, lattice(bottom, min(top, position_of(scale.log_full))), accuracy)
+        rows = tabulate(scale.rows, lattice(bottom, min(top, table_position(scale.log_full))), accuracy)
         waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
     return waves

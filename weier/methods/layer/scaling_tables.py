@@ -16,15 +16,15 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import Closure, closure_of, log_compression
+from weier.methods.layer.closure import Closure, closure_from_table, log_compression
 
 BOTTOM_POSITIONS = math.asinh(-58), math.asinh(-711)  # first row: xi = e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
 MAX_POSITION = math.asinh(709)  # last row: double precision ends at e^709.8
 CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
 MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
-MAX_HALVINGS = 30  # of a cell; the smallest accuracy takes 17
-MAX_ROWS = 100_000  # the smallest accuracy takes some thousands
+MAX_HALVINGS = 30  # halvings of a cell; the smallest accuracy needs 17
+MAX_ROWS = 100_000  # the smallest accuracy needs some thousands of rows
 
 
 class Rows(NamedTuple):
@@ -43,10 +43,12 @@ class Rows(NamedTuple):
     @property
     def closure(self) -> Closure:
         """W as the closure of a layer, in the units of its own coarsest wave."""
-        return closure_of(self.position, np.maximum.accumulate(self.log_compliance), np.maximum(self.slope, 0))
+        return closure_from_table(
+            self.position, np.maximum.accumulate(self.log_compliance), np.maximum(self.slope, 0)
+        )
 
 
-WaveMap = Callable[[Array, Array | None], Rows]  # of increasing positions and states to start from
+WaveMap = Callable[[Array, Array | None], Rows]  # takes increasing positions and initial states
 
 
 def log_load_at(position: ArrayLike) -> Array:
@@ -54,7 +56,7 @@ def log_load_at(position: ArrayLike) -> Array:
     return np.sinh(position)
 
 
-def position_of(log_load: float) -> float:
+def table_position(log_load: float) -> float:
     """Return the position of a ln xi."""
     return math.asinh(log_load)
 
@@ -99,7 +101,7 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
 
 
 def merge(rows: Rows, more: Rows) -> Rows:
-    """Return the rows of both, in order."""
+    """Return the rows of both tables in order of position."""
     order = np.argsort(np.concatenate([rows.position, more.position]))
     return Rows(*(np.concatenate(pair)[order] for pair in zip(rows, more, strict=True)))
 

@@ -16,12 +16,12 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags
 from weier.methods.layer.closure import Closure, log_compression
 
-MAX_NEWTON_STEPS = 60  # from a neighbouring load; 2 or 3 are usual
-MAX_DIRECT_STEPS = 20  # from the initial guess; 4 to 10 are usual
+MAX_NEWTON_STEPS = 60  # steps from a neighbouring load; 2 or 3 are usual
+MAX_DIRECT_STEPS = 20  # steps from the initial guess; 4 to 10 are usual
 MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponentials mislead farther away
 MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
 MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # load increments of the continuation, in ln xi
-MAX_STRIDES = 10_000  # in all: ten times those over all loads that floats hold
+MAX_STRIDES = 10_000  # ten times the increments needed over all loads that floats hold
 MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from, where the layer is not yet flat
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
@@ -89,7 +89,7 @@ def midpoints(points: int) -> Mesh:
     return Mesh(np.sin(phi / 2) ** 2, below_one @ transform, transform.sum(axis=0))
 
 
-def depth_of(edge: Array) -> Depth:
+def reference_heights(edge: Array) -> Depth:
     """Return the reference heights of these edges."""
     log_sine, trough = np.minimum(edge, 0.0), np.maximum(edge, 0.0)
     return Depth(log_sine, trough, 2 * np.exp(log_sine) + trough)
@@ -109,7 +109,7 @@ def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Bal
     the same scale. Row M: the mean of q is xi/(2 pi).
     """
     n, edge = mesh.rise.size, state[:, -1]
-    depth, growing = depth_of(edge), np.exp(state[:, :-1])
+    depth, growing = reference_heights(edge), np.exp(state[:, :-1])
     load = (np.exp(log_load) / depth.total)[:, None]
     excess = np.expm1(state[:, :-1])
     mean = excess.mean(axis=1)
@@ -149,7 +149,7 @@ def _solve(matrix: Array, right: Array) -> Array:
 def _moved(state: Array, step: Array, trust: Array) -> Array:
     """Return the states after a step, limited by `trust`, and by `MAX_STEP` for pressures above the mean.
 
-    Those below the mean may rise up to it.
+    Pressures below the mean may rise up to it.
     """
     rise = np.maximum(np.minimum(trust, -state), MAX_STEP)
     rise[:, -1] = trust[:, -1]
@@ -178,7 +178,7 @@ def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tupl
     """Return h, dh/d ln xi and the derivative of each state with respect to ln xi."""
     equations = _balance(state, log_load, closure, mesh)
     tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
-    depth, load = depth_of(state[:, -1]), np.exp(log_load)
+    depth, load = reference_heights(state[:, -1]), np.exp(log_load)
     displacement = (mesh.edge_influence * excess).sum(axis=1) - depth.log_sine
     growth = (mesh.edge_influence * (excess + (1 + excess) * tangent[:, :-1])).sum(axis=1) - depth.log_sine
     rate = load * growth + tangent[:, -1] * _deepening(state[:, -1], load)
@@ -187,7 +187,7 @@ def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tupl
 
 def _deepening(edge: Array, load: Array) -> Array:
     """Return the derivative of h with respect to the edge at fixed density."""
-    return np.where(edge >= 0, 1.0, depth_of(edge).total - load)
+    return np.where(edge >= 0, 1.0, reference_heights(edge).total - load)
 
 
 def closure_sensitivity(state: Array, log_load: Array, closure: Closure, mesh: Mesh, h: Array) -> tuple[Array, Array]:

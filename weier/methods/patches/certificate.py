@@ -47,7 +47,7 @@ def error_bound(
 
     Parameters
     ----------
-    indentation : delta, that of the state from first contact or an upper bound of it, in g_0
+    indentation : delta of the state from first contact, or an upper bound on it, in g_0
     load : required mean pressure P, in p_0*
     missing : deviation of the state's mean pressure from it, plus further pressures at unknown positions, in p_0*
     gap : eps, the largest gap on a contact or overlap anywhere, plus displacements by removed pressures, in g_0
@@ -85,7 +85,7 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
-    """Return of the residual on each segment its maximum, the width over which this has its force, and its roughness.
+    """Return the maximum of the residual on each segment, the width over which this has its force, and its roughness.
 
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit.
@@ -107,7 +107,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
 
 
 def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, Array, Array]:
-    """Return of samples on each segment the largest, the width for `SAMPLED_FACTOR` times it, and the roughness.
+    """Return the largest sample on each segment, the width for `SAMPLED_FACTOR` times it, and the roughness.
 
     A polynomial q of degree n, times sin(theta), is a trigonometric one of degree n + 1. De la Vallee Poussin's
     kernel yields it from samples at m zeros of T_m, so that int |q| dt is at most pi/(m-n-1) times the sum of
@@ -157,16 +157,16 @@ def certify(
     The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
     contacts or a pressure in gaps. The residual is one or the other (`kind`).
 
-    residual, residual_width, roughness : of each segment, as `contact_residual` returns them
+    residual, residual_width, roughness : arrays over the segments, as `contact_residual` returns them
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
         the gap between contacts are those below the margin
-    tolerance : relative; the residual may be `MAX_RESIDUAL` times as large
+    tolerance : relative tolerance; the residual may be `MAX_RESIDUAL` times as large
     margin : limit below which minima are given; they are searched again if the error of the gaps turns out larger
 
     ConvergenceError is raised if a violation is larger, or if the contacts do not carry the load.
     """
     kind, period = state.kind, series.period
-    height = kind.height_of_residual(state.segments.half_width)
+    height = kind.residual_height(state.segments.half_width)
     missing, closure = kind.imbalance(state, period)
     state = state._replace(residual=max(float((height * residual).max()), closure))
     check_violation(state, missing, period, tolerance)
@@ -182,7 +182,7 @@ def certify(
         width = np.append(width, 2 * reach * contacts[2][contact.astype(np.int64)])
         # The move of an edge may remove an interval that reaches it, up to rounding of its ends.
         state = state._replace(tensions=intervals[np.abs(middle) + reach < 1 - 4 * EPS])
-    moved, beyond, unsure = effect_of_cracks(state, period)
+    moved, beyond, unsure = crack_effect(state, period)
     error = unsure + error_bound(
         state.indentation(total_amplitude),
         state.load,
@@ -198,7 +198,7 @@ def certify(
     return state._replace(narrow_gaps=minima[minima["value"] < uncertainty])
 
 
-def effect_of_cracks(state: ContactState, period: float) -> tuple[float, float, float]:
+def crack_effect(state: ContactState, period: float) -> tuple[float, float, float]:
     """Return displacement and mean pressure of the tension outside thin gaps, and the uncertainty of the mean gap.
 
     With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which remains in all other gaps, with
@@ -242,8 +242,8 @@ def gap_uncertainty(error: float, height: float) -> float:
 
 def check_violation(state: ContactState, missing: float, period: float, tolerance: float) -> None:
     """Raise ConvergenceError if the residual is too large, or a pressure is missing from the load."""
-    scale = state.kind.scale_of_residual(state.load, state.approach, period)
-    relative = state.residual / scale if scale > 0 else np.inf  # no indentation: rounding has left no digit
+    scale = state.kind.residual_scale(state.load, state.approach, period)
+    relative = state.residual / scale if scale > 0 else np.inf  # rounding has left no digit of the indentation
     relative = max(relative, missing / state.load)
     if not relative <= MAX_RESIDUAL * tolerance:
         raise ConvergenceError(
@@ -253,7 +253,7 @@ def check_violation(state: ContactState, missing: float, period: float, toleranc
         )
 
 
-Effect = tuple[float, float]  # on the resistance, in g_0/p_0*, and on the length in contact, in lambda_0
+Effect = tuple[float, float]  # effects on the resistance, in g_0/p_0*, and on the length in contact, in lambda_0
 
 
 def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
@@ -267,7 +267,7 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
     effects = (
         (by_iteration, float(move.sum())),
         _error_by_edges(state, series),
-        _error_of_cracks(state, series.period),
+        _crack_error(state, series.period),
         _missing_cracks(state, series.period),
         _missing_contacts(state, series),
     )
@@ -293,7 +293,7 @@ def _missing_cracks(state: ContactState, period: float) -> Effect:
     return SAFETY_FACTOR * float(np.pi**2 / period * np.sum((width * q) ** 2)), SAFETY_FACTOR * float(2 * width.sum())
 
 
-def _error_of_cracks(state: ContactState, period: float) -> Effect:
+def _crack_error(state: ContactState, period: float) -> Effect:
     """Return the error of the effect of cracks.
 
     The tension q_0 at the middle of a crack has the error k e/(2 pi r sqrt(1-t^2)), the pressure of a residual e T_k
@@ -312,7 +312,7 @@ def _error_of_cracks(state: ContactState, period: float) -> Effect:
     tension = state.height_error * modes[cracks.contact] / (2 * np.pi * np.sqrt(inside))
     b = cracks.half_width
     by_tension = 4 * np.pi**2 / period * np.sqrt(2 * b) * cracks.tangent_strength**2 / cracks.strength * tension
-    near = 2 * SAFETY_FACTOR * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2  # relative
+    near = 2 * SAFETY_FACTOR * (b / ((1 - np.abs(cracks.middle)) * radius)) ** 2  # relative change of the rise
     width = 2 * np.sqrt(2 * b) / cracks.strength * tension + b * near
     return float(np.sum(by_tension + cracks.rise * near)), float(width.sum())
 

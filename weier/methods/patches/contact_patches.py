@@ -1,4 +1,4 @@
-"""Contact patches as one of the methods."""
+"""Declare the method of contact patches."""
 
 from __future__ import annotations
 

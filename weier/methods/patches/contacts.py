@@ -27,7 +27,7 @@ from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface
 from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.methods.punches import OFFSET, Inverse, invert_punches
-from weier.theory.halfplane import displacement_of_punch
+from weier.theory.halfplane import punch_displacement
 
 
 class Contacts:
@@ -39,7 +39,7 @@ class Contacts:
     shift : the nodes lie at theta_i = pi (2 i + shift)/(2 N) with N = K + shift - 1
     hankel_sign, power : sign of X(i + j + shift) in the self-influence, and power of n in its sum over degrees n
     right_sign : sign of psi at the right edge where it is positive at the left one
-    k_0_of_curvature : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
+    curvature_k_0 : b k_1 plus this times k_0 is proportional to the curvature in an interval of half-width b
         between two segments
     rounding_power : rounding changes the square of b_n in proportion to n to this power
     offset : constant added to the influence, which makes it positive definite
@@ -48,7 +48,7 @@ class Contacts:
     residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
         the density
     new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments
-        and on one; that of a gap is exact for a parabola of tension
+        and on one; the width of a gap is exact for a parabola of tension
     """
 
     is_slope = False
@@ -57,7 +57,7 @@ class Contacts:
     hankel_sign = 1.0
     power = -1
     right_sign = 1.0
-    k_0_of_curvature = -0.75  # of a gap in a parabola of tension
+    curvature_k_0 = -0.75  # factor for a gap in a parabola of tension
     rounding_power = 2
     offset = OFFSET
     increment = 0.0
@@ -75,12 +75,12 @@ class Contacts:
         """Return 0: heights are counted from the highest crest."""
         return 0.0
 
-    def own_kernel(self, sine: Array) -> Array:
+    def self_kernel(self, sine: Array) -> Array:
         """Return ln(2 sin theta)."""
         return np.asarray(np.log(2 * sine))
 
     def factor(self, period: float) -> float:
-        """Return that of -2 ln|2 sin|, the displacement by a line force."""
+        """Return -2, the factor of ln|2 sin| in the displacement by a line force."""
         return -2.0
 
     def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
@@ -90,13 +90,13 @@ class Contacts:
 
     def invert_punches(self, half_width: Array, middle: Array, period: float) -> Inverse:
         """Return the inverse of the influence of contacts as flat punches."""
-        return invert_punches(middle, displacement_of_punch(half_width, period), period)
+        return invert_punches(middle, punch_displacement(half_width, period), period)
 
     def plane_of(self, total: float, multiplier: float, period: float) -> float:
         """Return the Lagrange multiplier."""
         return multiplier
 
-    def height_of_residual(self, half_width: Array) -> Array:
+    def residual_height(self, half_width: Array) -> Array:
         """Return 1: the residual is a height."""
         return np.ones(half_width.size)
 
@@ -109,7 +109,7 @@ class Contacts:
         return 1.0
 
     def uniform(self, height: float) -> float:
-        """Return it: displacing the plane changes all gaps."""
+        """Return the height: displacing the plane changes all gaps by it."""
         return height
 
     def contacts_of(self, extent: Extent, period: float) -> Extent:
@@ -121,23 +121,23 @@ class Contacts:
         return values
 
     def limit_outside(self, load: float, height: float, tension: float) -> float:
-        """Return that of an overlap."""
+        """Return the height that an overlap must exceed, in g_0."""
         return height
 
     def limits_within(self) -> tuple[float, float]:
-        """Return those of a tension and of a gap in it."""
+        """Return the largest allowed tension, relative, and the largest thinness of a gap in it."""
         return MAX_TENSION, MAX_THINNESS
 
     def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
-        """Return that all overlaps do."""
+        """Return True for each overlap."""
         return np.ones(minima.size, bool)
 
-    def height_of_negative(self, width: Array) -> Array:
+    def violation_height(self, width: Array) -> Array:
         """Return the opening, 2 pi b p, of a crack of half-width b under the tension p."""
         return np.pi * width
 
     def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
-        """Return both: gaps have minima outside, and pressures are negative on segments."""
+        """Return the minima of the gap outside the segments, and the intervals of tension on them."""
         return minima, negative
 
     def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
@@ -146,7 +146,7 @@ class Contacts:
         return np.stack([found["segment"], middle, reach], axis=1)
 
     def are_certain(self, tensions: Records, tail: Array, residual: float, load: float) -> Flags:
-        """Return which tensions, over the largest pressure of their contact, exceed its last coefficients."""
+        """Return whether each tension, over the largest pressure of its contact, exceeds the last coefficients."""
         return np.asarray(tensions["relative"] < -np.maximum(tail, FIELD_ROUNDING)[tensions["segment"]])
 
     def pressures(
@@ -174,7 +174,7 @@ class Contacts:
         """Return <p (z - d)>/2 from forces and heights below the maximum: on contacts z is u plus the mean gap d."""
         return 0.5 * (float(force @ below) / series.period + state.load * state.approach)
 
-    def scale_of_residual(self, load: float, approach: float, period: float) -> float:
+    def residual_scale(self, load: float, approach: float, period: float) -> float:
         """Return the indentation."""
         return approach
 

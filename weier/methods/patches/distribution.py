@@ -12,9 +12,9 @@ from weier.methods.patches.segments import contact_pieces
 from weier.methods.patches.solver import Solution
 from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests
 
-BINS = 100  # by default
+BINS = 100  # default number of bins
 # cells of a piece, at least and per radian of the finest wave in its half-width; steps to an extremum and to a root
-LEAST_CELLS, CELLS_PER_RADIAN, EXTREMUM_STEPS, ROOT_STEPS = 32, 8, 4, 16
+MIN_CELLS, CELLS_PER_RADIAN, EXTREMUM_STEPS, ROOT_STEPS = 32, 8, 4, 16
 
 
 def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None) -> tuple[Array, Array]:
@@ -31,7 +31,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
         extent = contact_pieces(state, series.period)[0]
         extent = intervals_between(extent, series.period) if of_gap else extent
     crest, centre, r = nearest_crests(series, extent[0])[0], extent[1], extent[2]
-    cells = np.ceil(LEAST_CELLS + CELLS_PER_RADIAN * series.wavenumber[-1] * r).astype(np.int64)
+    cells = np.ceil(MIN_CELLS + CELLS_PER_RADIAN * series.wavenumber[-1] * r).astype(np.int64)
     piece = np.repeat(np.arange(r.size), cells + 1)
     step = np.pi / cells[piece]
     theta = step * (np.arange(piece.size) - np.searchsorted(piece, piece))

@@ -53,7 +53,7 @@ class EdgeMoves(NamedTuple):
     """One step of Newton's method.
 
     outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    relative : the largest move of an edge over the smallest half-width of its contact and the gaps beside this
+    relative : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
     """
 
     outward: Sides
@@ -62,7 +62,7 @@ class EdgeMoves(NamedTuple):
 
 @kernel
 def edge_moves(
-    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, k_0_of_curvature: float
+    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, curvature_k_0: float
 ) -> tuple[Sides, Flags, float, Array]:
     """Return the moves `outward`, which gaps close, the move `relative`, and the heights of the singular parts.
 
@@ -78,7 +78,7 @@ def edge_moves(
     is the shift of the centre, at most a half-width. At an edge of a narrow gap, the value for the gap replaces the
     Hertzian one, and the opposite edge determines both Hertzian values.
 
-    Both ends of a gap that is narrower than both contacts give its growth (`_growth_of_gap`): it grows by their mean,
+    Both ends of a gap that is narrower than both contacts give its growth (`_gap_growth`): it grows by their mean,
     and half their difference shifts it.
     """
     n = r.size
@@ -95,20 +95,20 @@ def edge_moves(
                 sign = -sign if side == 0 else sign
             psi[j, side], phi[j, side], slope[j, side] = at_end, regular, inward
         singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
-    for j in range(n):  # by Hertz's contacts
+    for j in range(n):  # contacts in wide gaps are Hertzian
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
         left = _hertzian_ratio(psi[j, first], phi[j, first])
         right = _hertzian_ratio(psi[j, last], phi[j, last])
-        growth, shift = _growth_of_square(0.5 * (left + right)), min(max(0.5 * (right - left), -1.0), 1.0)
+        growth, shift = _width_growth(0.5 * (left + right)), min(max(0.5 * (right - left), -1.0), 1.0)
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
-    for j in range(n):  # by narrow gaps
+    for j in range(n):  # narrow gaps move their own edges
         k, half = (j + 1) % n, 0.5 * gap[j]
-        left = _growth_of_gap(psi[j, 1], slope[j, 1], r[j], half, k_0_of_curvature)
-        right = _growth_of_gap(psi[k, 0], slope[k, 0], r[k], half, k_0_of_curvature)
+        left = _gap_growth(psi[j, 1], slope[j, 1], r[j], half, curvature_k_0)
+        right = _gap_growth(psi[k, 0], slope[k, 0], r[k], half, curvature_k_0)
         narrower_left, narrower_right = half < r[j], half < r[k]
         linear = 0.5 * (left + right) if narrower_left and narrower_right else (left if narrower_left else right)
         shift = min(max(0.5 * (right - left), -1.0), 1.0) if narrower_left and narrower_right else 0.0
-        closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _growth_of_square(linear)
+        closed[j], widening = (narrower_left or narrower_right) and 1 + 2 * linear < 0, _width_growth(linear)
         if narrower_left:
             outward[j, 1] = -half * (widening - shift)
         if narrower_right:
@@ -126,13 +126,13 @@ def _hertzian_ratio(psi: float, phi: float) -> float:
 
 
 @kernel
-def _growth_of_square(linear: float) -> float:
+def _width_growth(linear: float) -> float:
     """Return the relative growth of a width whose square grows by twice the linear growth."""
     return np.sqrt(min(max(1 + 2 * linear, 1 / MAX_SQUARE), MAX_SQUARE)) - 1
 
 
 @kernel
-def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_curvature: float) -> float:
+def _gap_growth(psi: float, inward_slope: float, r: float, b: float, curvature_k_0: float) -> float:
     """Return the first-order growth of an interval of half-width b between two segments, from one edge.
 
     kappa b^2 is proportional to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
@@ -140,7 +140,7 @@ def _growth_of_gap(psi: float, inward_slope: float, r: float, b: float, k_0_of_c
     edge with overlap beyond it and grows at one in tension.
     """
     k_0, k_1 = psi * np.sqrt(r / 2), (inward_slope + psi / 4) * np.sqrt(0.5 / r)
-    curvature = b * k_1 + k_0_of_curvature * k_0
+    curvature = b * k_1 + curvature_k_0 * k_0
     return -2 * k_0 / curvature if curvature > 0 else (-1.0 if k_0 > 0 else 1.0)
 
 
@@ -166,7 +166,7 @@ class ContactProblem(NamedTuple):
         return np.asarray(evaluate_at(self.series, crest, y, 0) + self.highest)
 
     def forcing_at_nodes(self, punches: Punches) -> Array:
-        """Return the same at the nodes."""
+        """Return the height minus its maximum, or the tension of full contact, at the nodes."""
         segments = punches.segments
         return evaluate_at_nodes(
             self.series, segments.crest, segments.centre, segments.first_node, punches.offset, self.highest
@@ -188,7 +188,7 @@ def evaluate_at_nodes(
 class Iterate(NamedTuple):
     """Contacts with centres in [0, L), and initial forces of a step.
 
-    force : at the nodes
+    force : forces at the nodes
     """
 
     punches: Punches
@@ -234,25 +234,25 @@ def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> Newto
     forcing = problem.forcing_at_nodes(punches)
     forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    changes = _changes_of_edges(*extent, forces.force, b, kind.right_sign, kind.k_0_of_curvature)
+    changes = _edge_changes(*extent, forces.force, b, kind.right_sign, kind.curvature_k_0)
     a, outward, relative, vanishing, merging, singular, settled = changes
     moves = EdgeMoves(outward, relative)
     return NewtonStep(punches, forces, b, a, moves, vanishing, merging, singular, settled)
 
 
 @kernel
-def _changes_of_edges(
+def _edge_changes(
     first_node: Indices,
     r: Array,
     gap: Array,
     force: Array,
     b: Array,
     right_sign: float,
-    k_0_of_curvature: float,
+    curvature_k_0: float,
 ) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
     """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
     a = regular_part(first_node, b)
-    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, k_0_of_curvature)
+    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, curvature_k_0)
     vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
     return a, outward, relative, vanishing, merging, singular, relative < SETTLED_MOVE and not changes
 

@@ -39,7 +39,7 @@ from weier.surface.waves import Waves
 MAX_ADVANCE = 0.15
 # least increment of the load over its trapezoidal rule: half-way between the 2/3 of an edge that has just jumped over
 # a contact and the 1 of rates that are linear (docs/patches.md, "Births and mergers")
-MIN_SHARE_OF_LOAD = 5 / 6
+MIN_LOAD_FRACTION = 5 / 6
 # largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
 MAX_ROOT_INTERVAL = 0.1
 # difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
@@ -47,7 +47,7 @@ MAX_ROOT_INTERVAL = 0.1
 SAME_LOAD = 1e-4
 # in ln(p): closer events count as one load, and the search for a root ends at a shorter step
 MIN_INTERVAL = 1e-9
-MAX_ROOT_LOADS = 8  # after which an interval is divided instead; 3 are usual
+MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are usual
 # largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
 # leaves far less, and an edge that has passed a crest far more
 MAX_VIOLATION = 1e-7
@@ -66,7 +66,7 @@ class Events(NamedTuple):
 
     mean_pressure : load, in p_0*
     birth : whether a contact is born; else two contacts merge
-    x : where, in lambda_0, in [0, period)
+    x : position, in lambda_0, in [0, period)
     patch_count : contacts in one period just above the load; 0 once contact is full
     """
 
@@ -281,7 +281,7 @@ class _Search(NamedTuple):
         if not table:
             return True
         births, origin, left, right = np.transpose(table)
-        minima = _minima_of_gap(low, low.kind.series(self.starts.surface), origin, left, right)
+        minima = _count_gap_minima(low, low.kind.series(self.starts.surface), origin, left, right)
         return bool(np.all(minima <= births))
 
     def _locate(
@@ -353,7 +353,7 @@ def _is_direct(length: Array, load_per_advance: Array, low: ContactState, high: 
 
     load_per_advance : the sum of its values at both ends, of which one is 0 at a birth or merger
     """
-    return np.asarray(MIN_SHARE_OF_LOAD * 0.5 * load_per_advance * length < high.load - low.load)
+    return np.asarray(MIN_LOAD_FRACTION * 0.5 * load_per_advance * length < high.load - low.load)
 
 
 def _expected_load(low: ContactState, high: ContactState, change: _Event) -> float:
@@ -362,10 +362,10 @@ def _expected_load(low: ContactState, high: ContactState, change: _Event) -> flo
     return high.load - passed if change.birth else low.load + passed
 
 
-def _minima_of_gap(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
+def _count_gap_minima(state: ContactState, series: CosineSeries, origin: Array, left: Array, right: Array) -> Indices:
     """Return the number of minima of the gap between origin + left and origin + right, shape (intervals,)."""
     angle = (np.arange(SAMPLES) + 0.5) * (np.pi / SAMPLES)
-    fraction = 0.5 * (1 - np.cos(angle))  # closer together at the ends
+    fraction = 0.5 * (1 - np.cos(angle))  # the samples are closer together at the ends
     y = left[:, None] + (right - left)[:, None] * fraction
     sign = np.sign(_gap_slopes(state, series, np.repeat(origin, SAMPLES), y.ravel())).reshape(y.shape)
     for i in range(1, SAMPLES):

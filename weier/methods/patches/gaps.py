@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Flags, Indices, Records
-from weier.methods.patches.given_edges import Forces, Punches, field_of_forces
-from weier.methods.patches.inequalities import minima_of_gaps
+from weier.methods.patches.given_edges import Forces, Punches, force_field
+from weier.methods.patches.inequalities import gap_minima
 from weier.methods.patches.kind import (
     FIELD_ROUNDING,
     MAX_THINNESS,
@@ -23,11 +23,11 @@ from weier.methods.patches.kind import (
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, integrals
 from weier.methods.patches.surface import CosineSeries, Extent, Sides, Surface, intervals_between, nearest_crests
-from weier.methods.patches.thin_gaps import singularities_of_gaps
+from weier.methods.patches.thin_gaps import gap_singularities
 
 
 class Gaps:
-    """Gaps: the density is the slope of the gap, the residual the pressure; numbers as those of `Contacts`."""
+    """Gaps: the density is the slope of the gap, the residual the pressure; `Contacts` explains the fields."""
 
     is_slope = True
     derivative = 1
@@ -35,7 +35,7 @@ class Gaps:
     hankel_sign = -1.0
     power = 1
     right_sign = -1.0  # the slope is negative where a gap closes
-    k_0_of_curvature = 0.25  # of a contact between gaps
+    curvature_k_0 = 0.25  # factor for a contact between gaps
     rounding_power = 0
     offset = 0.0
     increment = 1.0
@@ -53,12 +53,12 @@ class Gaps:
         """Return the largest tension under the load."""
         return maximum - load
 
-    def own_kernel(self, sine: Array) -> Array:
+    def self_kernel(self, sine: Array) -> Array:
         """Return 1/(4 sin^2 theta)."""
         return np.asarray(0.25 / sine**2)
 
     def factor(self, period: float) -> float:
-        """Return that of the finite part -1/(2 L^2 sin^2)."""
+        """Return the factor of 1/sin^2 in the finite-part kernel -1/(2 L^2 sin^2)."""
         return -0.5 / period**2
 
     def close(self, force: Array, even: Array, load: float, period: float) -> tuple[Array, float]:
@@ -72,8 +72,8 @@ class Gaps:
         """Return the mean gap."""
         return total / period
 
-    def height_of_residual(self, half_width: Array) -> Array:
-        """Return the width: a pressure displaces by its product with it."""
+    def residual_height(self, half_width: Array) -> Array:
+        """Return the width: pressure times width is a displacement."""
         return 2 * half_width
 
     def rounded_width(self, period: float, half_width: Array) -> float:
@@ -97,7 +97,7 @@ class Gaps:
         return np.stack([values[:, 1], np.roll(values[:, 0], -1)], axis=1)
 
     def limit_outside(self, load: float, height: float, tension: float) -> float:
-        """Return that of a tension."""
+        """Return the pressure that a tension must exceed, in p_0*."""
         return tension * load
 
     def limits_within(self) -> tuple[float, float]:
@@ -105,17 +105,17 @@ class Gaps:
         return 0.0, 0.0
 
     def deserve_segments(self, minima: Records, room: Array, finest: float, opening: float) -> Flags:
-        """Return which gaps open enough and are not thin, also relative to the finest wave, if edges are distant."""
+        """Return whether each gap opens enough and is not thin relative to its distances and the finest wave."""
         b = np.sqrt(-4 * minima["value"] / np.maximum(minima["curvature"], 1e-300))
         is_wide = b > MAX_THINNESS * np.minimum(room, 1 / finest)
         return np.asarray(is_wide & (-2 * np.pi * b * minima["value"] > opening))
 
-    def height_of_negative(self, width: Array) -> Array:
+    def violation_height(self, width: Array) -> Array:
         """Return 1: a gap is a height."""
         return np.ones(width.size)
 
     def overlaps_and_tensions(self, minima: Records, negative: Records) -> tuple[Records, Records]:
-        """Return both: gaps are negative on segments, and pressures have minima outside."""
+        """Return the intervals of overlap on the segments, and the minima of the pressure outside them."""
         return negative, minima
 
     def tensions(self, contacts: Extent, found: Records, period: float) -> NDArray[np.float64]:
@@ -146,7 +146,7 @@ class Gaps:
         def increment(contact: Indices, t: NDArray[np.float64]) -> NDArray[np.float64]:
             x = positions(contact, t)
             order, q = np.argsort(x), np.empty(x.size)
-            q[order] = 1 - field_of_forces(punches, tangent.force, x[order])
+            q[order] = 1 - force_field(punches, tangent.force, x[order])
             return q.reshape(t.shape)
 
         return pressure, increment
@@ -155,15 +155,15 @@ class Gaps:
         """Return k_0 and k_1/2, up to a factor, at the edges of gaps in tensions sum c_n T_n below the largest."""
         pressure = -c
         pressure[:, 0] -= most
-        return singularities_of_gaps(pressure)
+        return gap_singularities(pressure)
 
     def elastic_energy(
         self, state: ContactState, series: CosineSeries, force: Array, below: Array, full: float
     ) -> float:
-        """Return that of full contact minus <g (p + S)>/2, with the mean pressure p and the tension S."""
+        """Return the energy of full contact minus <g (p + S)>/2, with the mean pressure p and the tension S."""
         return full - 0.5 * float(force @ (state.load + series.maximum + below)) / series.period
 
-    def scale_of_residual(self, load: float, approach: float, period: float) -> float:
+    def residual_scale(self, load: float, approach: float, period: float) -> float:
         """Return the order of the displacement by the load."""
         return load * period
 
@@ -179,7 +179,7 @@ class Gaps:
         self, state: ContactState, series: CosineSeries, overlaps: Records, margin: float, uncertainty: float
     ) -> Records:
         """Return the minima of the gap on segments."""
-        return minima_of_gaps(state)
+        return gap_minima(state)
 
     def certain_strengths(self, strength: Sides, integral: Array, half_width: Array) -> Sides:
         """Return the strengths."""

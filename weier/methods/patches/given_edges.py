@@ -20,13 +20,13 @@ from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_t
 from weier.methods.patches.rule import (
     Rule,
     Table,
-    add_own_blocks,
-    expansion_of,
-    forces_of,
+    add_self_influence,
+    add_self_influence_blocks,
+    expand_forces,
+    forces_from_expansion,
     make_rule,
-    own_tables,
     place_nodes,
-    times_own,
+    self_influence_tables,
 )
 from weier.methods.patches.segments import Segments
 from weier.methods.punches import Inverse, solve_forces
@@ -35,15 +35,15 @@ from weier.theory.halfplane import replace_by_influence
 # largest number of unknowns of a direct solution: with 400 it takes 0.8 (contacts) and 1.0 (gaps) times as long as
 # conjugate gradients with fast sums, with 480 1.3 and 1.2 times (`python -m benchmarks direct_solution`)
 MAX_DIRECT = 400
-MAX_STEPS = 300  # of conjugate gradients; 10 to 30 are usual
+MAX_STEPS = 300  # steps of conjugate gradients; 10 to 30 are usual
 
 
 class Punches(NamedTuple):
     """Contacts or gaps with given edges, and the influence of forces at their nodes on each other.
 
     segments : in order round the period; only the number of their nodes is used
-    gap : from the right edge of each to the next one, in lambda_0, shape (segments,)
-    offset : of each node from the middle of its segment, in lambda_0, shape (nodes,)
+    gap : distance from the right edge of each segment to the next segment, in lambda_0, shape (segments,)
+    offset : distance of each node from the middle of its segment, in lambda_0, shape (nodes,)
     left, diagonal : factors of the nodes in the self-influences, and further diagonal entries, shape (nodes,)
     rule, matrix : self-influences and kernel between all nodes, for conjugate gradients; None for a direct
         solution
@@ -67,12 +67,12 @@ class Punches(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """A solution.
+    """Forces that solve the equations on given edges.
 
-    force : f at the nodes, in p_0* lambda_0 or, of gaps, g_0 lambda_0
+    force : f at the nodes, in p_0* lambda_0 or, for gaps, g_0 lambda_0
     plane : the mean gap relative to the datum of the forcing, in g_0
-    residual : of the equations, as a height, in g_0
-    steps : of conjugate gradients
+    residual : residual of the equations, as a height, in g_0
+    steps : number of steps of conjugate gradients
     even : forces for the uniform forcing 1, if known
     """
 
@@ -121,8 +121,8 @@ def _equations(
 ) -> tuple[Table, Table]:
     """Return the upper triangle of the influence of all forces at all nodes, and both right sides.
 
-    table : of `own_tables`
-    dipoles, factor, more : of the kernel between nodes, and what is added to all influences
+    table : result of `self_influence_tables`
+    dipoles, factor, more : kind and factor of the kernel between nodes, and constant added to all influences
     """
     n, at, right = offset.size, 0, np.empty((2, offset.size))
     influence, matrix = np.empty(n * (n + 1) // 2), np.zeros((n, n))
@@ -134,7 +134,7 @@ def _equations(
                     influence[at] = apart + (offset[a] - offset[b])
                     at += 1
     replace_by_influence(influence, period, dipoles)
-    add_own_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
+    add_self_influence_blocks(first, left, diagonal, table, shift, hankel_sign, matrix)
     at = 0
     for a in range(n):
         right[0, a], right[1, a] = forcing[a], 1.0
@@ -150,7 +150,7 @@ def displacement(punches: Punches, force: Array) -> Array:
     assert punches.matrix is not None
     rule, total = punches.rule, pair_sums(punches.matrix, force)
     total += punches.diagonal * force
-    times_own(punches.segments.first_node, rule.own, rule.start, punches.left, force, total)
+    add_self_influence(punches.segments.first_node, rule.own, rule.start, punches.left, force, total)
     return np.asarray(punches.kind.factor(punches.period) * total)
 
 
@@ -158,7 +158,7 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
     """Apply the preconditioner: segments interact as flat punches, or not at all."""
     assert punches.rule is not None
     segments, rule, force = punches.segments, punches.rule, np.zeros(residual.size)
-    times_own(segments.first_node, rule.inverse, rule.start, 1 / punches.left, residual, force)
+    add_self_influence(segments.first_node, rule.inverse, rule.start, 1 / punches.left, residual, force)
     force /= -punches.kind.factor(punches.period)
     if inverse is not None:
         mean = np.add.reduceat(residual, segments.first_node[:-1]) / segments.node_count
@@ -169,7 +169,7 @@ def _precondition(punches: Punches, inverse: Inverse | None, residual: Array) ->
 def solve_forces_on_contacts(
     punches: Punches, forcing: Array, load: float, start: Array, residual: float, reduction: float = 0.0
 ) -> Forces:
-    """Solve z - A f = d and sum f = p L for f and d; of gaps, C f = forcing.
+    """Solve z - A f = d and sum f = p L for f and d; for gaps, C f = forcing.
 
     The forcing, at the nodes, is the height z, in g_0, or the tension of full contact, in p_0*. Conjugate gradients
     end at a residual, as a height, in g_0, or at `reduction` times the initial one.
@@ -180,7 +180,7 @@ def solve_forces_on_contacts(
 
 
 def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
-    """Return the increment of a solution with the mean pressure, on the segments as they are.
+    """Return the derivative of a solution with respect to the mean pressure, on fixed edges.
 
     It has the mean 1 and displaces a flat surface by R on all contacts; to first order the motion of the edges has no
     effect. For gaps the forcing is 1, a tension that increases the mean gap by R.
@@ -202,7 +202,7 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
         punches.offset,
         punches.left,
         punches.diagonal,
-        own_tables(segments.first_node, kind),
+        self_influence_tables(segments.first_node, kind),
         forcing,
         period,
         kind.is_slope,
@@ -230,7 +230,7 @@ def _solve_iteratively(
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, force, least = forcing / unit, start / unit, least / unit
     inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
-    scale = punches.at_nodes(kind.height_of_residual(segments.half_width))
+    scale = punches.at_nodes(kind.residual_height(segments.half_width))
     even, per_force = np.zeros(start.size), 0.0  # M^-1 1, and the displacement by a multiple of it with the sum 1
     if inverse is not None:
         even = _precondition(punches, inverse, np.ones(start.size))
@@ -257,7 +257,7 @@ def _solve_iteratively(
     return Forces(unit * force, unit * kind.plane_of(float(force.sum()), plane, punches.period), unit * size, step)
 
 
-def field_of_forces(punches: Punches, force: Array, x: Array) -> Array:
+def force_field(punches: Punches, force: Array, x: Array) -> Array:
     """Return the effect of the forces at ascending positions: a displacement, in g_0, or a pressure, in p_0*."""
     middle = np.repeat(punches.segments.middle, punches.segments.node_count)
     if force.size <= MAX_DIRECT:
@@ -285,7 +285,7 @@ def expansion(punches: Punches, force: Array) -> Array:
     """Return the coefficients of psi in T_k, segment by segment, shape (nodes,)."""
     segments, kind, period = punches.segments, punches.kind, punches.period
     nodes = segments.first_node, segments.half_width, punches.left
-    return expansion_of(*nodes, force, period, kind.shift, kind.derivative)
+    return expand_forces(*nodes, force, period, kind.shift, kind.derivative)
 
 
 @kernel
@@ -347,4 +347,6 @@ def moved_expansion(
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
     """Return the forces on new segments from those on their old segments `origin`; 0 if that is -1."""
     nodes = new.segments.first_node, new.segments.half_width, new.left
-    return forces_of(*nodes, b, segments.first_node, origin, new.period, new.kind.shift, new.kind.derivative)
+    return forces_from_expansion(
+        *nodes, b, segments.first_node, origin, new.period, new.kind.shift, new.kind.derivative
+    )

@@ -24,7 +24,7 @@ from weier.kernels.arrays import Array, Indices, Records, record_type
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import derivative_expansion, evaluate_expansion
 from weier.methods.patches.edge_iteration import ContactProblem, NewtonStep
-from weier.methods.patches.given_edges import field_of_forces
+from weier.methods.patches.given_edges import force_field
 from weier.methods.patches.kind import EPS, Kind
 from weier.methods.patches.pressure_and_gap import (
     at_point,
@@ -46,8 +46,8 @@ STENCIL_RATIO, REFINEMENTS = 1 / 5, 6
 MAX_FALL = 3
 
 
-Residual = Callable[[Array], Array]  # of positions
-EdgeFactor = Callable[[Array, Indices], Array]  # of positions and the intervals in which these lie
+Residual = Callable[[Array], Array]  # function of positions
+EdgeFactor = Callable[[Array, Indices], Array]  # function of positions and the intervals in which these lie
 # For each bracket: left end, minimum, right end and interval, each of shape (brackets,).
 Brackets = tuple[Array, Array, Array, Indices]
 
@@ -154,7 +154,7 @@ def find_negative_intervals(state: ContactState) -> Records:
     )
     if found.size > 0:
         width = (found["end"] - found["start"]) * segments.half_width[found["segment"]]
-        found["height"] *= state.kind.height_of_negative(width)
+        found["height"] *= state.kind.violation_height(width)
     return found
 
 
@@ -242,12 +242,12 @@ def minima_outside(state: ContactState, series: CosineSeries, margin: float) -> 
     return minima
 
 
-def minima_of_gaps(state: ContactState) -> Records:
+def gap_minima(state: ContactState) -> Records:
     """Return minima of the gap within gaps, as `MINIMUM`: samples, exact where a gap nearly closes."""
     segments = state.segments
     _, t, value = _negative_intervals(segments.first_node, segments.half_width, state.coefficient, True)
     at = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
-    at = at[np.abs(t[at]) < 1]  # not an end of a gap
+    at = at[np.abs(t[at]) < 1]  # a gap always closes at its ends
     minima = np.empty(at.size, MINIMUM)
     if at.size > 0:
         before = (value[at - 1] - value[at]) / (t[at] - t[at - 1])
@@ -284,7 +284,7 @@ def _brackets(
     depth.
 
     value, factor : at the probes; the quotient is smooth
-    margin : what has been taken off the values
+    margin : margin subtracted from the values
     at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
     """
     length, ends = distances_between(origin, centre, r, period), end_sums(first_node, coefficient, 1)
@@ -377,7 +377,7 @@ def find_missing(
 
     # The gap d - z - 2 sum f ln|2 sin|, or the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
-        total = field_of_forces(punches, step.forces.force, x)
+        total = force_field(punches, step.forces.force, x)
         forcing = problem.forcing(*nearest_crests(problem.series, x))
         return np.asarray(kind.uniform(step.forces.plane) + total - forcing) - margin
 
@@ -393,12 +393,12 @@ def find_missing(
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.
     reach = np.sqrt(2 * depth / np.maximum(minima["curvature"], depth / room**2))
-    half_width = np.minimum(kind.new_outside * reach, 0.5 * room)  # at most halfway to others
+    half_width = np.minimum(kind.new_outside * reach, 0.5 * room)  # a segment reaches at most halfway to others
     return np.stack([minima["position"] - half_width, minima["position"] + half_width], axis=1), found
 
 
 def _room(step: NewtonStep, minima: Records) -> Array:
-    """Return the distance of each new segment to the nearest old one, or half of that to a new one if smaller."""
+    """Return the distance of each new segment to the nearest old one or half that to a new one, the smaller."""
     to_left = minima["position"] - step.punches.segments.right[minima["interval"]]
     to_right = step.punches.gap[minima["interval"]] - to_left
     halfway = 0.5 * np.diff(minima["position"])

@@ -1,6 +1,6 @@
 """The two kinds of segments, contacts and gaps, and the limits that they share.
 
-`contacts.CONTACTS` and `gaps.GAPS` have the same attributes and methods, which are all that differs between the two.
+`contacts.CONTACTS` and `gaps.GAPS` have the same attributes and methods, and do not differ in anything else.
 The density on contacts is the pressure, and the residual, which vanishes on them, is the gap. The density on gaps is
 their slope, whose integral is the gap, and the residual is the pressure. Kernels take the numbers of a kind.
 """
@@ -27,10 +27,10 @@ MAX_THINNESS = 2e-4
 # tension over the largest pressure at which a contact is cut: it affects the resistance to first order and the
 # compliance to second order
 MAX_TENSION = 1e-9
-# rounding of tensions over the largest pressure of their contact or the load; of gaps over the sum of the amplitudes:
-# above the differences between shifted profiles (tests/methods/patches/test_pressure_and_gap.py); of singularities
-# over min(w, 1), with w the displacement under the whole load: at edges near births and mergers they do not fall
-# below it
+# Relative rounding of fields: of tensions, over the largest pressure of their contact or the load; of gaps, over the
+# sum of the amplitudes; of singularities, over min(w, 1), with w the displacement under the whole load. Fields of
+# shifted profiles differ by less (tests/methods/patches/test_pressure_and_gap.py). Singularities near births and
+# mergers do not fall below it.
 FIELD_ROUNDING = 1e-13
 # Half-width a of a new contact over that of the overlap, c, which it replaces: Hertz's contact alone in a period has
 # a = c (2/(1 + 2 ln(L/(pi a))))^(1/2), which is c/2 for L = 104 a, and c/4 to c for L = 5 a to 2e7 a. With

@@ -1,6 +1,6 @@
 """Fast multipole method on a line: sums over pairs of points in O(points) (docs/patches.md, "Sums over all nodes").
 
-The kernel is ln|2 sin(pi (x_a - x_b)/L)| or, of dipoles, 1/sin^2(pi (x_a - x_b)/L). Forces are
+The kernel is ln|2 sin(pi (x_a - x_b)/L)| or, for dipoles, 1/sin^2(pi (x_a - x_b)/L). Forces are
 carried up a binary tree to the Chebyshev points of each interval (`_moments`), between well-separated intervals by
 the kernel (`pair_sums`, `potential`), and down to the points (`_add_local_fields`); near pairs are summed directly
 (Fong and Darve, J. Comput. Phys. 228, 2009, 8712). The matrices are kept for all steps of the conjugate gradients.
@@ -23,9 +23,9 @@ Blocks = NDArray[np.float64]  # one small matrix each, shape (..., ORDER, ORDER)
 
 # A singularity one width away from an interval is at t = 3 in its coordinate (-1..1), on the Bernstein ellipse of 3 +
 # sqrt(8) = 5.83. The error relative to the smooth part of ln is at most 5.83^-17 = 1e-13. With 15 points (3e-12),
-# residipoless of 2e-12 g_0 remained on periods of 100 lambda_0.
+# residuals of 2e-12 g_0 remained on periods of 100 lambda_0.
 ORDER = 17
-POINT = gauss_rule(ORDER, of_second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
+POINT = gauss_rule(ORDER, second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
 BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
 LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
 
@@ -33,12 +33,12 @@ LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between nea
 class Tree(NamedTuple):
     """Points on a line in a binary tree, whose node i has the children 2 i + 1 and 2 i + 2.
 
-    position : of the points, ascending, within one period, shape (points,)
+    position : positions of the points, ascending, within one period, shape (points,)
     origin, offset : parts of the position; differences of points with the same origin lose no digits
-    depth : of the leaves, all of which have the same
+    depth : common depth of all leaves
     low, high : first and last point of each node, shape (nodes,)
     to_parent : the interpolation from a parent's Chebyshev points to those of the node, shape (nodes, ORDER, ORDER)
-    at_points : the same from a leaf's Chebyshev points to its points, shape (points, ORDER)
+    at_points : the interpolation from a leaf's Chebyshev points to its points, shape (points, ORDER)
     """
 
     position: Array
@@ -85,7 +85,7 @@ def _interpolate(t: float, weight: Array) -> None:
 
 
 @kernel
-def points_of_leaf(points: int, depth: int, node: int) -> tuple[int, int]:
+def leaf_points(points: int, depth: int, node: int) -> tuple[int, int]:
     """Return the first point of a leaf, and the one after its last, in a tree of these points and this depth."""
     leaf = node - _first_leaf(depth)
     return (points * leaf) >> depth, (points * (leaf + 1)) >> depth
@@ -127,7 +127,7 @@ def _fill_interpolations(tree: Tree) -> None:
                 t = ((middle - parent_middle) + half * POINT[q]) / parent_half
                 _interpolate(t, tree.to_parent[node, q])
         if node >= _first_leaf(tree.depth):
-            start, end = points_of_leaf(tree.position.size, tree.depth, node)
+            start, end = leaf_points(tree.position.size, tree.depth, node)
             for a in range(start, end):
                 _interpolate((tree.position[a] - middle) / half, tree.at_points[a])
 
@@ -145,7 +145,7 @@ def _far_apart(low: float, high: float, other_low: float, other_high: float, per
 def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs, Pairs]:
     """List far and near pairs that hold each pair of points once; unordered within a single tree.
 
-    They are counted first and written then. On the stack, a pair leaves at most two more for each level of a tree.
+    A first pass counts them, a second one writes them. The stack grows by at most two pairs per level of a tree.
     """
     stack, far_count, near_count = np.empty((2 * (one.depth + other.depth) + 3, 2), np.int64), 0, 0
     for is_written in range(2):
@@ -198,7 +198,7 @@ def _fill_near_block(
     width = origins.size
     for i in range(origin.size):
         row = block[i * width : (i + 1) * width]
-        for j in range(width):  # over whole arrays, so that the compiler vectorises
+        for j in range(width):  # the compiler vectorises operations on whole arrays
             row[j] = (origin[i] - origins[j]) + (offset[i] - offsets[j])
     replace_by_influence(block, period, dipoles)
 
@@ -223,13 +223,13 @@ def _make_blocks(
     near_start = np.empty(near.shape[0] + 1, np.int64)
     near_start[0] = 0
     for pair in range(near.shape[0]):
-        start, end = points_of_leaf(points, depth, near[pair, 0])
-        first, last = points_of_leaf(points, depth, near[pair, 1])
+        start, end = leaf_points(points, depth, near[pair, 0])
+        first, last = leaf_points(points, depth, near[pair, 1])
         near_start[pair + 1] = near_start[pair] + (end - start) * (last - first)
     near_block = np.empty(near_start[-1])
     for pair in range(near.shape[0]):
-        start, end = points_of_leaf(points, depth, near[pair, 0])
-        first, last = points_of_leaf(points, depth, near[pair, 1])
+        start, end = leaf_points(points, depth, near[pair, 0])
+        first, last = leaf_points(points, depth, near[pair, 1])
         origin, offset = tree.origin[start:end], tree.offset[start:end]
         block = near_block[near_start[pair] : near_start[pair + 1]]
         _fill_near_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dipoles, block)
@@ -245,7 +245,7 @@ def _moments(tree: Tree, f: Array) -> NDArray[np.float64]:
         for node in range((1 << level) - 1, (1 << (level + 1)) - 1):
             here = moment[node]
             if level == tree.depth:
-                start, end = points_of_leaf(tree.position.size, tree.depth, node)
+                start, end = leaf_points(tree.position.size, tree.depth, node)
                 for a in range(start, end):
                     for q in range(ORDER):
                         here[q] += tree.at_points[a, q] * f[a]
@@ -268,7 +268,7 @@ def _add_local_fields(tree: Tree, field: NDArray[np.float64], total: Array) -> N
                 for s in range(ORDER):
                     here[q] += tree.to_parent[node, q, s] * parent[s]
         if node >= _first_leaf(tree.depth):
-            start, end = points_of_leaf(tree.position.size, tree.depth, node)
+            start, end = leaf_points(tree.position.size, tree.depth, node)
             for a in range(start, end):
                 for q in range(ORDER):
                     total[a] += tree.at_points[a, q] * here[q]
@@ -297,8 +297,8 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
         a, b = matrix.far[pair, 0], matrix.far[pair, 1]
         _add_block(matrix.far_block[pair], moment[a], moment[b], field[a], field[b])
     for pair in range(matrix.near.shape[0]):
-        start, end = points_of_leaf(f.size, tree.depth, matrix.near[pair, 0])
-        first, last = points_of_leaf(f.size, tree.depth, matrix.near[pair, 1])
+        start, end = leaf_points(f.size, tree.depth, matrix.near[pair, 0])
+        first, last = leaf_points(f.size, tree.depth, matrix.near[pair, 1])
         block = matrix.near_block[matrix.near_start[pair] : matrix.near_start[pair + 1]]
         # The block of a leaf with itself contains each pair twice.
         row_forces = f[start:end] if start != first else none
@@ -325,8 +325,8 @@ def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, pe
                 field[to, i] += block[j * ORDER + i] * moment[of, j]
     near_block = np.empty((LEAF_POINTS + 1) ** 2)
     for pair in range(near.shape[0]):
-        start, end = points_of_leaf(total.size, target.depth, near[pair, 0])
-        first, last = points_of_leaf(f.size, source.depth, near[pair, 1])
+        start, end = leaf_points(total.size, target.depth, near[pair, 0])
+        first, last = leaf_points(f.size, source.depth, near[pair, 1])
         block = near_block[: (last - first) * (end - start)]
         origin, offset = source.origin[first:last], source.offset[first:last]
         _fill_near_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dipoles, block)

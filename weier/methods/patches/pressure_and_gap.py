@@ -51,7 +51,7 @@ def _local_coordinate(segment: float, centre: float, r: float, period: float, or
 
 
 def density_integrals(state: ContactState, period: float, origin: Array, y: Array, is_slope: bool) -> Array:
-    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or, of its slope, int rho cot(pi (x-s)/L) ds."""
+    """Return int rho ln|2 sin(pi (x-s)/L)| ds or, for its slope, int rho cot(pi (x-s)/L) ds at any x = origin + y."""
     return _integrals(state.segments, state.coefficient, period, origin, y, is_slope)
 
 
@@ -87,7 +87,7 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
 def _integrals(
     segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, is_slope: bool
 ) -> Array:
-    """At any x = origin + y: int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds.
+    """Return int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds at any x = origin + y.
 
     Far from a segment, quadrature is used, with sin(pi (x-s)/L) by the addition theorem: from the angle between x and
     the segment's centre if it is small, so that short distances lose no digits, otherwise from the angles of both.
@@ -252,11 +252,11 @@ def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indic
     """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
     kind, origin = state.kind, series.crest_position[crest]
     integral = density_integrals(state, series.period, origin, y, kind.is_slope)
-    integral *= kind.factor(series.period) * _force_of_density(state, series.period)
+    integral *= kind.factor(series.period) * _force_factor(state, series.period)
     return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + integral)
 
 
-def _force_of_density(state: ContactState, period: float) -> float:
+def _force_factor(state: ContactState, period: float) -> float:
     """Return the sum over dipoles on a gap, over the integral of its slope by parts; 1 for contacts."""
     return float((-period / np.pi) ** state.kind.derivative)
 
@@ -272,9 +272,9 @@ def residuals_by_sums(
     """Return `complementary_residuals`, in the time O(points + nodes): by fast sums.
 
     Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, for gaps, the Cauchy
-    integral by that of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near one, closed forms are used.
-    Points are given by origin + offset as well; relative to the centre of a segment, distances from its nodes lose no
-    digits.
+    integral by the quadrature of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near a segment, closed forms
+    are used. Points are given by origin + offset as well: relative to the centre of a segment, distances from its
+    nodes lose no digits.
     """
     segments, period = state.segments, series.period
     order = np.argsort(origin + offset, kind="stable")
@@ -283,7 +283,7 @@ def residuals_by_sums(
     at_node, force = node_forces(*density, kind.is_slope)
     tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
     total, factor = potential(tree, force, make_tree(origin, offset), period, kind.is_slope), kind.factor(period)
-    near = _force_of_density(state, period)
+    near = _force_factor(state, period)
     value[order] = _correct_near_segments(*density, kind.is_slope, near, force, origin, offset, period, total)
     return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + factor * value)
 
@@ -330,7 +330,7 @@ def _correct_near_segments(
             middle = centre + image * period
             for i in range(first_from(x, middle - reach), first_from(x, middle + reach)):
                 t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
-                for q in range(node.size):  # to the last digit as the sums have it
+                for q in range(node.size):  # must equal the term of the sums to the last digit
                     at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])
                 replace_by_influence(at_nodes, period, is_slope)
                 total[i] += factor * _near_field(a, node, density, r, far, t, period, is_slope)
@@ -345,7 +345,7 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_ga
 
 
 def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:
-    """Return the same at the distances y from crests of the series of the state."""
+    """Return the pressure or the gap at the distances y from crests of the state's series."""
     inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.kind.is_slope)
     if is_gap != state.kind.is_slope:
         value = np.zeros(y.size)

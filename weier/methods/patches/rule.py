@@ -32,8 +32,8 @@ Table = NDArray[np.float64]
 class Rule(NamedTuple):
     """Self-influences of segments, for conjugate gradients.
 
-    own : of each number of nodes K, shape (K, K), in turn and row by row, without the factors left
-    inverse : the inverse on what it can invert: all of a gap, and all but the mean of a contact
+    own : matrices (K, K) for each number of nodes K, one after the other, row by row, without the factors `left`
+    inverse : inverses of these; for contacts, of all but the mean
     start : where the matrix of each segment begins, shape (segments,)
     """
 
@@ -49,8 +49,8 @@ def _degree(n: int, r: float, period: float, derivative: int) -> float:
 
 
 @kernel
-def _turn_of_waves(N: int, derivative: int) -> Array:
-    """Return cosines of the angles of a turn, pi i/(2 N), or sines, which lag by a quarter of a turn."""
+def _wave_table(N: int, derivative: int) -> Array:
+    """Return cosines of the angles pi i/(2 N) of a whole turn, or sines, which lag by a quarter of a turn."""
     wave = np.empty(4 * N)
     for i in range(4 * N):
         wave[i] = np.cos(np.pi / (2 * N) * (i - N * derivative))
@@ -64,7 +64,7 @@ def place_nodes(
     """Return the gap on the right of each segment, the nodes, and whether no two segments overlap.
 
     The nodes have their offset from the middle of the segment, `left`, and the entry on the diagonal of the
-    self-influence in addition to X: of gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta).
+    self-influence in addition to X: for gaps, the rest of 1/sin^2 without its pole, 1/3, less 1/(4 sin^2 theta).
     """
     nodes = first_node[-1]
     offset, left, diagonal = np.empty(nodes), np.empty(nodes), np.empty(nodes)
@@ -98,7 +98,7 @@ def _cosine_sums(N: int, power: int) -> Array:
 
 
 @lru_cache(maxsize=256)
-def _own_table(K: int, kind: Kind, inverse: bool) -> Array:
+def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
     """Return the table X of a segment with K nodes, optionally that of the inverse, shape (2 K + 1,).
 
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes, of the angle pi q/2N. For the inverse
@@ -109,41 +109,43 @@ def _own_table(K: int, kind: Kind, inverse: bool) -> Array:
         X = _cosine_sums(N, -kind.power) / N**2
     else:
         X, sine = -_cosine_sums(N, kind.power), np.sin(0.5 * np.pi / N * np.arange(1, N + 1))
-        X[1:] -= kind.own_kernel(sine)
+        X[1:] -= kind.self_kernel(sine)
     return np.append(X, X[-2::-1])[: 2 * K + 1]  # X is even about N
 
 
-def own_tables(first_node: Indices, kind: Kind) -> Array:
+def self_influence_tables(first_node: Indices, kind: Kind) -> Array:
     """Return the tables X of all segments; that of segment j begins at the entry 2 first_node[j] + j."""
     count = first_node[1:] - first_node[:-1]
-    return np.concatenate([_own_table(K, kind, False) for K in count.tolist()])
+    return np.concatenate([_self_influence_table(K, kind, False) for K in count.tolist()])
 
 
 def make_rule(first_node: Indices, kind: Kind) -> Rule:
     """Return the self-influences of segments, one for each number of nodes, since few numbers occur."""
     counts, which = np.unique(first_node[1:] - first_node[:-1], return_inverse=True)
     own, inverse = (
-        np.concatenate([_own_block(K, kind, is_inverse).ravel() for K in counts.tolist()])
+        np.concatenate([_self_influence_block(K, kind, is_inverse).ravel() for K in counts.tolist()])
         for is_inverse in (False, True)
     )
     return Rule(own, inverse, np.append(0, np.cumsum(counts**2))[which])
 
 
-def _own_block(K: int, kind: Kind, inverse: bool) -> Table:
+def _self_influence_block(K: int, kind: Kind, inverse: bool) -> Table:
     """Return the matrix X(i - j) +- X(i + j + shift) of K nodes."""
-    X, i = _own_table(K, kind, inverse), np.arange(K)
+    X, i = _self_influence_table(K, kind, inverse), np.arange(K)
     return np.asarray(X[np.abs(i[:, None] - i)] + kind.hankel_sign * X[i[:, None] + i + kind.shift])
 
 
 @kernel
-def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f: Array, result: Array) -> None:
+def add_self_influence(
+    first_node: Indices, block: Array, start: Indices, left: Array, f: Array, result: Array
+) -> None:
     """Add the self-influence of each segment, or its inverse, times f."""
     for j in range(first_node.size - 1):
         first, K = first_node[j], first_node[j + 1] - first_node[j]
         total = np.empty(K)
         for i in range(K):
             total[i] = 0.0
-        for k in range(K):  # along the rows of the symmetric matrix, so that the compiler vectorises
+        for k in range(K):  # the compiler vectorises the loop along rows of the symmetric matrix
             g, row = left[first + k] * f[first + k], block[start[j] + k * K : start[j] + (k + 1) * K]
             for i in range(K):
                 total[i] += g * row[i]
@@ -152,7 +154,7 @@ def times_own(first_node: Indices, block: Array, start: Indices, left: Array, f:
 
 
 @kernel
-def add_own_blocks(
+def add_self_influence_blocks(
     first_node: Indices, left: Array, diagonal: Array, table: Array, shift: int, hankel_sign: float, matrix: Table
 ) -> None:
     """Add the self-influence of each segment, from its table, to the upper triangle of a matrix of all nodes."""
@@ -166,19 +168,19 @@ def add_own_blocks(
 
 
 @kernel
-def expansion_of(
+def expand_forces(
     first_node: Indices, r: Array, left: Array, force: Array, period: float, shift: int, derivative: int
 ) -> Array:
     """Return the coefficients of psi in T_n on segments of these half-widths, shape (nodes,).
 
     b_n is proportional to the sum of W(n, i) left_i f_i, where W is cos or, for gaps, sin of n (pi - theta_i), from a
-    whole turn that has all its digits.
+    table over a whole turn that keeps all digits.
     """
     b = np.zeros(force.size)
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
         N = last - first + shift - 1
-        wave = _turn_of_waves(N, derivative)
+        wave = _wave_table(N, derivative)
         for i in range(first, last):
             f, index, step = left[i] * force[i], 0, 2 * N - 2 * (i - first) - shift
             for n in range(first, last):
@@ -192,7 +194,7 @@ def expansion_of(
 
 
 @kernel
-def forces_of(
+def forces_from_expansion(
     first_node: Indices,
     r: Array,
     left: Array,
@@ -213,7 +215,7 @@ def forces_of(
             continue
         first, last, old = first_node[j], first_node[j + 1], old_first_node[origin[j]]
         N = last - first + shift - 1
-        wave = _turn_of_waves(N, derivative)
+        wave = _wave_table(N, derivative)
         count = old_first_node[origin[j] + 1] - old
         if count > last - first:
             count = last - first

@@ -20,7 +20,7 @@ from weier.methods.patches.surface import CosineSeries, Extent, Sides, distances
 
 # Nodes of one segment. Twelve digits need more where two segments are closer than 3e-5 of their half-width.
 MAX_NODES = 2000
-# K_0, K_1 and K_2 of the number of nodes, each with its slope with the digits: `python -m benchmarks node_counts`
+# K_0, K_1 and K_2, each with its slope over the digits: `python -m benchmarks node_counts` fits them
 NODE_FACTORS = (4.5, 0.25), (2.2, -0.125), (-8.7, 1.95)
 
 
@@ -113,8 +113,8 @@ Start = Literal["crests", "tensions", "grid"]
 class Route(NamedTuple):
     """How a state was found.
 
-    steps : solutions on given edges
-    corrections : of the set of segments
+    steps : number of solutions on given edges
+    corrections : number of corrections of the set of segments
     attempts : 1, or 2 if the first one failed
     """
 
@@ -131,14 +131,14 @@ class ContactState(NamedTuple):
     load : mean pressure, in p_0*
     approach : indentation from first contact or, with gaps, minus the mean gap, in g_0
     segments : the contacts or the gaps
-    coefficient : of phi in U_k, segment by segment, shape (nodes,); sqrt(1-t^2) phi is the pressure, in p_0*, or the
-        slope of the gap, in g_0/lambda_0
+    coefficient : coefficients of phi in U_k, segment by segment, shape (nodes,); sqrt(1-t^2) phi is the pressure, in
+        p_0*, or the slope of the gap, in g_0/lambda_0
     resistance : dh/dp, in g_0/p_0*
     tangent_strength : B at the left and right edges of each segment, shape (segments, 2), in lambda_0^(1/2): the
         derivative of the pressure with respect to the mean pressure is B/s^(1/2) at the distance s inside a contact
     edge_move : move of each edge in the next step, shape (segments, 2), in lambda_0
     residual : largest violation of a contact condition, in g_0
-    error : a bound on the error of the approach by these violations, in g_0
+    error : bound on the error of the approach due to violations, in g_0
     height_error : largest difference between z and heights for which the state is exact, in g_0
     roughness : sum n |c_n| of the coefficients in T_n of the residual on each segment, in its unit
     cracks : gaps within contacts that are too thin for segments of their own, whose effect is in `approach` and
@@ -267,7 +267,7 @@ def node_factors(tolerance: float, factors: Sequence[Sequence[float]] = NODE_FAC
 
 
 def coefficient_tails(segments: Segments, coefficient: Array) -> Array:
-    """Return the size of the last two coefficients of the regular part that are not 0 over that of the largest.
+    """Return the larger of the last two non-zero coefficients of the regular part over the largest coefficient.
 
     Its last two are 0, since psi is unknown two degrees higher.
     """

@@ -21,7 +21,7 @@ from weier.methods.load_progress import count_load, keeping
 from weier.methods.patches.certificate import stated_errors
 from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.stages import LARGEST_TOLERANCE, LEAST_TOLERANCE, MAX_OVER_TARGET, TARGET, solve_in_stages
+from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -34,7 +34,7 @@ from weier.methods.patches.surface import (
 from weier.surface.loads import checked_loads
 from weier.surface.waves import Waves
 
-MIN_LOAD = 1e-300  # p_0*; below, squares of half-widths underflow
+MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow under lighter loads
 
 
 class Solution(NamedTuple):
@@ -45,7 +45,7 @@ class Solution(NamedTuple):
     edge_strength : shape (patches, 2), at the left and right edges, in p_0*/lambda_0^(1/2): at the distance s
         from an edge p = A s^(1/2) within and gap = (4 pi/3) A s^(3/2) outside, with no singularity of stress
     mean_gap : d, in g_0
-    surface, state : the series and the Chebyshev coefficients behind; state is None in full contact
+    surface, state : the series and the Chebyshev coefficients; `state` is None in full contact
     """
 
     mean_pressure: float
@@ -102,15 +102,15 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
         Increasing, positive, in p_0*.
     tolerance : float
         Accepted error of the compliance, in g_0. It is applied relative to the indentation, and limited to
-        `LARGEST_TOLERANCE` of it, so that the compliance is usually far more accurate than required and the
+        `MAX_TOLERANCE` of it, so that the compliance is usually far more accurate than required and the
         resistance is accurate at light loads.
 
     Returns
     -------
     Curve
         With an a-posteriori bound on the error of the compliance, from sampled violations of the contact conditions,
-        and an estimate of that of the resistance; the residual, evaluated without the equations solved; the Newton
-        steps as `work`; and the indentation, accurate relative to itself at light loads.
+        and an estimate of the error of the resistance; the residual, evaluated without the equations solved; the
+        Newton steps as `work`; and the indentation, accurate relative to itself at light loads.
 
     Raises
     ------
@@ -197,15 +197,15 @@ def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOL
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """Return the state under one load, None in full contact, and the steps to it; it depends on no other load.
 
-    The second attempt is tighter or, if rounding limits the target of the first one, so much looser that its target
-    is the first tolerance; its bound may still be within the tolerance, and is otherwise the least one.
+    The second attempt is tighter. If rounding limits the target of the first one, the second one is looser instead:
+    its target is the first tolerance, and its bound may still meet the tolerance.
     ConvergenceError is raised if two attempts fail, or if the bound on the error exceeds the tolerance of the starts.
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
     failure, best, steps = ConvergenceError(""), np.inf, 0
-    first = min(max(starts.tolerance, LEAST_TOLERANCE), LARGEST_TOLERANCE)
-    second = max(first / MAX_OVER_TARGET, LEAST_TOLERANCE) if first > LEAST_TOLERANCE else first / TARGET
+    first = min(max(starts.tolerance, MIN_TOLERANCE), MAX_TOLERANCE)
+    second = max(first / MAX_OVER_TARGET, MIN_TOLERANCE) if first > MIN_TOLERANCE else first / TARGET
     for attempt, relative in enumerate((first, second), 1):
         try:
             guess = starts.guess(load)

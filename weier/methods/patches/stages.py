@@ -1,8 +1,8 @@
 """The stages of one load on any number of contacts or gaps, in memory O(contacts).
 
 docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of edges" and
-"Inequalities" derive their parts. `converge` is stage 1, `corrections_of` stage 2, `contact_residual` stage 3 and
-`_certified` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
+"Inequalities" derive their parts. `converge` is stage 1, `segment_corrections` stage 2, `contact_residual` stage 3
+and `_certified` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
 """
 
 from __future__ import annotations
@@ -53,26 +53,27 @@ from weier.methods.patches.start import TOLERANCE, with_fewer_nodes
 from weier.methods.patches.surface import Surface
 from weier.methods.patches.thin_gaps import are_thin, with_cracks
 
-MAX_STEPS = 60  # of a load; 2.6 on average, at most 9 for 4 000 hard loads
-LEAST_TOLERANCE = 10 * FIELD_ROUNDING  # relative, of the residual
+MAX_STEPS = 60  # Newton steps per load; 2.6 on average, at most 9 for 4 000 hard loads
+MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residual
 # largest relative tolerance of the residual: a looser one may insert a gap whose edges it cannot determine, which
 # then vanishes again
-LARGEST_TOLERANCE = 1e-6
-# Residual in stage 3 over the target of the iteration, at most, and target over the residual of the equations: both
-# contribute separately, and a second attempt (`solve_state`) divides its tolerance by it.
+MAX_TOLERANCE = 1e-6
+# Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
+# the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
-TARGET = MAX_OVER_TARGET**-2  # of the iteration over the tolerance, by which stage 3 measures the sum of all parts
+TARGET = MAX_OVER_TARGET**-2  # ratio of the iteration's target to the tolerance, which limits the sum of all parts
 
 
 class Limits(NamedTuple):
     """Accuracy of a load; heights, in g_0.
 
     tolerance : relative, which sets the number of nodes
-    target : of residual, singularities and overlap
-    residual : of the equations on given edges: next to a new thin gap, more would look like tension at its end
+    target : target of residual, singularities and overlap
+    residual : largest residual of the equations on given edges: next to a new thin gap, a larger one would look like
+        tension at its end
     opening : least height of a new gap or contact; the residual would hide the singularities that determine its edges
-    allowed : residual between the nodes
-    rounding : of a residual
+    allowed : largest residual between the nodes
+    rounding : rounding of a residual
     margin : error of the gap after certification (docs/patches.md, "The bound on the compliance"); minima below it
         may be births
     """
@@ -92,7 +93,7 @@ class Converged(NamedTuple):
     solved, step : the last solution on given edges, and the step after it, on the edges of the state
     state : without resistance and certificate
     minima, negative : minima outside the segments below a margin, and intervals on them, as `MINIMUM` and `NEGATIVE`
-    residual, width, roughness : of each segment between the nodes, as `contact_residual` returns them
+    residual, width, roughness : arrays over the segments, as `contact_residual` returns them
     height : the largest residual, in g_0
     """
 
@@ -112,7 +113,7 @@ def solve_in_stages(
 ) -> tuple[ContactState, int]:
     """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
 
-    tolerance : of the residual, relative to the scale of the load
+    tolerance : tolerance of the residual, relative to the scale of the load
     accepted : the tolerance by which the state is judged, if larger
 
     ConvergenceError is raised if steps or corrections do not end, or if the state fails a check. Segments have at
@@ -123,9 +124,9 @@ def solve_in_stages(
     # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
     # conjugate gradients. A second attempt takes no part of the route of the first.
     is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
-    first = max(tolerance, LARGEST_TOLERANCE) if is_large else tolerance
-    limits, now = limits_of(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
-    coarser: Converged | None = None  # before nodes were added
+    first = max(tolerance, MAX_TOLERANCE) if is_large else tolerance
+    limits, now = load_limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
+    coarser: Converged | None = None  # residual before nodes were added
     while steps < MAX_STEPS:
         solved, step, more = converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
         steps, state = steps + more, contact_state(problem, step)
@@ -133,7 +134,7 @@ def solve_in_stages(
         # between segments.
         negative = find_negative_intervals(state)
         wrong = to_be_cut(state, negative, limits.opening)
-        added, remaining, minima = corrections_of(problem, step, state, limits, wrong)
+        added, remaining, minima = segment_corrections(problem, step, state, limits, wrong)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
             corrections, coarser = corrections + 1, None
@@ -144,12 +145,12 @@ def solve_in_stages(
                 return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
             continue
         if limits.tolerance > tolerance:
-            limits = limits_of(problem, state.segments.half_width, tolerance)
+            limits = load_limits(problem, state.segments.half_width, tolerance)
             enough = estimate_node_count(state.segments.extent, series, tolerance)
             now = next_guess(problem, step, tolerance, np.maximum(count, enough))
             continue
         residual, width, roughness = contact_residual(state, series)  # stage 3
-        height = kind.height_of_residual(state.segments.half_width) * residual
+        height = kind.residual_height(state.segments.half_width) * residual
         found = Converged(solved, step, state, minima, negative, residual, width, roughness, float(height.max()))
         short = (height > limits.allowed) & (count < MAX_NODES)
         # More nodes do not reduce rounding, and in gaps they increase it.
@@ -194,7 +195,7 @@ def converge(
 def follow_contacts(surface: Surface, start: ContactState, load: float) -> ContactState:
     """Follow the contacts of a state to another load, without births and mergers, at the default tolerance."""
     problem = ContactProblem(start.kind.series(surface), load, start.kind)
-    limits = limits_of(problem, start.segments.half_width, TOLERANCE)
+    limits = load_limits(problem, start.segments.half_width, TOLERANCE)
     _, step, _ = converge(problem, make_guess(problem, start.segments, TOLERANCE), limits, MAX_STEPS, is_fixed=True)
     return contact_state(problem, step)
 
@@ -207,7 +208,7 @@ def _scale(problem: ContactProblem) -> float:
     return min(problem.load * problem.series.period, 1.0)
 
 
-def limits_of(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
+def load_limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
     wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
@@ -229,7 +230,7 @@ def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """
     if last_move == np.inf or step.forces.residual >= limits.target:
         return False
-    is_settled = step.moves.relative > SETTLED_MOVE * last_move  # each the square of the last
+    is_settled = step.moves.relative > SETTLED_MOVE * last_move  # each error is the square of the previous one
     return sum((float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits))) > 1
 
 
@@ -275,7 +276,7 @@ def to_be_cut(state: ContactState, negative: Records, opening: float) -> Records
     return wrong[(wrong["height"] > opening) & ~are_thin(wrong, thinness)]
 
 
-def corrections_of(
+def segment_corrections(
     problem: ContactProblem,
     step: NewtonStep,
     state: ContactState,

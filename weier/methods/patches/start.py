@@ -40,23 +40,25 @@ from weier.methods.patches.surface import (
 from weier.methods.patches.thin_gaps import NODES, settle_edges
 from weier.methods.punches import OFFSET
 from weier.surface.waves import Waves
-from weier.theory.halfplane import displacement_at_distance, displacement_of_punch
+from weier.theory.halfplane import displacement_at_distance, punch_displacement
 
 # relative accuracy of a guess: of the forces of isolated contacts and of the tangent pressure on grids, of the
 # residual of boundary elements over the finest wave, of a parabola for a wave, and of a line force for a contact
 GUESS_TOLERANCE = 0.02
-RESOLVED = 3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
+MAX_RESOLVED_ANGLE = (
+    3.0  # largest half-width in radians of the finest wave on `NODES` nodes, with an error J_8(3) of 5e-4
+)
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
-# points per finest wave of the grids that are tried in turn. The first one is for `MANY_WAVES` only: it misses
-# contacts, which costs a step or two (`python -m benchmarks tuning`).
+# points per finest wave of the grids that are tried in turn. Only `MANY_WAVES` or more start on the first one, which
+# misses contacts at the cost of a step or two (`python -m benchmarks tuning`).
 POINTS_PER_WAVE, MANY_WAVES = (8, 16, 32), 10_000
 GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
 TOLERANCE = 1e-10
 
-_displacement_of_punch = kernel(displacement_of_punch)
+_displacement_of_punch = kernel(punch_displacement)
 
 # Middle and half-width of contacts or gaps, in lambda_0, shape (2, segments)
 Intervals = NDArray[np.float64]
@@ -239,7 +241,9 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
 
         is_new = True
         while is_new:
-            y, half_width, found = settle_edges(singularities, y, half_width, RESOLVED / series.wavenumber[-1])
+            y, half_width, found = settle_edges(
+                singularities, y, half_width, MAX_RESOLVED_ANGLE / series.wavenumber[-1]
+            )
             places = merge_overlaps(np.stack([origin + y, half_width]), series.period)
             is_new = places.shape[1] < crest.size
             if not found.all() or (is_new and not merges):

@@ -40,10 +40,10 @@ class CosineSeries(NamedTuple):
     wavenumber : k_n, in radians per lambda_0, increasing, shape (terms,)
     total_amplitude : sum |a_n|, in the unit of S
     period : L, in lambda_0
-    step : between nodes that S is expanded about, in lambda_0
+    step : distance between the nodes that S is expanded about, in lambda_0
     expansion : of S - max S in the distance over the step, about the crests and then about all nodes,
         shape (crests + nodes, ORDER + 1)
-    crest_position : in lambda_0, increasing, shape (crests,)
+    crest_position : positions of the crests, in lambda_0, increasing, shape (crests,)
     crest_node, node_offset : the node nearest to each crest, and how far the crest is from it, in steps, at most 1/2,
         shape (crests,)
     crest_curvature : -S'' at each crest, shape (crests,)
@@ -110,7 +110,7 @@ def make_series(amplitude: Array, waves_per_period: Sequence[int], phase: Array,
     maximum, most = float(about[:, 0].max()), float(np.abs(amplitude).sum())
     offset = about[:, 0] - maximum
     twins = offset > -TWIN_HEIGHT * most
-    if np.any(twins & (offset < -0.5 * COMPLIANCE_ROUNDING * most)):  # else all are equally high
+    if np.any(twins & (offset < -0.5 * COMPLIANCE_ROUNDING * most)):  # otherwise all crests are equally high
         exact = crest_heights(amplitude, waves_per_period, phase, period, position[twins])
         offset[twins] = [float(height - max(exact)) for height in exact]
     offset[offset > -COMPLIANCE_ROUNDING * most] = 0.0
@@ -217,7 +217,7 @@ def in_order(middle: Array, period: float) -> tuple[Indices, Array]:
 
 
 def intervals_between(extent: Extent, period: float) -> Extent:
-    """Return the intervals on the right of each of these in order round the period."""
+    """Return the interval on the right of each of these intervals, which are in order round the period."""
     origin, centre, half_width = extent
     half_gap = 0.5 * distances_between(origin, centre, half_width, period)
     return origin, centre + half_width + half_gap, half_gap

@@ -25,7 +25,7 @@ from weier.methods.patches.surface import CosineSeries, Sides
 # edge; 8 nodes resolve it to rounding up to b = l/10
 NODES = 8
 # Newton steps for the edges: a parabola takes one, and a gap in x^n that starts too wide shrinks by (1 - 2/n)^(1/2)
-STEPS, SETTLED = 60, 1e-6
+MAX_STEPS, MAX_SETTLED_MOVE = 60, 1e-6
 
 
 def settle_edges(
@@ -37,10 +37,10 @@ def settle_edges(
     most : largest distance of an edge from the origin of the middles; segments that pass it are not settled
     """
     c, r, inside = middle, half_width, np.abs(middle) + half_width < most
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         singular, strength = singularities(c, r)
-        move = singular / np.maximum(np.abs(strength), 1e-300)  # in half-widths
-        settled = inside & np.all((strength > 0) & (np.abs(move) < SETTLED), axis=1)
+        move = singular / np.maximum(np.abs(strength), 1e-300)  # the move is in half-widths
+        settled = inside & np.all((strength > 0) & (np.abs(move) < MAX_SETTLED_MOVE), axis=1)
         growth = np.clip(1 + move.sum(axis=1), 1 / MAX_SQUARE, MAX_SQUARE)
         c, r = c + np.clip(0.5 * (move[:, 1] - move[:, 0]), -1, 1) * r, np.sqrt(growth) * r
         inside &= np.abs(c) + r < most
@@ -50,7 +50,7 @@ def settle_edges(
     return c, r, settled & inside
 
 
-def singularities_of_gaps(c: NDArray[np.float64]) -> tuple[Sides, Sides]:
+def gap_singularities(c: NDArray[np.float64]) -> tuple[Sides, Sides]:
     """Return k_0 and k_1/2 at the edges of gaps in the pressures sum c_k T_k, up to a common factor."""
     k = np.arange(c.shape[1])
     sign = np.stack([(-1.0) ** k, np.ones(k.size)], axis=1)
@@ -71,7 +71,7 @@ def find_thin_gaps(
     Parameters
     ----------
     pressure, tangent : p of the contacts without the gaps, in p_0*, and q = dp/dP, at points on contacts
-    contact, middle, reach : of the intervals, in the coordinate t of their contacts, shape (intervals,)
+    contact, middle, reach : contact, middle and half-width of each interval, in the coordinate t of its contact
     radius : half-width of each of these contacts, in lambda_0, shape (intervals,)
 
     Notes
@@ -84,7 +84,7 @@ def find_thin_gaps(
     first, second, k = gauss_rule(NODES, False), gauss_rule(NODES, True), np.arange(NODES)
 
     def singularities(t: Array, b: Array) -> tuple[Sides, Sides]:
-        return singularities_of_gaps(pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T)
+        return gap_singularities(pressure(contact, t[:, None] + b[:, None] * first.node) @ first.expansion.T)
 
     t, b, found = settle_edges(singularities, middle, np.sqrt(2.0) * reach, 1.0)
     if not np.any(found):
@@ -92,7 +92,7 @@ def find_thin_gaps(
     contact, t, b, length = contact[found], t[found], b[found], (b * radius)[found]
     tau = t[:, None] + b[:, None] * second.node
     tension, q = (value @ second.expansion.T for value in (-pressure(contact, tau), tangent(contact, tau)))
-    opening = 2 * np.pi * length[:, None] * tension / (k + 1)  # of w/sqrt(1-tau^2) in U_k
+    opening = 2 * np.pi * length[:, None] * tension / (k + 1)  # coefficients of w/sqrt(1-tau^2) in U_k
     # At an end w = Omega(1) sqrt(1-tau^2) - Omega'(1) sqrt(2) (s/b)^(3/2), and the gap is (4 pi/3) A s^(3/2).
     slope = -(opening * (k * (k + 1) * (k + 2) / 3)).sum(axis=1)
     slope_at_left = -(opening * ((-1.0) ** k * k * (k + 1) * (k + 2) / 3)).sum(axis=1)

@@ -24,8 +24,8 @@ from weier.kernels.arrays import Array, Flags, Indices
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
 REFUSE, INTERPOLATE = MISSING = ("refuse", "interpolate")
 MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
-DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # The degree of the polynomial that each of these removes.
-MAX_GAP = 5  # default of adjacent missing heights that are interpolated
+DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # degree of the polynomial that each word removes
+MAX_GAP = 5  # default number of adjacent missing heights that are interpolated
 NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard deviations
 # A code for missing heights recurs exactly, ten standard deviations from the median, and no other value lies within
 # 0.6 of this distance from it, unlike in a groove with its flanks.
@@ -42,11 +42,11 @@ ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
 # side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
 # for D near 2 or with flat crests.
 JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
-# A period that repeats its first height at its end does so to this part of the range of heights.
+# A last height that differs from the first by less than this fraction of the range repeats it.
 SAME_HEIGHT = 1e-6
 # Omitting a height changes the fine waves of rough lines by less than this factor. Neighbours may then be equal by
 # chance if more than this part of all are, since the heights have few digits or lie on a plateau.
-SMOOTHER, RECURRING_NEIGHBOURS = 2.0, 0.01
+MIN_SMOOTHING, RECURRING_NEIGHBOURS = 2.0, 0.01
 
 
 class Filled(NamedTuple):
@@ -62,11 +62,11 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
 
     Masked values, of NumPy or astropy, None, pandas.NA and what equals a `missing_value` are missing.
     """
-    if hasattr(heights, "unmasked"):  # of astropy, whose masked arrays are no masked arrays of NumPy
+    if hasattr(heights, "unmasked"):  # masked arrays of astropy are no masked arrays of NumPy
         heights = np.ma.masked_array(units.bare(heights.unmasked), heights.mask)
     values = units.bare(heights)
     if not isinstance(values, list | tuple) and hasattr(values, "__array__"):
-        with suppress(TypeError):  # a dataset of xarray, which is no array and is refused below
+        with suppress(TypeError):  # a dataset of xarray is no array and is refused below
             values = np.asanyarray(values)
         if np.ma.isMaskedArray(values) and values.dtype.kind in "iuf":
             values = np.ma.filled(values.astype(float), math.nan)
@@ -170,8 +170,8 @@ def check_jumps(z: Array, step: float) -> None:
 def _check_abrupt_changes(z: Array, step: float) -> None:
     """Refuse changes from one height to the next that are far larger than all others of the line.
 
-    Suspects are abrupt and have no adjacent flank. Without the surrounding heights, they must exceed a part
-    of the range of the rest, without its form, and the largest change of the rest.
+    A suspect is an abrupt change without an adjacent flank. It is refused if it exceeds both a fraction of the range
+    and twice the largest change of the line without its form and without the heights around the suspect.
     """
     change = np.diff(z)
     change = change - np.median(change)
@@ -179,7 +179,7 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
     counted = size[size > SAME_HEIGHT * size.max()]
     if not counted.size:
         return
-    # Where heights have few digits, most changes are 0 or one unit: then at least that unit.
+    # Most changes of heights with few digits are 0 or one unit, so that the scale is at least one unit.
     ordinary = max(float(np.median(counted)) / NORMAL_MEDIAN, float(counted.min()))
     before, after = np.append(0, change[:-1]), np.append(change[1:], 0)
     same_way = np.maximum(before * np.sign(change), after * np.sign(change))
@@ -202,7 +202,7 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
 def _check_isolated_jumps(z: Array, step: float) -> None:
     """Refuse jumps within one to three steps that are far larger than the changes on either side."""
     change, n = np.abs(np.diff(z)), JUMP_NEIGHBOURS
-    largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # of the n changes before each height
+    largest = sliding_window_view(np.pad(change, n), n).max(axis=1)  # largest of the n changes before each height
     others, jumps = change.copy(), []
     for width in JUMP_STEPS:
         size = np.ptp(sliding_window_view(z, width + 1), axis=1)
@@ -210,7 +210,7 @@ def _check_isolated_jumps(z: Array, step: float) -> None:
         for at in np.flatnonzero((size > JUMP_FRACTION * np.ptp(z)) & (size > JUMP_RATIO * around)).tolist():
             others[at : at + width] = 0
             jumps.append((at, width, size[at]))
-    for at, width, size in jumps:  # the narrowest first
+    for at, width, size in jumps:  # the narrowest jumps come first
         if change[at : at + width].max() > JUMP_OUTLIER * others.max():
             kind = "step" if abs(z[at + width] - z[at]) > size / 2 else "spike"
             _refuse_jump(kind, at, width, size, step)
@@ -225,7 +225,7 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
     )
 
 
-def check_end_of_period(z: Array) -> None:
+def check_period_end(z: Array) -> None:
     """Refuse a period whose last height repeats the first one.
 
     Two equal heights may also lie on both sides of a crest, or on a flat one. A repeated height delays the line by
@@ -236,8 +236,8 @@ def check_end_of_period(z: Array) -> None:
     if abs(z[-1] - z[0]) > same:
         return
     both, one = _fine_power(z), _fine_power(z[:-1])
-    smoother = one > SMOOTHER * both
-    rougher = both > SMOOTHER * one
+    smoother = one > MIN_SMOOTHING * both
+    rougher = both > MIN_SMOOTHING * one
     recurring = np.mean(np.abs(np.diff(z)) <= same) > RECURRING_NEIGHBOURS
     if rougher or not (smoother or recurring):
         raise ValueError(
@@ -253,11 +253,11 @@ def _fine_power(z: Array) -> float:
 
 
 def detrended(z: Array, detrend: str) -> Array:
-    """Return the heights without their mean, their tilt, too, or the parabola of a form, by least squares."""
+    """Return the heights without their mean, straight line or parabola, by least squares."""
     return _without_polynomial(z, np.arange(z.size), DEGREES[detrend])
 
 
-def warn_of_form(level: Array) -> None:
+def warn_about_form(level: Array) -> None:
     """Warn if a tilt or parabola exceeds the roughness, so that the form would decide the contact."""
     rough = float(np.std(detrended(level, FORM)))
     form = float(np.std(level - detrended(level, FORM)))

@@ -20,14 +20,14 @@ import numpy as np
 from weier.checks import checked_count, checked_word, shown
 from weier.surface.measured.length_units import length_unit
 from weier.surface.measured.line import Line
-from weier.surface.measured.text import Layout, NoTextError, read_columns
+from weier.surface.measured.text import Layout, NotTextError, read_columns
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
-OF_TEXT = ("asc", "xyz")  # The formats of SurfaceTopography that are text.
-UNMARKED = ("nms", "hgt")  # Its formats without a mark at the start, for which it takes any bytes.
-AXES = ("x", "y")  # The axes of a map, in the order of its array.
-# What its readers raise for a damaged file, besides its own ReadFileError.
-DAMAGED = (
+TEXT_FORMATS = ("asc", "xyz")  # text formats of SurfaceTopography
+FORMATS_WITHOUT_SIGNATURE = ("nms", "hgt")  # it takes any bytes for these formats
+AXES = ("x", "y")  # axes of a map, in the order of its array
+# Its readers raise these for a damaged file, besides ReadFileError.
+READER_ERRORS = (
     *(ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, OSError, RuntimeError),
     *(SyntaxError, TypeError, ValueError, BadZipFile, struct.error, zlib.error),
 )
@@ -38,15 +38,15 @@ def read_lines(
 ) -> list[Line]:
     """Return the lines of a file: the one of a table of text, or the chosen lines of an instrument's file.
 
-    Text is read by `text` alone, so that nothing is left out that only another reader would not read.
+    Only `text` reads text: another reader might skip lines without a message.
     """
     try:
         table = read_columns(path, layout)
-    except NoTextError as error:
+    except NotTextError as error:
         if layout != Layout():
             raise ValueError(f"{error}; skip, columns, delimiter and the like are of text: leave them out") from None
         topography, sized = _read_once(path.resolve(), sha256(path.read_bytes()).digest(), channel, str(error))
-        return list(lines_of(topography, line, across, sized))
+        return list(topography_lines(topography, line, across, sized))
     if (line, across, channel) != (None, None, None):
         raise ValueError(
             f"{path} is text, and line, across and channel are of maps of instruments: say columns= for the column "
@@ -56,7 +56,7 @@ def read_lines(
 
 
 class ChannelError(ValueError):
-    """A channel that a file does not have, or that holds no heights, or a file that is text after all."""
+    """Raised if a file lacks a channel, if the channel holds no heights, or if the file is text."""
 
 
 @lru_cache(maxsize=1)  # Each line of a map is read by a call of its own.
@@ -75,24 +75,24 @@ def _read_once(path: Path, digest: bytes, channel: int | str | None, why_not_tex
         raise ValueError(f"{why_not_text}; {INSTALL}") from None
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what its readers say of their own dependencies
+            warnings.simplefilter("ignore")  # its readers name missing dependencies
             file = open_topography(str(path))
-            if file.format() in OF_TEXT:
+            if file.format() in TEXT_FORMATS:
                 raise ChannelError(f"{why_not_text}; SurfaceTopography takes it for text, which it reads in part")
-            if file.format() in UNMARKED and path.suffix.lower() != f".{file.format()}":
+            if file.format() in FORMATS_WITHOUT_SIGNATURE and path.suffix.lower() != f".{file.format()}":
                 raise ChannelError(f"{why_not_text}; SurfaceTopography does not know its format either")
             chosen = _channel(path, file.channels, channel)
             sized = chosen.physical_sizes is not None
             return chosen.topography(physical_sizes=None if sized else tuple(map(float, chosen.nb_grid_pts))), sized
-    except (ChannelError, TimeoutError):  # which are a ValueError and an OSError
+    except (ChannelError, TimeoutError):  # these are a ValueError and an OSError
         raise
-    except (ReadFileError, *DAMAGED) as error:
+    except (ReadFileError, *READER_ERRORS) as error:
         raise ValueError(
             f"{why_not_text}; SurfaceTopography cannot read it either ({type(error).__name__})"
         ) from None
 
 
-def lines_of(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
+def topography_lines(topography: Any, line: int | None, across: str | None, sized: bool = True) -> Iterator[Line]:
     """Yield lines of heights of a topography: its only line, the chosen one, or all that run along an axis.
 
     Parameters
@@ -130,7 +130,7 @@ def lines_of(topography: Any, line: int | None, across: str | None, sized: bool 
     if line is None and across is None:
         raise ValueError(f'{shape} has many lines: say line=0 for the first along x, or across="x" or "y" for all')
     axis = AXES.index(checked_word("across", "x" if across is None else across, AXES))
-    along = heights if axis == 1 else heights.T  # the lines, one after the other
+    along = heights if axis == 1 else heights.T  # rows are the lines
     numbers = range(len(along)) if line is None else [checked_count("line", line, 0, len(along) - 1)]
     for number in numbers:
         length = None if sizes is None else float(sizes[axis])

@@ -37,27 +37,27 @@ SPELLINGS = {
 }
 BRACKETED = {"in": "inch", "a": "angstrom"}  # These are units only in brackets, and words elsewhere.
 
-# The words that the cell of a heading may have in front of a unit. A unit next to any other may be a multiple, or
-# that of another quantity. Of the letters x and z, one decides, as in `position z`.
+# Words that may precede a unit in the cell of a heading. Next to any other word, the unit may be a multiple or belong
+# to another quantity. A letter x or z decides, as in `position z`.
 POSITIONS, HEIGHTS = "x", "z"
-OF_POSITIONS = "x|positions?|pos|distance|lateral|length|travel|abscissa|width|weg|l\u00e4nge"
-OF_HEIGHTS = "z|heights?|depth|elevation|profile?|roughness|h\u00f6he|values?|data"
-OF_EITHER = "y|h|s|r|p|w|raw|measured|filtered|surface|scan|axis|coordinate|primary|waviness|in|units?"
+POSITION_WORDS = "x|positions?|pos|distance|lateral|length|travel|abscissa|width|weg|l\u00e4nge"
+HEIGHT_WORDS = "z|heights?|depth|elevation|profile?|roughness|h\u00f6he|values?|data"
+NEUTRAL_WORDS = "y|h|s|r|p|w|raw|measured|filtered|surface|scan|axis|coordinate|primary|waviness|in|units?"
 _NAMES = "|".join(sorted(map(re.escape, SPELLINGS), key=len, reverse=True))
 CELL = re.compile(
-    rf"((?:(?:{OF_POSITIONS}|{OF_HEIGHTS}|{OF_EITHER})\d?(?:[\s_:./,=-]+|$|(?=[\[({{<])))*)"
+    rf"((?:(?:{POSITION_WORDS}|{HEIGHT_WORDS}|{NEUTRAL_WORDS})\d?(?:[\s_:./,=-]+|$|(?=[\[({{<])))*)"
     rf"(?:[\[({{<]\s*({_NAMES}|{'|'.join(BRACKETED)})\s*[\])}}>]|({_NAMES}))?",
     re.IGNORECASE,
 )
 
 
-def cells_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
+def heading_cells(heading: str, columns: int, delimiter: str) -> list[str]:
     """Return the cells of a heading, one for each column of a table; empty ones if it has none.
 
     They stand between the signs of the table or other ones, as in `x (mm),z [um]`, `x_mm z_um`, `x (mm) z (um)` or
     `mm um`.
     """
-    heading = unicodedata.normalize("NFKC", heading)  # of the signs that look alike, as those of micro and mu
+    heading = unicodedata.normalize("NFKC", heading)  # signs that look alike, such as micro and mu, become equal
     for cells in (
         heading.split(delimiter) if delimiter != " " else [],
         re.split(r"[,;\t]|\s{2,}", heading),
@@ -72,19 +72,19 @@ def cells_of_heading(heading: str, columns: int, delimiter: str) -> list[str]:
     return [""] * columns
 
 
-def unit_of_cell(cell: str) -> str:
-    """Return the unit in the cell of a heading; none if it has other words than those of positions and heights."""
+def cell_unit(cell: str) -> str:
+    """Return the unit in the cell of a heading; none if it has words other than names of positions and heights."""
     found = CELL.fullmatch(cell)
     return _known((found[2] or found[3] or "").strip()) if found else ""
 
 
-def quantity_of_cell(cell: str) -> str:
+def cell_quantity(cell: str) -> str:
     """Return what a cell of a heading names: positions, heights, or neither."""
     found = CELL.fullmatch(cell)
     words = re.findall(r"[^\W\d_]+", found[1].casefold()) if found else []
     if (POSITIONS in words) != (HEIGHTS in words):
         return POSITIONS if POSITIONS in words else HEIGHTS
-    quantities = ((POSITIONS, OF_POSITIONS), (HEIGHTS, OF_HEIGHTS))
+    quantities = ((POSITIONS, POSITION_WORDS), (HEIGHTS, HEIGHT_WORDS))
     return next((name for name, known in quantities for word in words if re.fullmatch(known, word)), "")
 
 

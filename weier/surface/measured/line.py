@@ -15,10 +15,10 @@ class Line(NamedTuple):
 
     heights : array, shape (samples,); masked, NaN or None where one is missing
     positions : array, shape (samples,), along the line; None if it has none
-    length : of the line, as many steps as there are heights; None if it is not known
+    length : length of the line, the number of heights times the step; None if unknown
     x_units, height_units : the units that are named for positions and length, and for heights: none or more
     periodic : whether the surface is known to repeat
-    axis, number : of a line of a map, the axis that it runs along, and which of these lines it is
+    axis, number : for a line of a map, the axis that it runs along and its number among these lines
     numbers : in a file of text, the number of the line of each height, from 1
     left_out : the lines of a file of text above and below its table
     """
@@ -47,11 +47,11 @@ class Line(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What distinguishes the line from others of a map, as in "x 120"; empty where there are no others."""
+        """Label of the line in a map, as in "x 120"; empty if it is not from a map."""
         return f"{self.axis} {self.number}" if self.axis else ""
 
 
-def line_of_array(heights: Any, with_positions: bool) -> Line:
+def line_from_array(heights: Any, with_positions: bool) -> Line:
     """Return the line of an array: one of xarray may have units, and a coordinate with positions.
 
     A coordinate without a unit is taken for a mere number of each height unless `with_positions`.

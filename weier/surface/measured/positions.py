@@ -9,13 +9,13 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.surface.measured.artefacts import MAX_HEIGHTS
 
-UNEVEN = 0.01  # tolerance of equal steps in files, in steps
-MOST_DECIMALS = 9  # of rounded positions
+STEP_TOLERANCE = 0.01  # tolerance of equal steps in files, in steps
+MAX_DECIMALS = 9  # decimals of rounded positions
 MAX_ERROR = 0.0075  # largest error of the length
-# Steps that are known to a tenth of a digit have a decimal number of as few digits by chance once in ten times.
+# A step known to a tenth of a digit is a decimal number of that few digits by chance in one of ten cases.
 BY_CHANCE = 10
-SLACK = 1.01  # tolerance for a fitted step and for rounded decimals as floats
-WAYS_OUT = (
+ROUNDING_FACTOR = 1.01  # tolerance for a fitted step and for rounded decimals as floats
+REMEDIES = (
     "interpolate the heights at equal steps, write the positions with more digits, or, if no row is left out, take "
     "the column of heights alone, as in columns=1, with the length"
 )
@@ -51,11 +51,11 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     if not step:
         even = x[0] + (x[-1] - x[0]) / rise.size * np.arange(x.size)
         at = int(np.abs(x - even).argmax())
-        raise ValueError(f"positions must rise in equal steps, got {x[at]} at {place(at)}: {WAYS_OUT}")
+        raise ValueError(f"positions must rise in equal steps, got {x[at]} at {place(at)}: {REMEDIES}")
     full = np.full(int(number[-1]) + 1, np.nan)
     full[number.astype(int)] = heights
     own = step * full.size
-    if length is not None and abs(length - own) > SLACK * max(UNEVEN * step, unit):
+    if length is not None and abs(length - own) > ROUNDING_FACTOR * max(STEP_TOLERANCE * step, unit):
         raise ValueError(
             f"length must be that of {full.size} steps where positions go from {x[0]:g} to {x[-1]:g}, about "
             f"{own:.6g}, got {length:g}: leave out the length, or take the column of heights alone, as in columns=1"
@@ -74,29 +74,29 @@ def _grid(x: Array, unit: float) -> tuple[Array, float]:
     step = float((x[-1] - x[0]) / np.rint((x[-1] - x[0]) / usual))
     exact = np.rint((x - x[0]) / step)
     off = np.abs(x - x[0] - exact * step)
-    is_exact = (off <= UNEVEN * step).all() and (np.diff(exact) > 0).all() and exact[-1] < MAX_HEIGHTS
+    is_exact = (off <= STEP_TOLERANCE * step).all() and (np.diff(exact) > 0).all() and exact[-1] < MAX_HEIGHTS
     if is_exact:
-        return exact, step if exact[-1] == rows[-1] or step > SLACK * unit else 0.0
+        return exact, step if exact[-1] == rows[-1] or step > ROUNDING_FACTOR * unit else 0.0
     return rows, _rounded_step(x, unit)
 
 
 def _rounded_step(x: Array, unit: float) -> float:
     """Return the step of positions that are rounded, or cut, to a unit; 0 if there is none.
 
-    It is the fitted one, rounded to as few decimals as these positions allow. A gap shifts the positions behind it,
-    which no step then gives. Only gaps within a unit may leave a step, but hardly one of few digits.
+    The fitted step is rounded to as few decimals as the positions allow. After a gap of more than a unit no step fits
+    the positions; after a smaller gap one may fit, but hardly one of few digits.
     """
     rows = np.arange(x.size)
     fitted = float(np.polyfit(rows, x, 1)[0])
-    error = max(SLACK * unit - np.ptp(x - fitted * rows), unit / 2) / rows[-1]
-    for decimals in range(2 * MOST_DECIMALS if error <= MAX_ERROR * fitted else 0):
+    error = max(ROUNDING_FACTOR * unit - np.ptp(x - fitted * rows), unit / 2) / rows[-1]
+    for decimals in range(2 * MAX_DECIMALS if error <= MAX_ERROR * fitted else 0):
         step = round(fitted, decimals)
-        if np.ptp(x - step * rows) <= SLACK * unit:
+        if np.ptp(x - step * rows) <= ROUNDING_FACTOR * unit:
             return step if step >= unit or 10.0**-decimals >= BY_CHANCE * error else 0.0
     return 0.0
 
 
 def _last_digit(x: Array) -> float:
     """Return the unit of the last decimal of all positions; 0 if they have more than nine."""
-    units = (10.0**-decimals for decimals in range(MOST_DECIMALS))
+    units = (10.0**-decimals for decimals in range(MAX_DECIMALS))
     return next((unit for unit in units if (np.abs(x / unit - np.rint(x / unit)) < 1e-6).all()), 0.0)

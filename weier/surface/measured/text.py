@@ -1,9 +1,8 @@
 """Text files with heights, or positions and heights, in the columns of one table.
 
-The table is one block of lines. A sample of the lines tells the signs between columns and before decimals, and one
-pattern tells numbers from other texts: whatever it does not match is refused with its line and the arguments that
-settle it. Lines above and below are kept as `Line.left_out`; those next to the table are refused if they may belong
-to it.
+The table is one block of lines. The delimiter and the decimal sign follow from a sample of the lines. One pattern
+defines numbers: the message for any other text names its line and the arguments that settle it. Lines above and below
+are kept as `Line.left_out`; lines next to the table are refused if they may belong to it.
 """
 
 from __future__ import annotations
@@ -31,29 +30,32 @@ MARKS = {b"\xff\xfe\0\0": "utf-32", b"\0\0\xfe\xff": "utf-32", b"\xff\xfe": "utf
 BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")  # control characters that no text has
 END_OF_FILE = "\x1a"  # written by DOS programs at the end of a text
 BLANK = " "  # the delimiter that stands for any blanks between columns
-SEPARATORS = (".", ",", " ", "'")  # of thousands
-PRINTED = {  # signs of typesetting, as those that numbers are written with
+SEPARATORS = (".", ",", " ", "'")  # signs between thousands
+TYPOGRAPHIC_SIGNS = {  # ASCII signs in numbers for typographic ones
     **dict.fromkeys(map(ord, "\u2010\u2011\u2012\u2013\u2212\ufe63\uff0d"), "-"),
     **dict.fromkeys(map(ord, "\u00a0\u2007\u2009\u202f\u200b\ufeff\f\v"), " "),
     ord("\u2019"): "'",
 }
-PREFIXES = "#%!/*; \t"  # in front of remarks and headings
+PREFIXES = "#%!/*; \t"  # characters that precede remarks and headings
 MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
-APART = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
-SAMPLE = 200  # lines that tell the signs of a table, about
+SEPARATE_SIGNS = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
+SAMPLE_LINES = 200  # approximate number of lines sampled for the signs of a table
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
-# Numbers of which all digits are in groups of three, and a single group.
-GROUPED, GROUP = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII), re.compile(r"[+-]?\d{1,3}", re.ASCII)
-ENDS = "skip= or rows= for the start or end of the table"
+# numbers with all digits in groups of three, and a single group
+GROUPED_NUMBER, DIGIT_GROUP = (
+    re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII),
+    re.compile(r"[+-]?\d{1,3}", re.ASCII),
+)
+TABLE_END_ARGUMENTS = "skip= or rows= for the start or end of the table"
 
 
-class NoTextError(ValueError):
-    """A file that is no text, but may be in the format of an instrument."""
+class NotTextError(ValueError):
+    """Raised for a file that is not text, but may be in the format of an instrument."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a table of text as a call gives it; None for what the file itself shall tell.
+    """Layout of a text table as given by the caller; None means: infer from the file.
 
     skip, rows : lines above the table, and rows in it
     columns : numbers from 0: that of the heights, or those of the positions and of the heights
@@ -109,14 +111,14 @@ def read_columns(path: Path, layout: Layout | None = None) -> Line:
 
     Raises
     ------
-    NoTextError
+    NotTextError
         If the file is no text.
     ValueError
         If something in the table is not read, or may or may not belong to it: the message has the number of the line
         and the arguments that settle it.
     """
     layout = layout or Layout()
-    text = _text(path, layout.encoding).rstrip(END_OF_FILE).translate(PRINTED)
+    text = _text(path, layout.encoding).rstrip(END_OF_FILE).translate(TYPOGRAPHIC_SIGNS)
     lines = [line.strip(" ") if line.strip(" ;,\t") else "" for line in re.split(r"\r*\n|\r", text)]
     return _Table(path, lines if lines[-1] else lines[:-1] or lines, layout).line()
 
@@ -134,7 +136,7 @@ class _Signs(NamedTuple):
     def of(cls, delimiter: str, decimal: str, layout: Layout) -> _Signs:
         sign, thousands = re.escape(decimal), re.escape(layout.thousands or "")
         whole = rf"(?:\d{{1,3}}(?:{thousands}\d{{3}})+|\d+)" if thousands else r"\d+"
-        if delimiter == ",":  # No whole number begins with 0: such a comma is one of decimals.
+        if delimiter == ",":  # No whole number begins with 0, so that this comma precedes decimals.
             whole = rf"(?!0\d){whole}"
         exponent = r"(?:[eEdD](?:[+-]?0*\d{1,2}|-\d{3}))?"  # below 1e100
         number = rf"[+-]?(?:{whole}(?:{sign}\d{'*' if decimal == '.' else '+'})?|{sign}\d+){exponent}"
@@ -159,7 +161,7 @@ class _Signs(NamedTuple):
         return field in self.missing or self.is_number(field)
 
     def value(self, field: str) -> float | None:
-        """Return a number, with an exponent of Fortran, too; NaN for a missing one, and None for anything else."""
+        """Return the value of a text, also with a Fortran exponent; NaN if it is missing, None if it is no number."""
         if self.number.fullmatch(field):
             return float(field.translate(self.plain))
         return math.nan if field in self.missing else None
@@ -170,7 +172,7 @@ class _Signs(NamedTuple):
             return False
         chosen = fields if columns is None else [fields[column] for column in columns]
         known = all(map(self.is_known, chosen))
-        return known and not all(field in ("", "--", "---") for field in chosen)  # which may be a rule
+        return known and not all(field in ("", "--", "---") for field in chosen)  # a line of signs may be a rule
 
 
 class _Table:
@@ -185,7 +187,7 @@ class _Table:
             raise ValueError(
                 f"{path} must have a table of numbers, got no text in {len(lines)} lines: see skip= and comment="
             )
-        self.signs, rows = self._find_signs(filled[:: max(len(filled) // SAMPLE, 1)])
+        self.signs, rows = self._find_signs(filled[:: max(len(filled) // SAMPLE_LINES, 1)])
         self.width = mode(map(len, rows))
         columns = list(zip(*(row for row in rows if len(row) == self.width), strict=True))
         # A delimiter may stand at the end of each row.
@@ -220,7 +222,7 @@ class _Table:
         cells = [self.cells[column] for column in self.columns]
         others = (length_units.HEIGHTS, length_units.POSITIONS)[-len(cells) :]
         named = [
-            "" if length_units.quantity_of_cell(cell) == other else length_units.unit_of_cell(cell)
+            "" if length_units.cell_quantity(cell) == other else length_units.cell_unit(cell)
             for cell, other in zip(cells, others, strict=True)
         ]
         within = set(self.block)
@@ -252,7 +254,7 @@ class _Table:
         commas = [at for at in rows if "," in lines[at]]
         if commas and not layout.delimiter:
             hidden = any((best.delimiter == ",") != (signs.delimiter == ",") for signs, _ in others)
-            if best.delimiter == ",":  # The commas of `1:0,5` may be those of decimals, too.
+            if best.delimiter == ",":  # Commas may precede decimals as well, as in `1:0,5`.
                 hidden |= all(re.search("[:|]", lines[at]) and "." not in lines[at] for at in rows)
                 if len(layout.columns or ()) == 1 and not layout.decimal:
                     whole = _Signs.of(BLANK, ",", layout)
@@ -289,7 +291,7 @@ class _Table:
                 f"columns must be numbers from 0 to {self.count - 1}, of {self.count} columns in line "
                 f"{self.block[0] + 1} of {self.path}, got {max(given)}: say delimiter= if it has more"
             )
-        named = [length_units.quantity_of_cell(cell) == length_units.POSITIONS for cell in self.cells]
+        named = [length_units.cell_quantity(cell) == length_units.POSITIONS for cell in self.cells]
         return given or ((1, 0) if named == [False, True] else tuple(range(self.count)))
 
     def _texts(self) -> list[list[str]]:
@@ -301,9 +303,10 @@ class _Table:
                 self._refuse(at, "is empty", "write nan if a height is missing, or leave out the line")
             elif len(fields) != self.width:
                 problem = f"has {len(fields)} columns, and most others have {self.width}"
-                self._refuse(at, problem, self._arguments(ENDS, self.lines[at]))
-            elif not APART.isdisjoint(fields):
-                problem = f"has {min(APART & {*fields})!r} in a column of its own, which may be the sign of a number"
+                self._refuse(at, problem, self._arguments(TABLE_END_ARGUMENTS, self.lines[at]))
+            elif not SEPARATE_SIGNS.isdisjoint(fields):
+                sign = min(SEPARATE_SIGNS & {*fields})
+                problem = f"has {sign!r} in a column of its own, which may be the sign of a number"
                 self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
             texts.append([fields[column] for column in self.columns])
         return texts
@@ -314,7 +317,7 @@ class _Table:
         for at, row, own in zip(self.block, texts, values, strict=True):
             if None in own:
                 wrong = row[own.index(None)]
-                self._refuse(at, f"has {shown(wrong)} for a number", self._arguments(ENDS, wrong))
+                self._refuse(at, f"has {shown(wrong)} for a number", self._arguments(TABLE_END_ARGUMENTS, wrong))
         return np.array(values, float)
 
     def _check_neighbours(self) -> None:
@@ -322,7 +325,7 @@ class _Table:
         single, (first, last) = len(self.columns) == 1, (self.block[0], self.block[-1])
         above = next((at for at in reversed(self.every) if at < first and (self.lines[at] or single)), None)
         below = next((at for at in self.every if at > last and self.lines[at]), None)
-        belongs = self._is_no_heading_of_heights if single else self._may_belong
+        belongs = self._lacks_height_heading if single else self._may_belong
         if self.layout.skip is None and above is not None and belongs(above):
             remedy = self._arguments(f"skip={first} for headings", self.lines[above])
             self._refuse(above, "stands above the numbers, and may be a heading or a missing height", remedy)
@@ -331,27 +334,27 @@ class _Table:
             self._refuse(below, "stands below the numbers, and may be a remark or a missing height", remedy)
 
     def _check_thousands(self, texts: Sequence[Sequence[str]]) -> None:
-        """Refuse a sign that may be one of decimals or between thousands.
+        """Refuse a sign that may precede decimals or separate thousands.
 
-        All digits of a column are in groups of three, and some of its numbers are without the sign, or no other
-        column shows that it is one of decimals.
+        All digits of a column are in groups of three, and some of its numbers lack the sign, or no other column
+        shows that it precedes decimals.
         """
         if self.layout.decimal or self.layout.thousands:
             return
         columns = [[row[at] for row in texts] for at in range(len(self.columns))]
         has_decimals = [any(map(self._has_decimals, column)) for column in columns]
         for column, clear in zip(columns, has_decimals, strict=True):
-            if clear or (any(has_decimals) and not any(map(GROUP.fullmatch, column))):
+            if clear or (any(has_decimals) and not any(map(DIGIT_GROUP.fullmatch, column))):
                 continue
-            row = next((row for row, text in enumerate(column) if GROUPED.fullmatch(text)), None)
+            row = next((row for row, text in enumerate(column) if GROUPED_NUMBER.fullmatch(text)), None)
             if row is not None:
                 problem = f"has a sign of decimals or between thousands in {column[row]!r}"
                 sign = self.signs.decimal
                 self._refuse(self.block[row], problem, f"say decimal={sign!r} or thousands={sign!r}")
 
     def _has_decimals(self, text: str) -> bool:
-        """Return whether a number has a sign that is none between thousands."""
-        return self.signs.is_number(text) and not GROUPED.fullmatch(text) and not GROUP.fullmatch(text)
+        """Return whether a number has a sign that cannot separate thousands."""
+        return self.signs.is_number(text) and not GROUPED_NUMBER.fullmatch(text) and not DIGIT_GROUP.fullmatch(text)
 
     def _check_ends(self, texts: Sequence[str], values: Array) -> None:
         """Refuse a number at an end of one column that may be a count, a step or a length in place of a height.
@@ -382,13 +385,13 @@ class _Table:
         fields = self.signs.split(self.lines[at].lstrip(PREFIXES))
         return any(map(self.signs.is_number, fields)) or (len(words) >= self.width and len(set(words)) == 1)
 
-    def _is_no_heading_of_heights(self, at: int) -> bool:
+    def _lacks_height_heading(self, at: int) -> bool:
         """Return whether a line names neither heights in their column nor their unit."""
         cell = self._cells(self.lines[at])[self.columns[0]]
-        return length_units.quantity_of_cell(cell) != length_units.HEIGHTS and not length_units.unit_of_cell(cell)
+        return length_units.cell_quantity(cell) != length_units.HEIGHTS and not length_units.cell_unit(cell)
 
     def _cells(self, heading: str) -> list[str]:
-        return length_units.cells_of_heading(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
+        return length_units.heading_cells(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
 
     def _arguments(self, where: str, text: str) -> str:
         """Return the arguments for a text in or next to the table that is not read."""
@@ -410,7 +413,7 @@ def _text(path: Path, encoding: str | None) -> str:
     bare = content.rstrip(END_OF_FILE.encode())
     if not own and (first := BINARY.search(bare)):
         line = bare.count(b"\n", 0, first.start()) + 1
-        raise NoTextError(
+        raise NotTextError(
             f"{path} is no text, got the control character {first[0]!r} in line {line}: save the heights as text, "
             "such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or say encoding="
         )

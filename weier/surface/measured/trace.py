@@ -26,9 +26,9 @@ from weier.kernels.arrays import Array, Indices
 from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.artefacts import Filled
-from weier.surface.measured.instruments import lines_of, read_lines
+from weier.surface.measured.instruments import read_lines, topography_lines
 from weier.surface.measured.length_units import UNITS, agreed_unit, in_words, known_unit
-from weier.surface.measured.line import Line, line_of_array
+from weier.surface.measured.line import Line, line_from_array
 from weier.surface.measured.positions import on_grid
 from weier.surface.measured.text import Layout
 from weier.surface.profile import PARAMETERS
@@ -162,7 +162,7 @@ class Trace(Waves):
             raise ValueError(f"source must be a text, got {shown(source)}")
         checked_word("ends", ends, ENDS)
         detrend = _checked_detrend(detrend, ends)
-        one = (heights if isinstance(heights, Line) else line_of_array(heights, length is None)).rising()
+        one = (heights if isinstance(heights, Line) else line_from_array(heights, length is None)).rising()
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
@@ -199,7 +199,7 @@ class Trace(Waves):
         )
 
     def _set(self, waves: Indices, coefficient: Any, fields: Mapping[str, Any]) -> None:
-        """Set the waves of this many in a period and these complex amplitudes, in m, and the other fields.
+        """Set the numbers of waves per period, their complex amplitudes, in m, and the other fields.
 
         In place of assignments, which a frozen dataclass refuses.
         """
@@ -351,7 +351,7 @@ class Trace(Waves):
             "height_unit": height_unit,
         }
         options = {"source": readable(Path(path).name)} | options
-        return cls._of_lines(lines, across is not None and line is None, options)
+        return cls._from_lines(lines, across is not None and line is None, options)
 
     @classmethod
     def of(cls, topography: Any, line: int | None = None, across: str | None = None, **options: Any) -> Any:
@@ -377,8 +377,8 @@ class Trace(Waves):
             If it is no topography, is a map and no line is chosen, has no unit or contradicts one that is given, or
             if its heights are no roughness.
         """
-        lines = lines_of(topography, line, across)
-        return cls._of_lines(lines, across is not None and line is None, options)
+        lines = topography_lines(topography, line, across)
+        return cls._from_lines(lines, across is not None and line is None, options)
 
     @classmethod
     def between(cls, first: Trace, second: Trace, source: str = "") -> Trace:
@@ -443,7 +443,7 @@ class Trace(Waves):
             raise ValueError("both traces must leave a gap, got heights that cancel: is one of them upside down?")
         (heights, longest, cut), more = first.filled, second.filled
         shared = {name: getattr(first, name) for name in (*names, "period")}
-        return cls.of_waves(
+        return cls.from_waves(
             waves[rough],
             coefficient[rough],
             **shared,
@@ -453,14 +453,14 @@ class Trace(Waves):
         )
 
     @classmethod
-    def of_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
+    def from_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
         """Return the trace of waves, by their numbers in a period and complex amplitudes in m, and other fields."""
         trace = object.__new__(cls)
         trace._set(waves, coefficient, {"filled": Filled(), "line": None, "left_out": (), **fields})
         return trace
 
     @classmethod
-    def _of_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
+    def _from_lines(cls, lines: Iterable[Line], several: bool, options: Mapping[str, Any]) -> Any:
         """Return the trace of one line, or a list for several lines; refused lines are left out of the list."""
         traces: list[Trace] = []
         refused: list[ValueError] = []
@@ -485,12 +485,12 @@ class Trace(Waves):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What identifies this trace in a scene: its name, and the digest of its heights."""
+        """Identity of this trace in a scene: its name, and the digest of its heights."""
         return {"trace": {"file": self.source, "digest": self.digest}}
 
     @property
     def labels(self) -> dict[str, Any]:
-        """What distinguishes this trace from others, by the names of coordinates; those of a series are unknown."""
+        """Labels of this trace by the names of coordinates; labels of a series are unknown."""
         random = {"trace_hurst": self.hurst, "trace_rolloff": self.rolloff} if math.isfinite(self.hurst) else {}
         return dict.fromkeys((*PARAMETERS, "seed"), math.nan) | {
             **random,
@@ -522,7 +522,7 @@ def digest_of(contents: bytes) -> str:
 
 
 def _checked_detrend(detrend: str | None, ends: str) -> str:
-    """Return the polynomial to be removed from the heights: of a periodic trace, the mean only."""
+    """Return the polynomial to be removed from the heights: for a periodic trace, only the mean."""
     if detrend is None:
         return measured.MEAN if ends == PERIODIC else measured.TILT
     checked_word("detrend", detrend, measured.DETREND)
@@ -584,10 +584,10 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
         raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
     if ends == PERIODIC:
         measured.check_jumps(np.append(level, level[0]), step)
-        measured.check_end_of_period(level)
+        measured.check_period_end(level)
     else:
         measured.check_jumps(level, step)
-        measured.warn_of_form(level)
+        measured.warn_about_form(level)
     slope = float(np.sqrt(np.mean(np.diff(level) ** 2))) / step
     if not MIN_SLOPE <= slope <= MAX_SLOPE:
         limit = f"at most {MAX_SLOPE:g}" if slope > MAX_SLOPE else f"at least {MIN_SLOPE:g}"
