@@ -39,8 +39,10 @@ class Clock:
     def pytest_runtest_call(self):  # noqa: D102 - a hook of pytest
         signal.signal(signal.SIGPROF, lambda *_: pytest.fail("slow"))
         signal.setitimer(signal.ITIMER_PROF, 2)
-        yield
-        signal.setitimer(signal.ITIMER_PROF, 0)
+        try:
+            yield
+        finally:  # else the time of a failed test is up in a later one, or in pytest itself
+            signal.setitimer(signal.ITIMER_PROF, 0)
 
     pytest_runtest_setup = pytest_runtest_call
 

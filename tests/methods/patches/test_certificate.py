@@ -238,11 +238,22 @@ def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes, apart):
         assert width[0] < 0.2 * r
 
 
-def stated(wave, dual=False, **fields):
-    """The error of the resistance of one wave in a series, without that of the end of conjugate gradients."""
+def stated_both(wave, dual, **fields):
+    """The errors of the resistance of one wave in a series, and of its length in contact."""
     state = wave.state(dual)._replace(**({"height_error": 0.0, "error": 0.0, "roughness": np.zeros(1)} | fields))
-    heights = wave.series(False)
-    return stated_errors(state, heights)[0] - TANGENT_ERROR * max(wave.resistance, 1.0)
+    R, fraction = stated_errors(state, wave.series(False))
+    return R, fraction * wave.period
+
+
+def stated(wave, dual=False, **fields):
+    """The error of the resistance, without that of the end of conjugate gradients."""
+    return stated_both(wave, dual, **fields)[0] - TANGENT_ERROR * max(wave.resistance, 1.0)
+
+
+def stated_length(wave, dual=False, fixed=None, **fields):
+    """The error of the length by these fields, less that of those which stay."""
+    fixed = fixed or {}
+    return stated_both(wave, dual, **fields, **fixed)[1] - stated_both(wave, dual, **fixed)[1]
 
 
 def moved(wave, change):
@@ -273,6 +284,7 @@ def test_the_next_move_of_an_edge_that_has_not_settled_counts_twice(wave, dual):
         expected = factor * 2 * np.pi**2 / wave.period * wave.tangent_strength**2 * abs(move) * r
         left_over = stated(wave, dual, edge_move=step) - stated(wave, dual)
         assert left_over == pytest.approx(expected, rel=1e-9, abs=0)
+        assert stated_length(wave, dual, edge_move=step) == pytest.approx(factor * abs(move) * r, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -394,6 +406,7 @@ def test_tension_that_is_left_counts_as_the_gap_that_it_may_be(period, dual):
     q = max(wave.tangent_strength * np.sqrt(2 / (r * (1 - 0.09))), 1.0)
     expected = 2 * np.pi**2 * 2 * (1e-4 * r * q) ** 2 / period
     assert stated(wave, dual, tensions=tensions) - stated(wave, dual) == pytest.approx(expected, rel=1e-9, abs=0)
+    assert stated_length(wave, dual, tensions=tensions) == pytest.approx(2 * np.sqrt(8) * 1e-4 * r, rel=1e-9, abs=0)
     # The pressure of an increment is that of the flat punch, cos(pi x/L)/(sin^2(pi a/L) - sin^2(pi x/L))^(1/2).
     y = np.pi / period * 0.3 * r
     exact = np.cos(y) / np.sqrt(np.sin(wave.alpha) ** 2 - np.sin(y) ** 2)
@@ -425,6 +438,11 @@ def test_a_thin_gap_is_off_by_its_tension_and_by_its_neighbour(period, dual):
     both = stated(wave, dual, cracks=cracks, height_error=HEIGHT) - stated(wave, dual, height_error=HEIGHT)
     by_tension = np.pi**2 * q**2 / period * (4 * off / curvature)
     assert both - by_neighbour == pytest.approx(by_tension, rel=1e-5, abs=0)
+    # R rises by b^2, so that the width 2 b is off by b times the relative error of the rise.
+    of_width, with_tension = b / rise * by_neighbour, b / rise * (by_neighbour + by_tension)
+    assert stated_length(wave, dual, cracks=cracks) == pytest.approx(of_width, rel=1e-5, abs=0)
+    fixed = {"height_error": HEIGHT}
+    assert stated_length(wave, dual, fixed, cracks=cracks) == pytest.approx(with_tension, rel=1e-5, abs=0)
 
 
 @pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
@@ -443,6 +461,8 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     assert expected < wave.resistance
     born = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert born == pytest.approx(expected, rel=1e-9, abs=0)
+    length = stated_length(wave, fixed={"height_error": HEIGHT}, narrow_gaps=gaps)
+    assert length == pytest.approx(2 * b, rel=1e-9, abs=0)
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
