@@ -46,14 +46,14 @@ MANY, series = np.geomspace(1e-3, 2, 12), lambda m: Profile(1.25, 5, m, [0.0] + 
 print(json.dumps(found))
 """
 # module and name of each number
-OF_BEM = (
+BEM_CONSTANTS = (
     ("bem.active_set", "FIRST_PATIENCE"),
     ("bem.edges", "REACH"),
     ("bem.grids", "MIN_POINTS"),
     ("bem.grids", "MIN_POINTS_PER_CARRIED_WAVE"),
     ("bem.grids", "COARSE_ACCURACY"),
 )
-OF_PATCHES = (
+PATCHES_CONSTANTS = (
     ("punches", "NEIGHBOURS"),
     ("patches.pair_sums", "LEAF_POINTS"),
     ("patches.pressure_and_gap", "MIN_SUM"),
@@ -118,8 +118,8 @@ def main(only: str) -> Page:
     machine. Results do not depend on these numbers (docs/numerics.md, "Limits without an effect"). Each is changed in
     a copy of the package, whose kernels are compiled again.
     """
-    rows, chosen = [], only.split(",") if only else [name for _, name in OF_BEM + OF_PATCHES]
-    for program, numbers in ((BEM, OF_BEM), (PATCHES, OF_PATCHES)):
+    rows, chosen = [], only.split(",") if only else [name for _, name in BEM_CONSTANTS + PATCHES_CONSTANTS]
+    for program, numbers in ((BEM, BEM_CONSTANTS), (PATCHES, PATCHES_CONSTANTS)):
         listed = [(module, name) for module, name in numbers if name in chosen]
         usual = costs(program, {}, 1.0) if listed else []
         for module, name in listed:

@@ -34,9 +34,9 @@ def curves_in(scene: Scene, folder: Path) -> Curves:
 def solve_scene(scene: Scene, folder: Path, jobs: int = 1) -> Curves:
     """Solve what a store lacks of a scene, by this number of jobs."""
     curves = curves_in(scene, folder)
-    lacking = curves.store.lacking(curves.of_studies())
+    lacking = curves.store.lacking(curves.parts_for())
     for number in range(jobs):
-        solve([part.of_job(number, jobs) for part in lacking], curves.store, "test", lambda line: None)
+        solve([part.share(number, jobs) for part in lacking], curves.store, "test", lambda line: None)
     return curves_in(scene, folder)
 
 

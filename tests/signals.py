@@ -8,7 +8,7 @@ class StoppedError(Exception):
     """An exception of a user's program."""
 
 
-OF_HANDLERS = (TimeoutError, StoppedError)
+HANDLER_ERRORS = (TimeoutError, StoppedError)
 
 
 @contextmanager

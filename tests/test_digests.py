@@ -154,7 +154,7 @@ def of_weier(files):
 
 folder = Path(sys.argv[1])
 curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics()))
-lacking = curves.store.lacking(curves.of_studies())
+lacking = curves.store.lacking(curves.parts_for())
 sys.setprofile(noted)
 solve(lacking, curves.store, "test", lambda line: None)
 sys.setprofile(None)

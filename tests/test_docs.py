@@ -158,7 +158,7 @@ def test_the_claim_of_contributing_is_measured(two_profiles):
     (row,) = (code for code in examples("python") if "Claim(" in code)
     ((_, entered),) = eval(f"{{{row}}}", dict(vars(paper))).items()
     largest = two_profiles["resistance"].sel(solution_method="patches").diff("mean_pressure").max("mean_pressure")
-    judged = judge(entered, StudyArrays.of(two_profiles).cases)
+    judged = judge(entered, StudyArrays.from_dataset(two_profiles).cases)
     assert judged.decisive.value == pytest.approx(largest.max().item())
     assert judged.decisive.quantity == "largest change of the numerical resistance from one load to the next"
     assert judged.outcome == Check.not_decided  # too few profiles

@@ -64,7 +64,7 @@ def checked_run(name, profile, mean_pressure, **options):
     total = profile.total_amplitude
     errors = made.compliance_error, made.resistance_error
     stated = curve_checks.Stated(*(np.nan_to_num(error[solved]) for error in errors))
-    noise = curve_checks.OF_TABLES.get(method.name, curve_checks.ROUNDING)
+    noise = curve_checks.TABLE_NOISE.get(method.name, curve_checks.ROUNDING)
     assert curve_checks.monotone(h, noise.height * total, stated)
     assert curve_checks.concave(p, h, R, noise, total, stated)
     if name == "persson":  # its compliance falls below all bounds under light loads
@@ -80,21 +80,21 @@ def check_random_curves(method, profiles, how_many):
     @given(profiles, light_and_heavy_loads())
     def run(profile, mean_pressure):
         found = checked_run(method, profile, mean_pressure)
-        if method in OF_CLOSED_FORMS:
+        if method in CLOSED_FORM_SERIES:
             assert np.all(found.outcome == Outcome.finite)
 
     run()
 
 
 one_wave = st.builds(Profile, dimensions, ratios, st.just(1))
-OF_CLOSED_FORMS = {
+CLOSED_FORM_SERIES = {
     "westergaard": one_wave,
     "archard": any_series(),
     "demelio": any_series(),
     "persson": series_of_persson(),
 }
 DRAWN = {
-    method.name: OF_CLOSED_FORMS.get(method.name, solvable_series())
+    method.name: CLOSED_FORM_SERIES.get(method.name, solvable_series())
     for method in METHODS
     if method.stiffness and method.takes(Profile(1.5, 2, 1))  # which leaves out those for the infinite series alone
 }

@@ -312,7 +312,7 @@ def test_the_workflow_imports_neither_xarray_nor_numba(tmp_path):
     assert imported & {"xarray", "numba", "matplotlib", "bokeh"} == set()
 
 
-OF_BOTH = """
+TWO_STUDIES = """
 title: test
 loads: [0.01, 0.1, 1.0]
 methods: [archard, demelio]
@@ -326,11 +326,11 @@ figures:
 HEIGHTS = [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5, 0, -1, 0.5, 1, -2, 0.75, -0.5, -1.5]  # um
 # The text of a scene and the heights of its trace, in the order in which they are run.
 STATES = {
-    "first": (OF_BOTH, HEIGHTS),
-    "other heights": (OF_BOTH, [1.75, *HEIGHTS[1:]]),
-    "heavier loads": (OF_BOTH.replace("1.0]", "4.0]"), HEIGHTS),
-    "other title": (OF_BOTH.replace("title: test", "title: other"), HEIGHTS),
-    "fewer cases": (OF_BOTH.replace("[1, 2]", "1"), HEIGHTS),
+    "first": (TWO_STUDIES, HEIGHTS),
+    "other heights": (TWO_STUDIES, [1.75, *HEIGHTS[1:]]),
+    "heavier loads": (TWO_STUDIES.replace("1.0]", "4.0]"), HEIGHTS),
+    "other title": (TWO_STUDIES.replace("title: test", "title: other"), HEIGHTS),
+    "fewer cases": (TWO_STUDIES.replace("[1, 2]", "1"), HEIGHTS),
 }
 
 

@@ -65,7 +65,7 @@ def test_the_program_knows_methods_from_their_list_alone():
         assert not (constants | imported) & known - of_bokeh, path
 
 
-OF_DATASETS = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}
+DATASET_NAMES = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}
 
 
 def names_in(path):
@@ -82,4 +82,4 @@ def test_the_library_handles_no_datasets(part):
     """An array may carry its unit in `attrs`, and heights their positions in a coordinate."""
     of_arrays = {"units.py": {"attrs"}, "line.py": {"coords", "dims"}}
     for path in files_of(part):
-        assert OF_DATASETS & set(names_in(path)) <= of_arrays.get(path.name, set()), path
+        assert DATASET_NAMES & set(names_in(path)) <= of_arrays.get(path.name, set()), path

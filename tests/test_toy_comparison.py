@@ -42,7 +42,7 @@ def test_the_extremes_examine_it_and_find_its_faults(monkeypatch, tmp_path):
     def exact(profile, loads):
         return reference.Reference(0.5 * loads, np.full(loads.size, 0.5), "a half")
 
-    monkeypatch.setitem(reference.OF_ESTIMATES, "toy", exact)
+    monkeypatch.setitem(reference.ESTIMATE_REFERENCES, "toy", exact)
     list_method(monkeypatch, TOY)
     case = Case({"D": 1.5, "gamma": 3, "m": 2}, (), {})
     loads = 20 * LOADS

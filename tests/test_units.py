@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import weier
-from tests.signals import OF_HANDLERS, interrupting
+from tests.signals import HANDLER_ERRORS, interrupting
 from weier import units
 from weier.theory.conduction import composite_modulus, specific_resistance
 from weier.units import factor
@@ -210,7 +210,7 @@ NO_UNITS = [
 ]
 
 
-@pytest.mark.parametrize("error", OF_HANDLERS)
+@pytest.mark.parametrize("error", HANDLER_ERRORS)
 def test_what_a_signal_raises_is_no_wrong_unit(monkeypatch, error):
     monkeypatch.setattr(units, "_registry", lambda: time.sleep(10))
     with interrupting(error), pytest.raises(error):

@@ -87,9 +87,9 @@ def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
     if path is not None:
         with ignoring_errors_of_disks():
             path.parent.mkdir(parents=True, exist_ok=True)
-            beside = path.with_name(f".{known}.{os.getpid()}")
-            beside.write_text(found, encoding="ascii")
-            beside.replace(path)
+            temporary = path.with_name(f".{known}.{os.getpid()}")
+            temporary.write_text(found, encoding="ascii")
+            temporary.replace(path)
     return found
 
 

@@ -25,13 +25,17 @@ WITHOUT = ("", NONE, "dimensionless")
 NORMALISED_PRESSURE = "p_0*"
 NORMALISED_BY = "normalised_by"  # The attribute with a normalised unit, since `units` are those of UDUNITS.
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
-CONDUCTIVITY, OF_CURRENT, OF_HEAT = "W/(m K)", "ohm m^2", "K m^2/W"  # of heat, and of contact resistances
+CONDUCTIVITY, ELECTRICAL_RESISTANCE, THERMAL_RESISTANCE = (
+    "W/(m K)",
+    "ohm m^2",
+    "K m^2/W",
+)  # of heat, and of contact resistances
 # The unit in SI of each normalised unit.
 IN_SI = {
     "lambda_0": METRE,
     "g_0": METRE,
     NORMALISED_PRESSURE: PASCAL,
-    "g_0/p_0*": OF_CURRENT,  # or OF_HEAT
+    "g_0/p_0*": ELECTRICAL_RESISTANCE,  # or THERMAL_RESISTANCE
     "g_0 p_0*": "J m^-2",
     "1/p_0*": "Pa^-1",
     "1/g_0": "m^-1",

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from tests.signals import OF_HANDLERS, interrupting
+from tests.signals import HANDLER_ERRORS, interrupting
 from weier import Profile
 from weier.accuracy.runner import MAX_REPEATED, Outcome, attempt, run
 from weier.accuracy.variants import Variant
@@ -82,7 +82,7 @@ def test_what_is_a_clear_error(listed, error, outcome):
     assert np.isnan(found.compliance).all()
 
 
-@pytest.mark.parametrize("error", OF_HANDLERS)
+@pytest.mark.parametrize("error", HANDLER_ERRORS)
 def test_what_a_signal_raises_is_no_result(listed, error):
     sleeping = listed(Method("sleeping", "sleeping", "sleeps", lambda profile, loads: time.sleep(10)))
     with interrupting(error), pytest.raises(error):

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from benchmarks import tuning
 
 PAGE = Path(__file__).parents[2] / "docs" / "numerics.md"
-NUMBERS = tuning.OF_BEM + tuning.OF_PATCHES
+NUMBERS = tuning.BEM_CONSTANTS + tuning.PATCHES_CONSTANTS
 
 
 def test_a_number_is_changed_in_a_copy_and_its_cost_is_that_of_the_copy():

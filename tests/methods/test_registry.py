@@ -19,7 +19,7 @@ INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)
 def test_the_help_tells_which_methods_take_the_infinite_series(method):
-    (m,) = (option for option in options.OF_SERIES if option.name == "m")
+    (m,) = (option for option in options.SERIES_OPTIONS if option.name == "m")
     assert (method.name in m.help) == method.infinite == method.takes(INFINITE)
     if method.infinite:
         solved = solve(INFINITE, [0.1], method.name)

@@ -64,7 +64,7 @@ def test_a_sample_of_the_same_bits_stands_for_all_with_a_record_beside_the_curve
     assert len(records) == 5
     assert {(record["curves"], record["compared"], record["identical"]) for record in records} == {("old", 1, True)}
     now = curves_in(old.scene, old.store.folder)
-    assert now.store.lacking(now.of_studies()) == []
+    assert now.store.lacking(now.parts_for()) == []
 
 
 @pytest.mark.parametrize(

@@ -263,7 +263,7 @@ def test_what_is_said_of_a_claim(name, studies, expected):
 def test_a_case_is_a_row_of_the_arrays_of_its_study():
     both = (NUMERICAL, np.nan), (np.nan, 2 * NUMERICAL), (np.nan, np.nan)
     study = concat(case(patches=patches, bem=bem) for patches, bem in both)
-    found = StudyArrays.of(study.transpose("mean_pressure", ...)).cases
+    found = StudyArrays.from_dataset(study.transpose("mean_pressure", ...)).cases
     assert [one.numerical_method for one in found] == ["patches", "bem", None]
     changed = found[1].with_values({"compliance": found[0]["compliance"]})
     for row, one in enumerate([*found[:2], changed]):
@@ -303,7 +303,7 @@ def test_one_independent_contact_is_the_contact_of_one_wave():
     for count in (1, 3):
         curve = {"compliance": NUMERICAL, "contact_fraction": 2 * westergaard.contact_half_width(xi)}
         data = case(patches=curve | {"patch_count": np.full(LOADS.size, float(count))})
-        found = measures.resistance_of_independent_contacts(StudyArrays.of(data).cases[0])
+        found = measures.resistance_of_independent_contacts(StudyArrays.from_dataset(data).cases[0])
         np.testing.assert_allclose(found, westergaard.resistance(xi) / count, rtol=1e-9)
 
 

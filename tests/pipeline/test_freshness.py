@@ -35,7 +35,7 @@ REFUSED = "the code of weier has changed since {}: run snakemake again, which pl
 
 
 def solve_all(curves):
-    solve(curves.store.lacking(curves.of_studies()), curves.store, "test", lambda line: None)
+    solve(curves.store.lacking(curves.parts_for()), curves.store, "test", lambda line: None)
 
 
 @pytest.mark.parametrize("module", ["methods/demelio.py", "scene/case.py", "api/rows.py", "pipeline/store.py", ""])
@@ -64,7 +64,7 @@ def test_code_that_changes_while_a_job_works_is_no_code_of_its_curves(tmp_path, 
     monkeypatch.undo()
     again = curves_in(curves.scene, curves.store.folder)
     assert len(done) == 6
-    assert sum(len(part.keys) for part in again.store.lacking(again.of_studies())) == 12 - 5
+    assert sum(len(part.keys) for part in again.store.lacking(again.parts_for())) == 12 - 5
 
 
 # --- 2. An edit that changes a number changes the numerics. 4. Words change nothing. ---
@@ -108,7 +108,7 @@ LINE = {"file": "line.csv", "length": 1e-3, "height_unit": "um"}
 HEIGHTS = [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5, 0, -1, 0.5, 1, -2, 0.75, -0.5, -1.5]
 
 
-def of_trace(folder, heights=HEIGHTS, **changes):
+def trace_keys(folder, heights=HEIGHTS, **changes):
     """The names of the kinds of its curves, and the keys of its surface."""
     (folder / "line.csv").write_text("\n".join(map(str, heights)))
     scene = {"title": "t", "loads": ["1 MPa", "10 MPa"], "methods": ["bem"], "interface": BODIES}
@@ -129,22 +129,22 @@ STEPS = (lambda level: level * (1 + 1e-15), lambda level: level - level[0], lamb
 @pytest.mark.parametrize("change", [*CHANGES, *STEPS])
 def test_a_trace_is_its_final_heights(tmp_path, monkeypatch, change):
     """Of other settings of its reader, another file, or another code of detrending."""
-    kinds, keys = of_trace(tmp_path)
-    assert of_trace(tmp_path, length=0.001) == (kinds, keys)
+    kinds, keys = trace_keys(tmp_path)
+    assert trace_keys(tmp_path, length=0.001) == (kinds, keys)
     if isinstance(change, dict):
-        assert of_trace(tmp_path, **change)[1] != keys
+        assert trace_keys(tmp_path, **change)[1] != keys
     else:
         usual = traces._checked_level
         monkeypatch.setattr(traces, "_checked_level", lambda *given: change(usual(*given)))
         case._read_once.cache_clear()  # as in another process
-        assert of_trace(tmp_path)[1] != keys
+        assert trace_keys(tmp_path)[1] != keys
 
 
 def test_another_constant_in_the_formulas_of_bodies_is_another_kind(tmp_path, monkeypatch):
-    kinds, keys = of_trace(tmp_path)
+    kinds, keys = trace_keys(tmp_path)
     monkeypatch.setattr(bodies.Bodies, "composite_modulus", 1e10)
-    assert of_trace(tmp_path)[0] != kinds
-    assert of_trace(tmp_path)[1] == keys
+    assert trace_keys(tmp_path)[0] != kinds
+    assert trace_keys(tmp_path)[1] == keys
 
 
 # --- 5. Another value of any key of a scene makes again what depends on it. ---

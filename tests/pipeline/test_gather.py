@@ -11,7 +11,7 @@ from weier.data.variables import Status
 from weier.pipeline.gather import read_cases, read_study
 
 WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
-OF_ONE = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
+ONE_STUDY = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
 
 
 @pytest.fixture
@@ -43,9 +43,11 @@ def test_a_study_keeps_its_order(waves):
 
 def test_a_study_is_read_while_others_are_not_solved(tmp_path):
     """As a figure of it is drawn while their jobs run."""
-    solve_scene(scene_in(tmp_path, {**OF_ONE, "studies": {"one": WAVE}}), tmp_path / "curves")
+    solve_scene(scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE}}), tmp_path / "curves")
     other = {"product": {"D": 1.5, "gamma": 5, "m": 2}}
-    curves = curves_in(scene_in(tmp_path, {**OF_ONE, "studies": {"one": WAVE, "other": other}}), tmp_path / "curves")
+    curves = curves_in(
+        scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE, "other": other}}), tmp_path / "curves"
+    )
     assert read_study(curves, "one").D.values.tolist() == [1.25]
     with pytest.raises(ValueError, match=r"^1 curves by .* are not solved: run snakemake again$"):
         read_study(curves, "other")
@@ -60,7 +62,7 @@ def test_variables_that_nobody_shows_are_not_read(solutions, waves):
 def test_a_file_has_those_variables_alone_that_its_methods_return(tmp_path):
     found = {}
     for methods in (["demelio"], ["bem"]):
-        scene = scene_in(tmp_path, {**OF_ONE, "studies": {"one": WAVE}, "methods": methods})
+        scene = scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE}, "methods": methods})
         found[methods[0]] = set(file_of(solve_scene(scene, tmp_path / "curves"), tmp_path).variables)
     numerical = {"residual", "compliance_error", "compliance_lower", "points", "contact_fraction"}
     assert found["bem"] - found["demelio"] >= numerical - found["demelio"] >= {"residual", "compliance_lower"}
@@ -105,7 +107,7 @@ def test_each_curve_says_where_it_comes_from_and_each_surface_has_a_key(solution
     assert found.attrs["origin_0"] == "test"
     assert np.unique(found.origin.values[found.status.values == Status.solved]).tolist() == [0]
     assert len(set(found.surface_key.values.tolist())) == 3
-    again = {**OF_ONE, "loads": [3.0], "methods": ["archard"], "studies": {"other": WAVE}}
+    again = {**ONE_STUDY, "loads": [3.0], "methods": ["archard"], "studies": {"other": WAVE}}
     (tmp_path / "again").mkdir()
     other = file_of(solve_scene(scene_in(tmp_path / "again", again), tmp_path / "curves"), tmp_path / "again")
     assert other.surface_key.values.tolist() == [found.surface_key.values[found.m.values == 2].item()]
@@ -113,7 +115,7 @@ def test_each_curve_says_where_it_comes_from_and_each_surface_has_a_key(solution
 
 
 LOADS = {"coarse": [0.05, 1.0], "fine": [0.02, 0.1, 1.0, 2.0]}
-OF_LOADS = {
+LOADS_OF_STUDIES = {
     "title": "loads",
     "loads": [0.1, 1.0],
     "methods": ["demelio", "archard"],
@@ -126,7 +128,7 @@ OF_LOADS = {
 @pytest.fixture(scope="module")
 def of_loads(tmp_path_factory):
     folder = tmp_path_factory.mktemp("loads")
-    return solve_scene(scene_in(folder, OF_LOADS), folder / "curves")
+    return solve_scene(scene_in(folder, LOADS_OF_STUDIES), folder / "curves")
 
 
 def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(of_loads, tmp_path):

@@ -24,7 +24,7 @@ SCENE = {
 
 
 def lacking(curves):
-    return curves.store.lacking(curves.of_studies())
+    return curves.store.lacking(curves.parts_for())
 
 
 def solve_all(curves, said=None):

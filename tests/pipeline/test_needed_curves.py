@@ -32,7 +32,7 @@ def missing(folder, store, **changes):
     """The number of curves of each method that would be solved."""
     wanted = Curves(scene_in(folder, SCENE | changes), Store(store, "now"))
     found = {}
-    for part in wanted.store.lacking(wanted.of_studies()):
+    for part in wanted.store.lacking(wanted.parts_for()):
         found[part.kind.method] = found.get(part.kind.method, 0) + len(part.keys)
     return found
 
@@ -42,7 +42,7 @@ def solved(tmp_path_factory):
     """A store that has the curves of a scene, without numbers."""
     folder = tmp_path_factory.mktemp("solved")
     full = Curves(scene_in(folder, SCENE), Store(folder / "curves", "now"))
-    for part in full.store.lacking(full.of_studies()):
+    for part in full.store.lacking(full.parts_for()):
         full.store.append(part.kind, {key: {"seconds": 1.0} for key in part.keys}, "test")
     return folder / "curves"
 
@@ -144,10 +144,10 @@ def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     full = curves_in(
         scene_in(tmp_path, SCENE | product(seed={"from": 1, "to": 40, "count": 40})), tmp_path / "curves"
     )
-    planned = full.store.lacking(full.of_studies())
+    planned = full.store.lacking(full.parts_for())
 
     def shares(lacking, count=3):
-        of = [[part.of_job(number, count) for part in lacking] for number in range(count)]
+        of = [[part.share(number, count) for part in lacking] for number in range(count)]
         return [{(one.kind.name, key) for one in own for key in one.keys.tolist()} for own in of]
 
     first = shares(planned)
@@ -157,7 +157,7 @@ def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     assert all(len(share) > 0.6 * len(everything) / 3 for share in first)
     for part in planned:  # which others solve in part
         full.store.append(part.kind, {key: {} for key in part.keys[::2]}, "test")
-    later = shares(full.store.lacking(full.of_studies()))
+    later = shares(full.store.lacking(full.parts_for()))
     assert all(now <= before for now, before in zip(later, first, strict=True))
     assert 0 < len(set.union(*later)) < len(everything)
 

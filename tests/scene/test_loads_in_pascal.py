@@ -114,7 +114,7 @@ def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
 
     def new(**changes):
         other = scene_in(folder, SCENE | {"interface": SCENE["interface"] | changes})
-        return solutions.store.lacking(curves_in(other, folder / "curves").of_studies())
+        return solutions.store.lacking(curves_in(other, folder / "curves").parts_for())
 
     assert new(rho_1=5e-7) == []
     assert new(mu_1=9e10)

@@ -65,7 +65,9 @@ def measure_convergence(profiles: Sequence[Profile], mean_pressure: ArrayLike, m
     """
     loads = checked_loads(mean_pressure)
     variants = tuple(Variant(str(terms), bem.METHOD.name, {}) for terms in range(1, max_terms + 1))
-    compared = [Comparison(profile.describe(), Case.of(profile, (), {}), loads, variants) for profile in profiles]
+    compared = [
+        Comparison(profile.describe(), Case.from_surface(profile, (), {}), loads, variants) for profile in profiles
+    ]
     data = runs.blank(compared, KEPT, {})
     runs.fill(data, compared, _solve)
     counts = np.array(data["variant"].values, int)

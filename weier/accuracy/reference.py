@@ -1,6 +1,6 @@
 """Reference curves from other sources than the method under test.
 
-An estimate is compared with the sum that defines it (`OF_ESTIMATES`), and a solution of the series with the exact
+An estimate is compared with the sum that defines it (`ESTIMATE_REFERENCES`), and a solution of the series with the exact
 contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
 them. The patches solve the profile shifted along x, so that no number agrees by construction.
 """
@@ -64,7 +64,7 @@ def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
 
 
 # references of the estimates, whose numerical errors are measured apart from their model errors, by name
-OF_ESTIMATES: dict[str, Callable[[Profile, Array], Reference | None]] = {
+ESTIMATE_REFERENCES: dict[str, Callable[[Profile, Array], Reference | None]] = {
     "archard": partial(_sums, multiprecision.archard),
     "demelio": partial(_sums, multiprecision.demelio),
     "layer": _finer_layer,
@@ -86,9 +86,9 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
-    if profile.m != 1 and method.name in OF_ESTIMATES:
+    if profile.m != 1 and method.name in ESTIMATE_REFERENCES:
         with suppress(ConvergenceError):
-            return OF_ESTIMATES[method.name](profile, loads)
+            return ESTIMATE_REFERENCES[method.name](profile, loads)
         return None
     solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.compliance_error).any())
     if not (solves_series and is_in_reach(profile, loads)):

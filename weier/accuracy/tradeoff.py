@@ -108,10 +108,10 @@ def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
     }
 
 
-OF_ERRORS = ("90 %", "largest", "stated: median")
+ERROR_COLUMNS = ("90 %", "largest", "stated: median")
 HEADER = [
     *("method and setting", "profiles", "ms a load"),
-    *("error of h: median", *OF_ERRORS, "error of R: median", *OF_ERRORS),
+    *("error of h: median", *ERROR_COLUMNS, "error of R: median", *ERROR_COLUMNS),
 ]
 
 

@@ -202,12 +202,12 @@ def _solve_all(
     from weier.api.batch import solve_batch  # scenes, which one curve does not need
     from weier.scene.case import Case
 
-    cases = tuple(Case.of(surface, tuple(methods), settings) for surface in profiles)
+    cases = tuple(Case.from_surface(surface, tuple(methods), settings) for surface in profiles)
     title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
     failures: list[str] = []
 
     def named(data: xr.Dataset) -> xr.Dataset:
-        return name_cases(data.assign_attrs(provenance.of_results(title)))
+        return name_cases(data.assign_attrs(provenance.result_attributes(title)))
 
     with converting(named):
         data = solve_batch(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from weier.data.curves import CONTACT_PRESSURE
 from weier.data.ensembles import PERCENTILES
-from weier.data.si import OF_INTERFACE
+from weier.data.si import INTERFACE_ATTRIBUTES
 from weier.methods.curve import QUANTITIES
 from weier.scene.yaml import parse_yaml
 from weier.units import NONE, WITHOUT, unit_of
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from weier.api.interface import Interface
 
 # the ends of columns for a quantity
-OF_AN_ENSEMBLE = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
+STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
 INTERFACE = "interface"  # The key of a scene with its bodies.
 
 
@@ -32,7 +32,7 @@ def read_bodies(path: Path) -> Interface:
     from weier.api.interface import Interface  # which takes some tenths of a second
 
     try:
-        return Interface.of_texts(_given(path))
+        return Interface.from_texts(_given(path))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -44,7 +44,7 @@ def _given(path: Path) -> dict[str, Any]:
 
         with dataset.open_lazily(path) as data:
             if "mu_1" in data.attrs:
-                return {name: data.attrs[name] for name in OF_INTERFACE if name in data.attrs}
+                return {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}
             given = parse_yaml(str(data.attrs.get("scene", "")))
     else:
         given = parse_yaml(path.read_text(encoding="utf-8"))
@@ -62,5 +62,5 @@ def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
     table = table.rename(columns={f"{name}_error": f"{name}_numerical_error" for name in QUANTITIES})
     known = {str(name): unit_of(values) for name, values in data.variables.items()}
     known[CONTACT_PRESSURE] = known["mean_pressure"]
-    named = {name: known.get(name) or known.get(OF_AN_ENSEMBLE.sub("", name)) or NONE for name in table}
+    named = {name: known.get(name) or known.get(STATISTIC_SUFFIX.sub("", name)) or NONE for name in table}
     return table.rename(columns={name: f"{name} ({unit})" for name, unit in named.items() if unit not in WITHOUT})

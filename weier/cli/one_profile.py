@@ -24,7 +24,7 @@ from weier.cli.options import (
     SolvingCommand,
     check_free,
     listed_in_si,
-    of_one_profile,
+    one_profile_options,
     output,
     profile_or_trace,
 )
@@ -127,7 +127,7 @@ def _case(
     return single.case_of(request.profile, methods, settings)
 
 
-@click.command(cls=SolvingCommand, params=of_one_profile(LOADS))
+@click.command(cls=SolvingCommand, params=one_profile_options(LOADS))
 @INTO
 @click.option("--csv", is_flag=True, help="Print comma-separated values instead of JSON, one row per load.")
 @FORCE
@@ -210,7 +210,7 @@ def solve(
     result.check_solved(data)
 
 
-@click.command(cls=SolvingCommand, params=of_one_profile(PLOTTED_LOADS))
+@click.command(cls=SolvingCommand, params=one_profile_options(PLOTTED_LOADS))
 @click.option("--quantity", type=click.Choice(QUANTITIES), default="compliance", show_default=True)
 @FORCE
 @output("path", "", ".pdf", ".svg", ".png", required=False)

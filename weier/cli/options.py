@@ -135,7 +135,7 @@ def output(name: str, *suffixes: str, default: str | None = None, required: bool
     )
 
 
-OF_SERIES = (
+SERIES_OPTIONS = (
     click.Option(["-D", "D"], type=float, help="Fractal dimension, between 1 and 2."),
     click.Option(["--gamma"], help='Ratio of successive wavelengths: 5 or "5/2".'),
     click.Option(
@@ -151,7 +151,7 @@ OF_SERIES = (
 
 
 SETTINGS = [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
-OF_SOLUTION = (
+SOLUTION_OPTIONS = (
     click.Option(
         ["--method", "methods"],
         multiple=True,
@@ -205,7 +205,7 @@ class SolvingCommand(click.Command):
             formatter.write_dl(described(METHODS))
 
 
-def _of_trace(name: str, key: TraceKey) -> click.Option:
+def _trace_option(name: str, key: TraceKey) -> click.Option:
     """Return the option of a key of measured heights; several numbers are separated by commas."""
     numbers = key.several and key.kind in (int, float)
 
@@ -227,17 +227,17 @@ def _of_trace(name: str, key: TraceKey) -> click.Option:
 
 
 KINDS = {int: int, float: float, str: str, object: str}
-OF_TRACE = (
+TRACE_OPTIONS = (
     click.Option(
         ["--trace", "trace_file"],
         type=FILE,
         help="Instead of a series: a text file with heights in one or two columns, or an instrument file.",
     ),
-    *(_of_trace(name, key) for name, key in TRACE_KEYS.items() if name != "longest"),
+    *(_trace_option(name, key) for name, key in TRACE_KEYS.items() if name != "longest"),
 )
 
 
-OF_BODIES = (
+BODIES_OPTIONS = (
     click.Option(
         ["--si", "bodies"], type=FILE, help=f"Use Pa, m and ohm m^2, or K m^2/W for heat, for two bodies. {SI}"
     ),
@@ -250,7 +250,7 @@ OF_BODIES = (
 )
 
 
-def of_one_profile(default_loads: str) -> list[click.Parameter]:
+def one_profile_options(default_loads: str) -> list[click.Parameter]:
     """Return the options of a profile, its loads and the methods."""
     loads = click.Option(
         ["--loads"],
@@ -259,7 +259,7 @@ def of_one_profile(default_loads: str) -> list[click.Parameter]:
         callback=_read(lambda text: positive_loads(units.listed("loads", text, units.NORMALISED_PRESSURE))),
         help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
     )
-    return [*OF_SERIES, *OF_TRACE, loads, *OF_BODIES, *OF_SOLUTION]
+    return [*SERIES_OPTIONS, *TRACE_OPTIONS, loads, *BODIES_OPTIONS, *SOLUTION_OPTIONS]
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import click
 import numpy as np
 
 from weier.cli import options
-from weier.cli.bodies_file import OF_AN_ENSEMBLE, read_bodies, table_of
+from weier.cli.bodies_file import STATISTIC_SUFFIX, read_bodies, table_of
 from weier.data import markdown
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import replacing, write_text
@@ -39,7 +39,7 @@ COLUMNS = {
     "contact_fraction_median": "contact fraction, median",
     "contact_pressure_median": "mean pressure of the contacts, median",
 }
-OF_SEVERAL = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
+ENSEMBLE_COLUMNS = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
 MAX_DIGITS, ERROR_DIGITS = 5, 2  # significant digits of quantities and of errors, at most
 TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
 PACKAGES = {".xlsx": "openpyxl", ".tex": "jinja2"}
@@ -49,9 +49,9 @@ UNIT, POINT = re.compile(r" \(.*\)$"), re.compile(r"\.(?=$|e)")
 
 @click.command(
     params=[
-        *options.OF_TRACE[1:],
-        *options.OF_BODIES,
-        *(one for one in options.OF_SOLUTION if one.name in ("tolerance", "workers")),
+        *options.TRACE_OPTIONS[1:],
+        *options.BODIES_OPTIONS,
+        *(one for one in options.SOLUTION_OPTIONS if one.name in ("tolerance", "workers")),
     ]
 )
 @click.argument("files", nargs=-1, required=True, type=options.FILE)
@@ -78,7 +78,7 @@ def report(
     tolerance: float | None,
     workers: int,
     max_seconds: float | None,
-    **of_trace: Any,
+    **trace_options: Any,
 ) -> None:
     """Report the contact resistance of measured lines.
 
@@ -100,7 +100,7 @@ def report(
     from weier.data import dataset
     from weier.data.si import with_pressures_in
 
-    both, lines = read_bodies(bodies), _lines(files, of_trace)
+    both, lines = read_bodies(bodies), _lines(files, trace_options)
     settings: dict[str, Any] = {"workers": workers, "max_seconds": max_seconds}
     settings |= {} if tolerance is None else {"tolerance": tolerance}
     solved = solve_under(lines, loads, both.loads_of(loads), **settings)
@@ -143,11 +143,11 @@ def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, 
             import_module(PACKAGES[path.suffix])
 
 
-def _lines(files: Sequence[Path], of_trace: Mapping[str, Any]) -> list[Trace]:
+def _lines(files: Sequence[Path], trace_options: Mapping[str, Any]) -> list[Trace]:
     """Return the lines of all files; ValueError unless they have one shortest wavelength, within 1 %."""
     parameters = []
     for file in files:
-        trace = options.profile_or_trace(file, **of_trace)["trace"]
+        trace = options.profile_or_trace(file, **trace_options)["trace"]
         try:
             parameters += trace_parameters(trace, Path())
         except ValueError as error:
@@ -169,10 +169,10 @@ def rounded(ensemble: pd.DataFrame, several: bool) -> pd.DataFrame:
     headings = {UNIT.sub("", name): name for name in ensemble}
     found = {}
     for name, meaning in COLUMNS.items():
-        if name not in headings or (name in OF_SEVERAL and not several):
+        if name not in headings or (name in ENSEMBLE_COLUMNS and not several):
             continue
         values = ensemble[headings[name]].tolist()
-        error = headings.get(f"{OF_AN_ENSEMBLE.sub('', name)}_numerical_error")
+        error = headings.get(f"{STATISTIC_SUFFIX.sub('', name)}_numerical_error")
         if name == LOADS:
             texts = [f"{value:.{MAX_DIGITS}g}" for value in values]
         elif error == headings[name]:
@@ -205,7 +205,7 @@ def _write_table(table: pd.DataFrame, path: Path, title: str) -> None:
 
     if path.suffix == ".xlsx":
         numbers = table.apply(pd.to_numeric, errors="coerce")
-        with replacing(path) as beside, beside.open("wb") as file:
+        with replacing(path) as temporary, temporary.open("wb") as file:
             numbers.where(numbers.notna(), table).to_excel(file, index=False, engine="openpyxl")
     elif path.suffix == ".csv":
         write_text(path, table.to_csv(index=False))

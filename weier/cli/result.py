@@ -14,7 +14,7 @@ from weier.cli.bodies_file import table_of
 from weier.data import dataset
 from weier.data.files import write_text
 from weier.data.provenance import NORMALISED
-from weier.data.si import OF_INTERFACE
+from weier.data.si import INTERFACE_ATTRIBUTES
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.registry import find_method
@@ -54,7 +54,7 @@ def as_json(data: xr.Dataset) -> str:
     loads = case["mean_pressure"].values.tolist()
     measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
     own = {str(name): units.unit_of(values) or units.NONE for name, values in measured.items()}
-    bodies = {name: data.attrs[name] for name in OF_INTERFACE if name in data.attrs}
+    bodies = {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}
     header = {"title": data.attrs["title"]} | ({"interface": bodies} if bodies else {"normalisation": NORMALISED})
     header |= {"units": own, **parameters, "mean_pressure": loads}
     if "mean_pressure_error" in case:

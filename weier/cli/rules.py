@@ -78,7 +78,7 @@ def curves(
     store = Store(folder, numerics)
     loaded = {path.stem: Curves(weier.load_scene(path), store) for path in scenes}
     lacking = missing(what, list(loaded), loaded.__getitem__).get(group, [])
-    own = [part.of_job(number, count) for part in lacking]
+    own = [part.share(number, count) for part in lacking]
     with job("solve", f"{sum(len(part.keys) for part in own)} curves by {group}"):
         solve(own, store, origin(), lambda line: click.echo(line, err=True))
 

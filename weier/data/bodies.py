@@ -20,7 +20,7 @@ from weier import units
 from weier.checks import checked_number, checked_numbers, suggestion
 from weier.data.curves import contact_pressure
 from weier.data.markdown import significant
-from weier.data.si import OF_DATASETS, check_normalised, converted, scaled
+from weier.data.si import CONVERT_DATASET, check_normalised, converted, scaled
 from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
 from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
@@ -43,7 +43,7 @@ USUAL = {"mu": (1e6, 1e13), "E": (1e6, 1e13), "rho": (1e-8, 1e-3), "k": (0.01, 1
 # Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
 YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
-OF_TRACE = {"lambda_0": "trace_length", "g_0": "trace_height"}
+TRACE_SCALE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
 
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
@@ -104,7 +104,7 @@ class Bodies:
         return super().__new__(cls)
 
     @classmethod
-    def of_texts(cls, given: Mapping[str, Any]) -> Self:
+    def from_texts(cls, given: Mapping[str, Any]) -> Self:
         """Return the bodies of a file, whose values may have units, as in "210 GPa"."""
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
@@ -124,7 +124,7 @@ class Bodies:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
-        known = {name: vars(self)[name] for name in given if name not in OF_TRACE}
+        known = {name: vars(self)[name] for name in given if name not in TRACE_SCALE}
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # A warning names what was given.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
@@ -156,7 +156,7 @@ class Bodies:
     @property
     def resistance_unit(self) -> str:
         """The unit of resistance times nominal area, ohm m^2, or K m^2/W for heat."""
-        return units.OF_CURRENT if self.k_1 is None else units.OF_HEAT
+        return units.ELECTRICAL_RESISTANCE if self.k_1 is None else units.THERMAL_RESISTANCE
 
     @property
     def full_contact_pressure(self) -> float:
@@ -185,7 +185,7 @@ class Bodies:
 
     def pressure(self, normalised: ArrayLike) -> Array:
         """Convert pressures from p_0* to Pa."""
-        return self._of_unit("p_0*", normalised)
+        return self._checked_unit("p_0*", normalised)
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
         """Convert pressures of any shape from Pa to p_0*, as `weier.solve` takes them."""
@@ -193,11 +193,11 @@ class Bodies:
 
     def compliance(self, normalised: ArrayLike) -> Array:
         """Convert compliances, heights and gaps from g_0 to m."""
-        return self._of_unit("g_0", normalised)
+        return self._checked_unit("g_0", normalised)
 
     def resistance(self, normalised: ArrayLike) -> Array:
         """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2), or to K m^2/W for heat."""
-        return self._of_unit("g_0/p_0*", normalised)
+        return self._checked_unit("g_0/p_0*", normalised)
 
     def in_si(self, data: xr.Dataset) -> xr.Dataset:
         """Convert a Dataset with its coordinates to SI units; call it before any arithmetic.
@@ -235,7 +235,7 @@ class Bodies:
         scale = self._scale_of(data)
         own = {name: value for name, value in vars(self).items() if value is not None}
         if not _varies(scale):
-            own |= {name: float(value) for name, value in zip(OF_TRACE, scale, strict=True)}
+            own |= {name: float(value) for name, value in zip(TRACE_SCALE, scale, strict=True)}
         found = converted(data, self._scales(*scale)).assign_attrs(own)
         self.warn_of_yield(found)
         return found
@@ -273,17 +273,17 @@ class Bodies:
             own = hasattr(checked_surface(surface, "surface"), "g_0")
             return (np.asarray(surface.lambda_0), np.asarray(surface.g_0)) if own else self._scale()
         D, length, height = (
-            np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *OF_TRACE.values())
+            np.asarray(surface.variables.get(name, math.nan), float) for name in ("D", *TRACE_SCALE.values())
         )
-        of_trace = np.isfinite(length) & np.isfinite(height)
-        if (np.isnan(D) & ~of_trace).any():
+        is_trace = np.isfinite(length) & np.isfinite(height)
+        if (np.isnan(D) & ~is_trace).any():
             raise ValueError(
                 "data must have the coordinate D of a series, or trace_length and trace_height of a trace, which "
                 "give its units: convert the whole curve before coordinates are dropped"
             )
-        if not of_trace.all():
+        if not is_trace.all():
             lambda_0, g_0 = self._scale()
-            length, height = np.where(of_trace, length, lambda_0), np.where(of_trace, height, g_0)
+            length, height = np.where(is_trace, length, lambda_0), np.where(is_trace, height, g_0)
         return (length, height) if _varies((length, height)) else (length.flat[0], height.flat[0])
 
     def _scale(self) -> tuple[Array, Array]:
@@ -308,11 +308,11 @@ class Bodies:
         of_resistance = {"g_0/p_0*": self.resistance_unit}
         return {name: (value, (units.IN_SI | of_resistance)[name]) for name, value in values.items()}
 
-    def _of_unit(self, unit: str, normalised: Any) -> Array:
+    def _checked_unit(self, unit: str, normalised: Any) -> Array:
         """Return values of one unit; those that say they are of another one are refused."""
         numbers = checked_numbers("normalised", normalised, unit=unit)
         if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
-            raise ValueError(f"normalised must be numbers, got a DataArray: {OF_DATASETS}")
+            raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
         return scaled(numbers, self.scales[unit][0])
 
 

@@ -49,7 +49,7 @@ def curve(
         for name, value in {**settings, **scalars}.items()
     }
     plain["settings"] = json.dumps(dict(settings), sort_keys=True)
-    return marked(xr.Dataset(data, coordinates, provenance.of_results() | plain))
+    return marked(xr.Dataset(data, coordinates, provenance.result_attributes() | plain))
 
 
 def blank(
@@ -67,7 +67,7 @@ def blank(
     """
     dims = "case", "solution_method", "mean_pressure", "term", "edge"
     sizes = dict(zip(dims, (cases, len(methods), loads.size, terms, edges), strict=True))
-    values = {name: variables.blank(name, sizes)[1] for name in variables.of_curves(returned, edges > 0)}
+    values = {name: variables.blank(name, sizes)[1] for name in variables.curve_variables(returned, edges > 0)}
     values["status"][:] = Status.not_requested
     return over_cases(values, methods, loads, unit)
 
@@ -87,8 +87,8 @@ def over_cases(values: Mapping[str, Any], methods: Sequence[str], loads: Array, 
 def write(data: xr.Dataset, path: str | Path, title: str, step: str = "written", scene: str = "") -> None:
     """Write a netCDF file atomically, with its title, the step that made the data and the text of its scene."""
     data = data.assign_attrs(provenance.attributes(title, step, scene, in_si="mu_1" in data.attrs))
-    with replacing(path) as beside:
-        netcdf.write(data, beside)
+    with replacing(path) as temporary:
+        netcdf.write(data, temporary)
 
 
 def read(path: str | Path) -> xr.Dataset:

@@ -26,9 +26,9 @@ CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed
 CLOSE_CUTOFFS = 0.01
 CUTOFF = "trace_shortest"
 # Labels that may differ within an ensemble: phases, and properties of a file.
-OF_FILES = ("trace", "trace_digest", "trace_length", "trace_height", "trace_filled")
+FILE_LABELS = ("trace", "trace_digest", "trace_length", "trace_height", "trace_filled")
 SCALES = ("trace_length", "trace_height")  # of a trace, lambda_0 and g_0
-WITHIN = ("case", "key", "surface_key", "seed", *OF_FILES)
+WITHIN = ("case", "key", "surface_key", "seed", *FILE_LABELS)
 COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
     "weier.Interface(...).solve([trace, ...], pressures in Pa)"

@@ -20,28 +20,28 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     check_target(path)
     path = Path(os.path.realpath(path))
-    beside = path.with_name(f".{path.name}.{_host()}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{_host()}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise _unwritable(path, error) from None
     try:
-        yield beside
-        os.replace(beside, path)
+        yield temporary
+        os.replace(temporary, path)
     except (OSError, RuntimeError) as error:  # netCDF calls a full disk "HDF error" or "Permission denied".
-        _check_space(beside, path)
-        if isinstance(error, OSError) and str(error.filename) == str(beside):  # as where the path is a folder
+        _check_space(temporary, path)
+        if isinstance(error, OSError) and str(error.filename) == str(temporary):  # as where the path is a folder
             raise _unwritable(path, error) from None
         raise
     finally:
         with ignoring_errors_of_disks():
-            beside.unlink()
+            temporary.unlink()
 
 
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file atomically, and make its folder if it is missing."""
-    with replacing(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def check_target(path: str | Path) -> None:
@@ -66,10 +66,10 @@ def _host() -> str:
     return socket.gethostname().partition(".")[0]
 
 
-def _check_space(beside: Path, path: Path) -> None:
+def _check_space(temporary: Path, path: Path) -> None:
     """Raise an error with the reason if nothing can be written."""
     try:
-        with beside.open("ab") as file:
+        with temporary.open("ab") as file:
             file.write(bytes(2**20))  # finds the error that netCDF hides, such as a full disk
     except OSError as error:
         raise _unwritable(path, error) from None

@@ -83,7 +83,7 @@ def run_date() -> tuple[str, str]:
     return date.isoformat(timespec="seconds"), f"Its dates are {meaning if epoch else 'those of the run'}."
 
 
-def of_results(title: str = "") -> dict[str, str]:
+def result_attributes(title: str = "") -> dict[str, str]:
     """Return attributes of results in memory."""
     named = {"title": title} if title else {}
     return {"program": FIXED["program"], "normalisation": NORMALISED, "references": PAPER, **named, **versions()}

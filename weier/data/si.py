@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
 LOCATED = (LOADS, "x")  # The coordinates with normalised units.
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2")  # attributes of a Dataset in SI units
-OF_INTERFACE = (
+INTERFACE_ATTRIBUTES = (
     *BODIES,
     "rho_1",
     "rho_2",
@@ -30,7 +30,7 @@ OF_INTERFACE = (
     "lambda_0",
     "g_0",
 )  # with those that not all have
-OF_DATASETS = "convert the whole Dataset first, as in in_si(curve).resistance"
+CONVERT_DATASET = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 
 def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.Dataset:
@@ -85,7 +85,7 @@ def marked(data: xr.Dataset) -> xr.Dataset:
 def check_normalised(data: Any) -> None:
     """Refuse what is no Dataset, is in SI units already, or has a variable whose unit arithmetic may have changed."""
     if not hasattr(data, "data_vars"):
-        raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {OF_DATASETS}")
+        raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {CONVERT_DATASET}")
     if known := {*BODIES} & data.attrs.keys():
         raise ValueError(f"data must be normalised, got a Dataset with {min(known)}: it is in SI units already")
     normalised = {name: variable for name, variable in data.variables.items() if _normalised(variable)}

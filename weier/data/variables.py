@@ -60,7 +60,7 @@ class Check(IntEnum):
     not_decided = 3
 
     @classmethod
-    def of(cls, holds: bool | None) -> Check:
+    def from_bool(cls, holds: bool | None) -> Check:
         """Return the result of a condition that holds, does not hold, or could not be measured (None)."""
         return cls.not_measured if holds is None else cls(holds)
 
@@ -98,9 +98,9 @@ BOUND = (
     "Bounds theorem (27), widened by the stated error of the solution of the truncated series by contact patches or "
     "boundary elements."
 )
-OF_SERIES = f"{DATUM}, of that series. {BOUND}"
+SERIES_BOUND = f"{DATUM}, of that series. {BOUND}"
 _label = partial(Variable, ("case",), content=LABEL)
-_of_trace = partial(_label, optional=True)
+_trace_label = partial(_label, optional=True)
 _chosen = partial(Variable, ("case",), content=AUXILIARY, optional=True)
 _measured = partial(Variable, content=QUALITY, optional=True)
 
@@ -128,23 +128,23 @@ VARIABLES = {
     "m": _label("number of terms of the series", symbol="m"),
     "phases": Variable(("case", "term"), "phase of each term", "rad", "phi_n", content=LABEL),
     "seed": _label("seed of the phases, where they are random"),
-    "trace": _of_trace("name of the file of measured heights, with the line of a map", dtype="O"),
-    "trace_digest": _of_trace("digest of the measured heights and of their extension", dtype="O"),
-    "trace_ends": _of_trace("extension of the trace beyond its ends", dtype="O"),
-    "trace_length": _of_trace("length of the trace of heights, lambda_0", "m"),
-    "trace_height": _of_trace("root mean square height of the trace, g_0", "m"),
-    "trace_shortest": _of_trace("shortest wavelength of the trace", "m"),
-    "trace_detrend": _of_trace("component removed from the heights: mean, tilt or form", dtype="O"),
-    "trace_filled": _of_trace("number of missing heights that were interpolated"),
-    "trace_hurst": _of_trace("Hurst exponent of a random line", symbol="H"),
-    "trace_rolloff": _of_trace("wavelength above which the spectrum of a random line is constant", "m"),
-    "trace_fit_D": _of_trace("fractal dimension of the series with the spectrum of the trace"),
-    "trace_fit_D_error": _of_trace("standard error of this fractal dimension"),
-    "trace_fit_g_0": _of_trace("amplitude of the coarsest wave of the series with the spectrum of the trace", "m"),
-    "trace_fit_g_0_error": _of_trace("standard error of this amplitude", "m"),
-    "trace_fit_lambda_0": _of_trace("wavelength of this wave", "m"),
-    "trace_fit_rolloff": _of_trace("wavelength above which the spectrum is flatter than that of the series", "m"),
-    "trace_fit_remark": _of_trace(
+    "trace": _trace_label("name of the file of measured heights, with the line of a map", dtype="O"),
+    "trace_digest": _trace_label("digest of the measured heights and of their extension", dtype="O"),
+    "trace_ends": _trace_label("extension of the trace beyond its ends", dtype="O"),
+    "trace_length": _trace_label("length of the trace of heights, lambda_0", "m"),
+    "trace_height": _trace_label("root mean square height of the trace, g_0", "m"),
+    "trace_shortest": _trace_label("shortest wavelength of the trace", "m"),
+    "trace_detrend": _trace_label("component removed from the heights: mean, tilt or form", dtype="O"),
+    "trace_filled": _trace_label("number of missing heights that were interpolated"),
+    "trace_hurst": _trace_label("Hurst exponent of a random line", symbol="H"),
+    "trace_rolloff": _trace_label("wavelength above which the spectrum of a random line is constant", "m"),
+    "trace_fit_D": _trace_label("fractal dimension of the series with the spectrum of the trace"),
+    "trace_fit_D_error": _trace_label("standard error of this fractal dimension"),
+    "trace_fit_g_0": _trace_label("amplitude of the coarsest wave of the series with the spectrum of the trace", "m"),
+    "trace_fit_g_0_error": _trace_label("standard error of this amplitude", "m"),
+    "trace_fit_lambda_0": _trace_label("wavelength of this wave", "m"),
+    "trace_fit_rolloff": _trace_label("wavelength above which the spectrum is flatter than that of the series", "m"),
+    "trace_fit_remark": _trace_label(
         "why no series has the spectrum of the trace, or what dominates the fit", dtype="O"
     ),
     "total_amplitude": Variable(
@@ -180,8 +180,8 @@ VARIABLES = {
         comment="The slope dh/dp; in SI units times M and the sum of the resistivities or of 1/k, for heat.",
         axis=r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$",
     ),
-    "compliance_lower": _bound("lower", "compliance", "g_0", OF_SERIES),
-    "compliance_upper": _bound("upper", "compliance", "g_0", OF_SERIES),
+    "compliance_lower": _bound("lower", "compliance", "g_0", SERIES_BOUND),
+    "compliance_upper": _bound("upper", "compliance", "g_0", SERIES_BOUND),
     "resistance_lower": _bound("lower", "resistance", "g_0/p_0*"),
     "resistance_upper": _bound("upper", "resistance", "g_0/p_0*"),
     "compliance_error": Variable(
@@ -273,7 +273,7 @@ VARIABLES = {
 COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content == LABEL)
 
 
-def of_curves(returned: Collection[str], edges: bool) -> list[str]:
+def curve_variables(returned: Collection[str], edges: bool) -> list[str]:
     """Return the variables of curves by methods that return these names, with the edges of contact or without."""
     return [
         name

@@ -107,7 +107,7 @@ def compare(
     table = table_of(tables)
     if table.empty:
         raise ValueError(f"there are no curves of {quantity} to draw in these studies")
-    grouping = grouping.of(table["case"].nunique())
+    grouping = grouping.with_defaults(table["case"].nunique())
     drawn = _curves(table, tables, quantity, grouping)
     facet_values = [_values(drawn, name) for name in grouping.facet]
     noun = " and ".join(grouping.facet) or "curves"
@@ -161,7 +161,7 @@ def _reduced(same: pd.DataFrame, tables: Sequence[Values], quantity: str, groupi
     """Return the median of curves that look alike, and their band, or the single curve."""
     first = same.iloc[0].to_dict()
     own = tables[first["study"]]
-    points = bool(first["beside"]) and "method" not in grouping.facet
+    points = bool(first["other_numerical"]) and "method" not in grouping.facet
     if len(same) == 1:
         loads, values = own.line(first["row"], first["column"], points)
         return PlottedCurve(own, first, loads, values, None, 1, points)

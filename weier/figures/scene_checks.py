@@ -100,7 +100,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
 
 def _hidden(figure: Figure, products: Sequence[CaseProduct]) -> Iterator[str]:
     """Yield messages on parameters that vary between the curves of a figure without being shown."""
-    grouping = figure.grouping.of(sum(product.count for product in products))
+    grouping = figure.grouping.with_defaults(sum(product.count for product in products))
     if hidden := grouping.hidden(_varying(products)):
         yield grouping.proposal(hidden)
     random = [line for product in products for line in product.axes.get("trace", ())[:1] if "seed" in line]
@@ -122,8 +122,8 @@ def _varying(products: Sequence[CaseProduct]) -> list[str]:
         if traces:
             continue
         for name in PARAMETERS:
-            found[name].update(getattr(case.profile, name) for case in product.of_all_kinds(name))
-        for case in product.of_all_kinds("m"):
+            found[name].update(getattr(case.profile, name) for case in product.representative_cases(name))
+        for case in product.representative_cases("m"):
             given = [json.dumps([name, value]) for name in PHASES for value in product.axes.get(name, ())] or [""]
             phases.setdefault(case.profile.m, set()).update(given if case.profile.m > 1 else [])
     several = [name for name, values in found.items() if len(values) > 1]

@@ -21,7 +21,7 @@ from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
-from weier.units import OF_HEAT, PASCAL
+from weier.units import THERMAL_RESISTANCE, PASCAL
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -83,7 +83,7 @@ def labels_of(interface: Bodies | None, unit: str) -> dict[str, str]:
     """Return the labels of axes, for two bodies in SI units and for loads in this unit."""
     if interface is None:
         return LABELS
-    own = {"resistance": THERMAL} if interface.resistance_unit == OF_HEAT else {}
+    own = {"resistance": THERMAL} if interface.resistance_unit == THERMAL_RESISTANCE else {}
     return SI_LABELS | own | {"mean_pressure": SI_LABELS["mean_pressure"].replace(PASCAL, unit)}
 
 

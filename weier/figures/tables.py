@@ -102,8 +102,8 @@ def table_of(tables: Sequence[Values]) -> pd.DataFrame:
         cases, first = pd.DataFrame(columns), first + size
         for column, method in enumerate(own.methods):
             best = own.best == column
-            beside = ~best & (method in numerical_names())
-            made = cases.assign(method=method, column=column, best=best, beside=beside)
+            other = ~best & (method in numerical_names())
+            made = cases.assign(method=method, column=column, best=best, other_numerical=other)
             parts.append(made[own.known[:, column]])
     return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
 

@@ -46,7 +46,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
         The number of comparisons, one for each kind and other numerics.
     """
     by_kind: dict[str, list[Part]] = {}
-    for part in store.lacking(part for curves in scenes for part in curves.of_studies()):
+    for part in store.lacking(part for curves in scenes for part in curves.parts_for()):
         by_kind.setdefault(part.kind.name, []).append(part)
     compared = 0
     for name, wanted in by_kind.items():
@@ -68,8 +68,8 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
                 "date": datetime.now(UTC).isoformat(),
             }
             for path in folder.glob(f"[!.]*{SUFFIX}") if accepted else ():
-                with replacing(store.segments(name) / path.name) as beside:
-                    beside.write_bytes(path.read_bytes())
+                with replacing(store.segments(name) / path.name) as temporary:
+                    temporary.write_bytes(path.read_bytes())
             write_text(store.segments(name) / RECORD, json.dumps(record, indent=1) + "\n")
             store = Store(store.folder, store.numerics)  # which reads the copies
             agree = "the same bits" if identical else "within the stated errors" if within else "they differ"

@@ -75,7 +75,7 @@ class Solved:
             returned |= {name for name in VARIABLES if name.startswith("trace")}
         return [
             name
-            for name in variables.of_curves(returned, self.scene.contact_edges)
+            for name in variables.curve_variables(returned, self.scene.contact_edges)
             if name not in ("solution_method", "mean_pressure", "term")
         ]
 
@@ -85,27 +85,27 @@ class Solved:
         read = (self._store.read(part.kind, part.keys[numbers], ORIGIN) for part, _, numbers in self._parts)
         return sorted({str(origin) for found in read if found is not None for origin in np.unique(found)})
 
-    def of_cases(self, name: str) -> Values:
+    def case_variable(self, name: str) -> Values:
         """Return a variable of the cases, shape (cases, ...)."""
         if name == "key":
             return np.array(short_keys(self.scene.keys_of_cases[self.cases]), object)
         if name == "surface_key":
             return self._joined(name, [(r, np.array(short_keys(p.keys[n]), object)) for p, r, n in self._surfaces])
         if "edge" in VARIABLES[name].dims:  # a case has the edges of its last method
-            return self._joined(name, [own for method in self.methods for own in self._of_method(name, method)])
+            return self._joined(name, [own for method in self.methods for own in self._method_parts(name, method)])
         found = [
             (rows, self._store.read(part.kind, part.keys[numbers], name)) for part, rows, numbers in self._surfaces
         ]
         return self._joined(name, [(rows, values) for rows, values in found if values is not None])
 
-    def of_method(self, name: str, method: str) -> Values:
+    def method_variable(self, name: str, method: str) -> Values:
         """Return a variable of the curves by a method, shape (cases, ...)."""
-        joined = self._joined(name, self._of_method(name, method))
+        joined = self._joined(name, self._method_parts(name, method))
         if name == "status":
             joined[joined < 0] = Status.not_requested
         return joined
 
-    def _of_method(self, name: str, method: str) -> list[tuple[Indices, Values]]:
+    def _method_parts(self, name: str, method: str) -> list[tuple[Indices, Values]]:
         """Return the rows and values of each part by a method."""
         found = []
         for part, rows, numbers in self._parts:
@@ -150,9 +150,9 @@ class Solved:
         found = {}
         for name in (name for name in self.names if name not in without):
             if "solution_method" in VARIABLES[name].dims:
-                found[name] = np.stack([self.of_method(name, method) for method in self.methods], axis=1)
+                found[name] = np.stack([self.method_variable(name, method) for method in self.methods], axis=1)
             else:
-                found[name] = self.of_cases(name)
+                found[name] = self.case_variable(name)
         unit = PASCAL if self.scene.in_si else NORMALISED_PRESSURE
         return with_pressures_in(over_cases(found, self.methods, self.loads, unit), self.scene.load_unit)
 
@@ -197,20 +197,20 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
     data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
     labels = " ".join(sorted(str(name) for name, values in data.coords.items() if values.dims == (CASE,)))
-    with replacing(path) as beside:
-        netcdf.write(data, beside)
-        with netCDF4.Dataset(beside, "a") as file:
+    with replacing(path) as temporary:
+        netcdf.write(data, temporary)
+        with netCDF4.Dataset(temporary, "a") as file:
             for name in solved.over_loads:
                 related = variables.ancillary(name, solved.names)
                 stored = netcdf.add_curves(file, name, described[name].attrs | related, labels)
                 factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0]).reshape(-1, 1)
                 for column, method in enumerate(solved.methods):
-                    values = solved.of_method(name, method)
+                    values = solved.method_variable(name, method)
                     netcdf.fill_method(stored, column, values * factor)
         if scene.in_si and scene.interface:
             judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
             for method in solved.methods:
-                own = {name: ((CASE, LOADS), solved.of_method(name, method)) for name in judged}
+                own = {name: ((CASE, LOADS), solved.method_variable(name, method)) for name in judged}
                 scene.interface.warn_of_yield(xr.Dataset(own, {LOADS: (LOADS, solved.loads, {"units": PASCAL})}))
 
 

@@ -104,7 +104,7 @@ class Part:
         """Return the part with some of its curves."""
         return Part(self.kind, self.product, self.cases[rows], self.positions[rows])
 
-    def of_job(self, number: int, count: int) -> Part:
+    def share(self, number: int, count: int) -> Part:
         """Return the share of one of several jobs, which depends on the key and the kind of each curve alone."""
         return self.only((self.keys + key_of(self.kind.name)) % np.uint64(count) == number)
 
@@ -147,7 +147,7 @@ class Curves:
                 self.surfaces.append(Part(Kind(SURFACE, {"trace": "trace" in product.axes}, ()), *own))
                 self.parts += [Part(kind_of(product, method, scene), *own) for method in product.methods]
 
-    def of_studies(self, studies: Collection[str] | None = None) -> list[Part]:
+    def parts_for(self, studies: Collection[str] | None = None) -> list[Part]:
         """Return what these studies need, or all, surfaces first."""
         wanted = np.full(len(self.scene.distinct), studies is None)
         for study in studies or ():
@@ -157,4 +157,4 @@ class Curves:
 
     def digest(self, studies: Collection[str] | None = None) -> str:
         """Return a digest of the curves of these studies, or of all, in the order of their cases."""
-        return digest([[part.kind.name, digest_of_keys(part.keys)] for part in self.of_studies(studies)])
+        return digest([[part.kind.name, digest_of_keys(part.keys)] for part in self.parts_for(studies)])

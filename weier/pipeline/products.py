@@ -21,7 +21,7 @@ from weier.scene.identity import digest_of_keys
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
 FORMATS = ("png", "pdf", "svg", "csv")  # of each figure
 STAMPS = ".made_of"
-OF_DATA, OF_FIGURES = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
+DATA_ROOMS, FIGURE_ROOMS = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
 TEXTS = (".py", ".css", ".html", ".js", ".mplstyle")  # suffixes of what figures and the explorer are made with
 
 
@@ -50,11 +50,11 @@ def made_of(curves: Curves, product: str) -> str:
     common: list[Any] = [scene.name, product, numerics(), cases, curves.digest(studies), repr(scene.interface)]
     common.append(scene.load_unit)
     if product == DATA:  # with SOURCE_DATE_EPOCH, it has neither the date of the run nor seconds
-        own = [scene.text, source_date(), digest_of_modules(*OF_DATA)]
+        own = [scene.text, source_date(), digest_of_modules(*DATA_ROOMS)]
     elif product == PAGE:
-        own = [scene.title, digest_of_modules(*OF_FIGURES, suffixes=TEXTS)]
+        own = [scene.title, digest_of_modules(*FIGURE_ROOMS, suffixes=TEXTS)]
     else:
-        own = [repr(scene.figure(product)), digest_of_modules(*OF_FIGURES, suffixes=TEXTS)]
+        own = [repr(scene.figure(product)), digest_of_modules(*FIGURE_ROOMS, suffixes=TEXTS)]
     return digest([*common, *own])[:DIGITS]
 
 

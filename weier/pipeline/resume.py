@@ -10,7 +10,7 @@ import numpy as np
 
 from weier.api.task import Known
 from weier.data import dataset
-from weier.data.si import OF_INTERFACE
+from weier.data.si import INTERFACE_ATTRIBUTES
 from weier.data.variables import LOADS, VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES, Curve
@@ -62,7 +62,9 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
     differences = {
         "another surface": _differing(_surface(scene), _surface(wanted)) or ("heights", "others"),
         "other methods": _differing(_settings(scene), settings),
-        "other bodies": _differing({name: data.attrs[name] for name in OF_INTERFACE if name in data.attrs}, own),
+        "other bodies": _differing(
+            {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}, own
+        ),
     }
     if data["surface_key"].values[0] == surface_key(case):  # however it is written
         del differences["another surface"]

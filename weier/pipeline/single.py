@@ -30,7 +30,7 @@ from weier.surface.loads import check_range, unit_doubt
 from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
 
-OF_CASES = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
+CASE_KEYS = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
 
 
 def case_of(profile: Mapping[str, Any], methods: Sequence[str], settings: Mapping[str, Any]) -> Case:
@@ -173,7 +173,7 @@ def scene_text(case: Case, loads: Array) -> str:
     """Return a scene file that gives the same curves."""
     # a scene has one list of phases per profile
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
-    trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in OF_CASES}
+    trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in CASE_KEYS}
     scene = {"title": _title(case), "loads": loads.tolist(), "methods": list(case.methods)}
     scene |= {"settings": {name: dict(values) for name, values in case.settings.items()}} if case.settings else {}
     trace |= {name: readable(trace[name]) for name in ("file", AGAINST) if name in trace}

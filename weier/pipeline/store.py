@@ -1,7 +1,7 @@
 """Solved curves in append-only segments: files of rows, each with its key.
 
 `results/curves/KIND/NUMERICS/*.npz` are the segments of a kind under one numerics, and `KIND/kind.json` describes the
-kind. A segment is written beside, synced and renamed, and never changed. Where two segments have a key, so that two
+kind. A segment is written to a temporary file, synced and renamed, and never changed. Where two segments have a key, so that two
 runs have solved the same curve, either serves.
 """
 
@@ -114,7 +114,7 @@ class Store:
         columns |= {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
         host = socket.gethostname().partition(".")[0]
         path = self.segments(kind.name) / f"{time.time_ns():x}-{host}-{os.getpid()}{SUFFIX}"
-        with replacing(path) as beside, beside.open("wb") as file:
+        with replacing(path) as temporary, temporary.open("wb") as file:
             np.savez_compressed(file, allow_pickle=False, **columns)
             file.flush()
             os.fsync(file.fileno())

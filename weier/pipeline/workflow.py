@@ -190,7 +190,7 @@ class Plan:
     def _forecast(self) -> None:
         """Print the expected time of what is missing; ValueError if a scene would take longer than it allows."""
         for name in self.names:
-            own = self.store.lacking(self.curves(name).of_studies())
+            own = self.store.lacking(self.curves(name).parts_for())
             seconds = sum(part.seconds for part in own)
             count = sum(len(part.keys) for part in own if part.kind.method != SURFACE)
             for line in forecast_scene(self.scene(name), seconds / self.slots, count, self.slots):
@@ -203,10 +203,10 @@ def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) ->
     They are those of ALL scenes of these names, or of a product, named by SCENE~PRODUCT.
     """
     if what == ALL:
-        wanted = [part for name in names for part in curves(name).of_studies()]
+        wanted = [part for name in names for part in curves(name).parts_for()]
     else:
         name, _, product = what.partition(BETWEEN)
-        names, wanted = [name], curves(name).of_studies(products.studies_of(curves(name).scene, product))
+        names, wanted = [name], curves(name).parts_for(products.studies_of(curves(name).scene, product))
     found: dict[str, list[Part]] = {}
     for part in curves(names[0]).store.lacking(wanted):
         found.setdefault(part.kind.group, []).append(part)

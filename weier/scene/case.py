@@ -52,7 +52,9 @@ class Case:
     surface: Waves | None = None
 
     @classmethod
-    def of(cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]) -> Case:
+    def from_surface(
+        cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]
+    ) -> Case:
         """Return the case of a surface, which is kept, since measured heights may not be in a file."""
         return cls(surface.parameters, methods, settings, surface)
 
@@ -211,12 +213,12 @@ def _trace(parameters: Mapping[str, Any]) -> Trace:
 
 def _read(parameters: Mapping[str, Any]) -> list[Trace]:
     """Return the traces of a file, or the gaps between these and the trace of another body."""
-    traces = _of_file(parameters)
+    traces = _file_traces(parameters)
     if AGAINST not in parameters:
         return traces
     file = parameters[AGAINST]
     try:
-        others = _of_file({**parameters, "file": file, "source": readable(Path(file).name)})
+        others = _file_traces({**parameters, "file": file, "source": readable(Path(file).name)})
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
     if len(others) > 1:
@@ -224,7 +226,7 @@ def _read(parameters: Mapping[str, Any]) -> list[Trace]:
     return [Trace.between(trace, others[0]) for trace in traces]
 
 
-def _of_file(parameters: Mapping[str, Any]) -> list[Trace]:
+def _file_traces(parameters: Mapping[str, Any]) -> list[Trace]:
     """Return the traces of a file, which are kept by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()

@@ -139,5 +139,5 @@ class Scene:
         """Refuse loads in Pa that are beyond the range of normalised ones for one of the surfaces."""
         if self.in_si and self.interface:
             for product in self.products:
-                for case in product.of_all_kinds("trace"):
+                for case in product.representative_cases("trace"):
                     check_range(self.interface.at(case.profile).normalised_pressure(product.loads))

@@ -23,7 +23,7 @@ class Grouping(NamedTuple):
     facet: tuple[str, ...] = ()
     median_over: tuple[str, ...] = ()
 
-    def of(self, cases: int) -> Grouping:
+    def with_defaults(self, cases: int) -> Grouping:
         """Return the grouping; by default a panel for each of few cases, or a median over phases."""
         if self != BY_DEFAULT:
             return self

@@ -159,7 +159,7 @@ else:
     Interface = Annotated[
         dict[str, Any],
         Field(json_schema_extra={"propertyNames": {"enum": [*inspect.signature(Bodies).parameters]}}),
-        AfterValidator(Bodies.of_texts),
+        AfterValidator(Bodies.from_texts),
     ]
 
 

@@ -81,7 +81,7 @@ class CaseProduct:
         """The key of each case, with its methods, settings and loads."""
         return self.surface_keys + key_of([self.methods, self.settings, self.loads.tolist()])
 
-    def of_all_kinds(self, *names: str) -> Iterator[Case]:
+    def representative_cases(self, *names: str) -> Iterator[Case]:
         """Return cases with each combination of the values of some parameters; the others have their first value."""
         chosen = {name: values if name in names else values[:1] for name, values in self.axes.items()}
         product = replace(self, axes=chosen)
@@ -96,7 +96,7 @@ class CaseProduct:
         order = {"D": sorted(self.axes["D"], key=partial(number, "D"), reverse=True)} if "D" in self.axes else {}
         hardest = replace(self, axes={**self.axes, **order})
         for names in (("D",), ("gamma", "m"), ("phases", "m")):
-            for case in hardest.of_all_kinds(*names):
+            for case in hardest.representative_cases(*names):
                 case.check()
 
 

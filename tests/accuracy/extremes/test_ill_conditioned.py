@@ -7,7 +7,7 @@ import xarray as xr
 
 from weier import Profile
 from weier.accuracy.extremes import extremes, ill_conditioned
-from weier.accuracy.extremes.ill_conditioned import around, beside, variants
+from weier.accuracy.extremes.ill_conditioned import around, neighbours, variants
 
 USUAL = np.geomspace(1e-6, 100, 25)
 
@@ -42,7 +42,7 @@ def test_what_no_computer_holds_is_tried_for_its_refusal():
 
 def test_loads_stand_beside_and_around():
     ulp = np.finfo(float).eps
-    assert beside(1.0).tolist() == [1 - ulp, 1 - ulp / 2, 1.0, 1 + ulp, 1 + 2 * ulp]
+    assert neighbours(1.0).tolist() == [1 - ulp, 1 - ulp / 2, 1.0, 1 + ulp, 1 + 2 * ulp]
     assert around([1.0]).tolist() == sorted([1.0, *(1 + s * d for s in (-1, 1) for d in ill_conditioned.DISTANCES)])
 
 

@@ -9,7 +9,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from tests.signals import OF_HANDLERS, interrupting
+from tests.signals import HANDLER_ERRORS, interrupting
 from weier.surface.measured.trace import Trace
 
 X, Y = np.arange(80), np.arange(40)
@@ -186,7 +186,7 @@ def test_a_file_that_the_package_cannot_read_either_is_refused(surface_topograph
         Trace.read(tmp_path / "a.h5", line=0)
 
 
-@pytest.mark.parametrize("error", OF_HANDLERS)
+@pytest.mark.parametrize("error", HANDLER_ERRORS)
 def test_a_time_limit_is_no_damaged_file(tmp_path, monkeypatch, error):
     package = ModuleType("SurfaceTopography")
     package.open_topography = lambda path: time.sleep(10)

@@ -33,7 +33,7 @@ class Noise(NamedTuple):
 
 ROUNDING = Noise()
 # Cubics through tables of accuracy 1e-5 and, of slopes, between their rows: methods with tables that state no error.
-OF_TABLES = {"layer": Noise(1e-6, 1e-5)}
+TABLE_NOISE = {"layer": Noise(1e-6, 1e-5)}
 
 
 def monotone(h: Array, noise: float, stated: Stated) -> bool:

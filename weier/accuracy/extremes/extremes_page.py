@@ -18,7 +18,7 @@ from weier.methods.curve import QUANTITIES
 # The outcomes in words.
 COUNTED: dict[Outcome, str] = {kind: kind.name.replace("_", " ") for kind in Outcome if kind is not Outcome.not_run}
 
-OF_DIGITS = """\
+DIGITS_TEXT = """\
 Correct digits of h at the worst load of each extreme. *All refused*: an error is raised at all loads; *some refused*:
 at some of them; *finite*: numbers without a reference; empty: the method does not apply or would take minutes."""
 DEFINITIONS = """\
@@ -59,7 +59,7 @@ def parts(data: xr.Dataset) -> Iterator[str]:
     yield "![Digits of one profile over all loads](extremes.png)"
     yield "## By method\n\nThe errors of h are in g_0."
     yield table(HEADER, map(_summary, runs_of_method.values()))
-    yield f"## Digits of the compliance\n\n{OF_DIGITS}"
+    yield f"## Digits of the compliance\n\n{DIGITS_TEXT}"
     yield _matrix(runs, list(runs_of_method))
     yield "## Error messages\n\nOne of each kind:"
     yield _list(reversed(one_of_each.values()))

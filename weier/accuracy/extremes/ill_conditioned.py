@@ -40,7 +40,7 @@ def extremes() -> Iterator[Comparison]:
         yield Comparison(name, case, USUAL, (variant,))
 
 
-def beside(*loads: float) -> Array:
+def neighbours(*loads: float) -> Array:
     """Return each load, and those one and two units in its last place below and above."""
     below = np.nextafter(loads, 0)
     above = np.nextafter(loads, np.inf)
@@ -105,9 +105,9 @@ EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("one wave, loads 1e-300 to 1e300", ONE_WAVE, SWEEP),
     ("three waves, loads 1e-300 to 1e300", THREE_WAVES, SWEEP),
     ("m = inf, loads 1e-300 to 1e300", _case(1.25, "5", math.inf), SWEEP),
-    ("one wave, xi one ulp from 1", ONE_WAVE, beside(1.0)),
+    ("one wave, xi one ulp from 1", ONE_WAVE, neighbours(1.0)),
     # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4 are floats or round to one.
-    ("p one ulp from p_n* and full contact", _case(1.5, "9", 2, [0.0, 0.0]), beside(1.0, 3.0, 4.0)),
+    ("p one ulp from p_n* and full contact", _case(1.5, "9", 2, [0.0, 0.0]), neighbours(1.0, 3.0, 4.0)),
     *_end_of_range("D = 1 + 1e-9", 1 + 1e-9, "5"),
     *_end_of_range("D = 2 - 1e-9", 2 - 1e-9, "5"),
     *_end_of_range("gamma = 1 + 1e-6", 1.5, "1000001/1000000"),

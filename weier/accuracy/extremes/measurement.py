@@ -88,7 +88,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
         "points": result.others.get("points", np.nan),
         "one_curve": Check(not result.message),
         "without_warning": Check(not result.warned),
-        "within_stated_error": Check.of(curve_checks.within_stated_error(*map(np.concatenate, both))),
+        "within_stated_error": Check.from_bool(curve_checks.within_stated_error(*map(np.concatenate, both))),
         **_check_curve(method, profile, compared.loads[solved], h[solved], R[solved], stated, result.solution_error),
     }
 
@@ -97,7 +97,11 @@ def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: curve_checks.Stated, solution_error: float
 ) -> dict[str, Check]:
     """Return the checks of a curve at the solved loads; those of its shape need at least two loads."""
-    found, noise, total = {}, curve_checks.OF_TABLES.get(method.name, curve_checks.ROUNDING), profile.total_amplitude
+    found, noise, total = (
+        {},
+        curve_checks.TABLE_NOISE.get(method.name, curve_checks.ROUNDING),
+        profile.total_amplitude,
+    )
     # Without a first contact, Persson's compliance falls without bound as ln p (docs/persson.md).
     if p.size > 0 and method.name != "persson":
         found["within_band"] = Check(curve_checks.within_band(profile, p, h, R, noise, stated, solution_error))

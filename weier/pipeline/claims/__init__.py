@@ -58,7 +58,7 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
     # Only the studies of claims are read into memory, each once.
     scene = curves.scene
     without = unused(scene.claims)
-    cases = cache(lambda study: StudyArrays.of(gather.read_study(curves, study, without)).cases)
+    cases = cache(lambda study: StudyArrays.from_dataset(gather.read_study(curves, study, without)).cases)
     judged = {name: _judge(name, chain.from_iterable(map(cases, studies))) for name, studies in scene.claims.items()}
     step = "checked against the paper" if judged else "gathered"
     gather.write(curves, path, step, verdicts.to_dataset(judged))
@@ -67,7 +67,7 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
 
 def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:
     """Judge a claim on these studies; a case of several studies counts once."""
-    return _judge(name, chain.from_iterable(StudyArrays.of(study).cases for study in studies))
+    return _judge(name, chain.from_iterable(StudyArrays.from_dataset(study).cases for study in studies))
 
 
 def _judge(name: str, cases: Iterable[CaseRow]) -> Judgement:

@@ -137,7 +137,7 @@ def _coarse_and_fine(cases: Cases) -> list[Ensemble]:
 COARSE, FINE = slice(0, 1), slice(1, 2)  # The ensembles of `_coarse_and_fine`.
 
 
-def _beside_one_wave(cases: Cases) -> list[Ensemble]:
+def _with_one_wave(cases: Cases) -> list[Ensemble]:
     """Return one case of each longer series (the estimates are independent of phases) and the one-wave solution."""
     waves = [case for case in cases if float(case["m"]) == 1]
     longer = curves.groups([case for case in cases if float(case["m"]) > 1], *PARAMETERS)
@@ -478,7 +478,7 @@ CLAIMS = {
     "one_wave_bounds": Claim(
         "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "
         "three methods (5).",
-        _beside_one_wave,
+        _with_one_wave,
         Condition(
             "the bounds on the compliance are wider than the estimates differ",
             "largest difference between estimates of the compliance over the width 2 G_1 of the bounds",

@@ -30,7 +30,7 @@ class StudyArrays:
         self.own, self.common, self.over_loads = own, common, over_loads
 
     @classmethod
-    def of(cls, data: xr.Dataset) -> StudyArrays:
+    def from_dataset(cls, data: xr.Dataset) -> StudyArrays:
         """Return the arrays of a dataset over cases."""
         variables = data.transpose("case", ..., "mean_pressure").variables
         ordered = {str(name): values for name, values in variables.items()}
