@@ -8,14 +8,14 @@ from snakemake.utils import min_version
 
 min_version("9.0")
 
-VERSION = "0.1.0"  # of this workflow, and of the package that its jobs run
+VERSION = "0.1.0"  # this workflow and the package of its jobs have this version
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 if {*"{}"} & {*f"{CHECKOUT.resolve()}{Path().resolve()}"}:
     raise SystemExit(
         f"weier: folders must have no braces in their names, which Snakemake takes for wildcards: rename {Path().resolve()}"
     )
-# The package beside this file goes first, here and in the jobs, from whatever folder they run. A workflow without one,
-# as one that snakedeploy has fetched, runs the package that is installed.
+# The package next to this file takes precedence, here and in the jobs, in any working folder. A workflow without it,
+# for example from snakedeploy, uses the installed package.
 if (CHECKOUT / "weier").is_dir():
     sys.path.insert(0, str(CHECKOUT))
     elsewhere = filter(None, [os.environ.get("PYTHONPATH")])
@@ -36,11 +36,11 @@ if INSTALLED != VERSION:
         f"pip install 'weier[pipeline]=={VERSION}'"
     )
 
-# The scenes of the folder where Snakemake runs, if it has any, else those of the checkout.
+# Use the scenes of the working folder if it has any, otherwise the scenes of the checkout.
 CHECKOUT = Path(os.path.relpath(CHECKOUT))
 CONFIG = Path("config") if Path("config/scenes").is_dir() else CHECKOUT / "config"
 
-# A file of the configuration is in the folder where Snakemake runs, or else in the checkout.
+# Configuration files come from the working folder or, if missing there, from the checkout.
 configured = lambda path: str(
     (CONFIG if (CONFIG / path).exists() else CHECKOUT / "config") / path
 )
@@ -75,13 +75,13 @@ rule all:
         f"everything of {', '.join(SCENES)}"
 
 
-# A job for each method, so that methods are compiled in parallel, before the jobs that need them.
+# One job per method compiles its kernels, in parallel and before the jobs that need them.
 rule compile:
     output:
         touch(kernels_file("{method}")),
     log:
         "results/logs/compile/{method}.log",
-    priority: 3  # first, since it takes longest: what needs no kernels is solved beside it
+    priority: 3  # compile first: it takes longest, and jobs without kernels run in parallel
     conda:
         "rules/environment.yaml"
     params:
@@ -92,9 +92,9 @@ rule compile:
         "{params.run} compile {wildcards.method:q} 2>&1 | tee -i {log:q}"
 
 
-# A job solves its share of what the store lacks, and appends it to the store every few seconds. The name of its marker
-# is a digest of what was missing; the job looks again. Ctrl-C reaches all programs of a job; `tee -i` ignores it and
-# writes the last messages of the others.
+# A job solves its share of the missing curves, and appends them to the store every few seconds. The name of its
+# marker is a digest of these curves; the job checks again what is missing. Ctrl-C reaches all programs of a job;
+# `tee -i` ignores it and writes the last messages of the others.
 rule solve:
     input:
         kernels=ancient(plan.kernels),
@@ -131,9 +131,9 @@ rule solve:
         " results/curves {params.scenes:q} 2>&1 | tee -i {log:q}"
 
 
-# A job makes its share of the products of a scene, since each process spends two seconds on imports. Each product is
-# then put into its stamp, a folder whose name says what it is made of: a missing one is made, and its files are copied
-# after it. Those that exist are made by no rule.
+# A job makes its share of the products of a scene, since each process spends two seconds on imports. The rule made_of
+# moves each product into its stamp, a folder named by the digest of its inputs, and the rules below copy its files.
+# No rule makes a stamp that exists.
 rule make:
     input:
         plan.solved,

@@ -23,9 +23,9 @@ import numpy as np
 from weier import units
 from weier.kernels.arrays import Array, Flags
 
-MAX_SHOWN = 60  # characters of a value in a message
-MAX_LISTED = 300  # characters of a list of choices in a message
-SHORT = Repr()  # which writes some elements only: a text of YAML may have 9^9
+MAX_SHOWN = 60  # maximum characters of a value in a message
+MAX_LISTED = 300  # maximum characters of a list of choices in a message
+SHORT = Repr()  # writes only the first elements: a YAML text may hold 9^9
 SHORT.maxlevel, SHORT.maxother, SHORT.maxstring, SHORT.maxlong = 2, 2 * MAX_SHOWN, 2 * MAX_SHOWN, MAX_SHOWN
 ALL_CORES = -1  # value of `workers` for all cores, as in SciPy
 
@@ -81,7 +81,7 @@ def checked_count(name: str, value: Any, least: int, most: float = math.inf) -> 
     within = f"at least {least}" if math.isinf(most) else f"from {least} to {most:.10g}"
 
     def holds(number: float) -> bool:
-        return least <= number <= most and number == number // 1  # which inf is not
+        return least <= number <= most and number == number // 1  # excludes inf
 
     return int(checked_number(name, value, f"be a whole number, {within}", holds))
 
@@ -92,7 +92,7 @@ def checked_workers(workers: Any) -> int:
         "workers",
         workers,
         f"be a whole number, at least 1, or {ALL_CORES} for all cores",
-        lambda number: number == ALL_CORES or (number >= 1 and number == number // 1),  # which inf is not
+        lambda number: number == ALL_CORES or (number >= 1 and number == number // 1),  # excludes inf
     )
     return _cores() if number == ALL_CORES else int(number)
 
@@ -103,14 +103,14 @@ def _cores() -> int:
 
 
 def checked_word(name: str, value: Any, choices: Collection[str]) -> str:
-    """Return one of some words."""
+    """Return the value if it is one of the allowed words."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(unknown(name, value, choices))
     return str(value)
 
 
 def unknown(name: str, value: Any, choices: Iterable[str]) -> str:
-    """Return the message for a word that is none of the choices."""
+    """Return the message for a word that is not one of the choices."""
     listed = ", ".join(choices) or "none"
     return f"{name} must be one of {listed:.{MAX_LISTED}}, got {shown(value)}{suggestion(value, choices)}"
 
@@ -143,17 +143,17 @@ def shown(value: Any) -> str:
         return "a masked value"
     if isinstance(value, np.generic):
         value = value.item()
-    if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has the first alone
+    if hasattr(value, "__array__") and hasattr(value, "shape"):  # an xarray.Dataset has only the first
         return f"an array of shape {tuple(value.shape)}"
     try:
         text = " ".join(SHORT.repr(value).split())
-    except ValueError:  # an integer in it is too long to be written
+    except ValueError:  # it contains an integer too long to print
         text = f"<{type(value).__name__}>"
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."
 
 
 def checked_file(path: Any) -> Path:
-    """Return the path of a file that is there; a FileNotFoundError names one that is not."""
+    """Return the path of an existing file; raise FileNotFoundError otherwise."""
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
     file = Path(path)
@@ -164,12 +164,12 @@ def checked_file(path: Any) -> Path:
 
 
 def readable(name: str) -> str:
-    """Return the name of a file as text; bytes that are no UTF-8, or that the locale cannot write, are not in it."""
+    """Return the name of a file as text, without bytes that are not UTF-8 or that the locale cannot write."""
     return os.fsencode(name).decode("utf-8", "replace")
 
 
 def _described(value: Any) -> str:
-    """Return a value in a message about a number: a text that looks like a number is named as a text."""
+    """Describe a value in a message about a number; a text that looks like a number is called a text."""
     return f"the text {shown(value)}" if isinstance(value, str) else shown(value)
 
 
@@ -182,7 +182,7 @@ def _number(value: Any) -> float | None:
         return None
     try:
         return float(value)
-    except (OverflowError, ValueError):  # a signalling NaN of Decimal
+    except (OverflowError, ValueError):  # Decimal has a signalling NaN
         return None
 
 
@@ -211,12 +211,12 @@ def _array(values: Any) -> np.ndarray[Any, Any] | None:
         if hasattr(values, "__array__"):
             return np.asanyarray(values)
         return None if _holds_bytes(values) else np.array(values, object)
-    except (TypeError, ValueError):  # an xarray.Dataset, which is no array, or shapes that do not go together
+    except (TypeError, ValueError):  # an xarray.Dataset, or incompatible shapes
         return None
 
 
 def _holds_bytes(values: Any) -> bool:
-    """Return whether these are bytes or a nested list with some, which NumPy would take for a list of integers."""
+    """Return whether the value is bytes or a nested list with bytes, which NumPy would read as integers."""
     if isinstance(values, list | tuple):
         return any(map(_holds_bytes, values))
     return isinstance(values, bytearray | memoryview)

@@ -1,4 +1,4 @@
-"""Digests of what curves and products depend on: values, whole modules, and the versions of packages.
+"""Digests of the values, modules and package versions on which curves and products depend.
 
 A module counts as its syntax tree without docstrings and annotations, so that words about code change nothing. No
 name is followed: a module is in a digest, or it is not.
@@ -18,9 +18,9 @@ from typing import Any
 
 PACKAGE = Path(__file__).parent
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
-DIGITS = 12  # of a digest in names of files
+DIGITS = 12  # length of a digest in file names
 KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these rooms.
-# What computes a curve from the parameters of its surface, and hands it to a file: rooms and modules.
+# Rooms and modules that compute a curve from the parameters of its surface and store it.
 CURVES = (
     *KERNELS,
     "digests.py",
@@ -36,7 +36,7 @@ CURVES = (
     "pipeline/jobs.py",
     "pipeline/store.py",
 )
-# Readers of files are not in it: a trace is identified by its final heights.
+# Excluded from the digest, since the final heights identify a trace.
 READERS = "surface/measured"
 KEPT = ("__init__.py", "trace.py")
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
@@ -75,7 +75,7 @@ def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
     Syntax trees take 0.7 s, texts some milliseconds: the digest is remembered by that of the texts, in the cache.
     """
     texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts, suffixes)}
-    if not texts:  # in a zip, or compiled files alone: two versions would have one digest
+    if not texts:  # without sources (a zip), two versions would have one digest
         raise OSError(f"there are no sources of weier in {PACKAGE}, which name what depends on them")
     known = digest([[path, hashlib.sha256(text).hexdigest()] for path, text in texts.items()])
     path: Path | None = None
@@ -96,13 +96,13 @@ def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
 @cache
 def versions() -> str:
     """Return the versions of the packages on which numbers depend, as text."""
-    from importlib.metadata import version  # which takes longer than all that is imported above
+    from importlib.metadata import version  # takes longer than all imports above
 
     return ", ".join(f"{name} {version(name)}" for name in PACKAGES)
 
 
 def cache_root() -> Path:
-    """Return the folder of everything that weier keeps for the user: in NUMBA_CACHE_DIR, or the user's cache.
+    """Return the cache folder of weier, in NUMBA_CACHE_DIR or in the user's cache.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def cache_root() -> Path:
 
 @contextmanager
 def ignoring_errors_of_disks() -> Iterator[None]:
-    """Ignore errors of the operating system, but no TimeoutError of a signal's handler, which has no number."""
+    """Ignore errors of the operating system, but not a TimeoutError from a signal handler, which has no errno."""
     try:
         yield
     except OSError as error:
@@ -143,7 +143,7 @@ def _files(parts: tuple[str, ...], suffixes: tuple[str, ...]) -> list[str]:
 
 
 def _plain(name: str, text: bytes) -> str:
-    """Return a digest of a text; that of a module does not depend on docstrings, annotations and comments."""
+    """Return a digest of a text; for a module, docstrings, annotations and comments do not count."""
     if not name.endswith(".py"):
         return hashlib.sha256(text).hexdigest()
     tree = ast.parse(text)
@@ -152,5 +152,5 @@ def _plain(name: str, text: bytes) -> str:
             setattr(node, words, None)
         if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             del node.body[0]
-    # Fields that are empty differ between versions of Python, and are left out by `dump`.
+    # `dump` omits empty fields, which differ between versions of Python.
     return hashlib.sha256(ast.dump(tree).encode()).hexdigest()

@@ -23,14 +23,11 @@ if TYPE_CHECKING:
 NONE = "1"  # The unit of plain numbers.
 WITHOUT = ("", NONE, "dimensionless")
 NORMALISED_PRESSURE = "p_0*"
-NORMALISED_BY = "normalised_by"  # The attribute with a normalised unit, since `units` are those of UDUNITS.
+NORMALISED_BY = "normalised_by"  # attribute of a normalised unit, since `units` must be known to UDUNITS
 PASCAL, METRE, OHM_METRE, RADIAN = "Pa", "m", "ohm m", "rad"
-CONDUCTIVITY, ELECTRICAL_RESISTANCE, THERMAL_RESISTANCE = (
-    "W/(m K)",
-    "ohm m^2",
-    "K m^2/W",
-)  # of heat, and of contact resistances
-# The unit in SI of each normalised unit.
+CONDUCTIVITY = "W/(m K)"
+ELECTRICAL_RESISTANCE, THERMAL_RESISTANCE = "ohm m^2", "K m^2/W"  # times nominal area
+# SI unit of each normalised unit.
 IN_SI = {
     "lambda_0": METRE,
     "g_0": METRE,
@@ -44,14 +41,14 @@ IN_SI = {
     "p_0*/lambda_0^(1/2)": "Pa m^-0.5",
 }
 NORMALISED = tuple(IN_SI)
-MAX_LISTED = 10_000  # numbers of a range, so that a typing error does not fill the memory
+MAX_LISTED = 10_000  # limit of a range, so that a typing error does not fill the memory
 MAX_NAME = 40  # No unit is longer than this.
-# Names with or without a small power, between blanks, signs and brackets. pint would compute 9**9**9**9.
+# Unit names with an optional small power, separated by blanks, signs and brackets; pint would compute 9**9**9**9.
 UNIT = re.compile(r"(?:[^\W\d]++(?:\s*(?:\*\*|\^)\s*-?\d|-?\d)?|[\s()*/·%])+")
-# Spellings that pint does not know: powers as in "N mm-2", which are those of UDUNITS, and "Ohm" of astropy.
+# Spellings unknown to pint: powers as in "N mm-2" (UDUNITS) and "Ohm" (astropy).
 POWER, OHM = re.compile(r"\b([^\W\d_]+)(-?\d)\b"), re.compile(r"Ohm\b")
-SIGNS = str.maketrans("\u2212\u2215\u22c5", "-/*")  # of minus, division and products
-# The errors of pint for a text that is no unit, or of another quantity, and of its tokenizer.
+SIGNS = str.maketrans("\u2212\u2215\u22c5", "-/*")  # signs of minus, division and product
+# Errors of pint and of its tokenizer for a text that is no unit or of another quantity.
 NO_UNIT = (AssertionError, AttributeError, ArithmeticError, SyntaxError, TokenError, TypeError, ValueError)
 # A number, and its unit if it has one.
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)\s*(.*?)\s*")
@@ -82,7 +79,7 @@ def unit_of(values: Any) -> str:
 
 
 def in_unit(name: str, values: Any, unit: str) -> Any:
-    """Return values that carry no unit as they are, others as plain numbers in `unit`.
+    """Return plain numbers in `unit`; values without a unit are returned unchanged.
 
     Lists are converted element by element.
 
@@ -110,7 +107,7 @@ def factor(name: str, given: str, unit: str) -> float:
     """Return the value of the unit `given` in `unit`; ValueError if it is unknown or of another quantity."""
     if given == unit or (given in WITHOUT and (unit in NORMALISED or unit in WITHOUT)):
         return 1.0
-    text = unicodedata.normalize("NFKC", given).translate(SIGNS)  # the ohm sign is another than the Greek letter
+    text = unicodedata.normalize("NFKC", given).translate(SIGNS)  # the ohm sign is not the Greek letter
     wanted = "have no unit" if unit == NONE else f"be in {unit}"
     if given in NORMALISED or unit in NORMALISED:
         way = "" if unit == NONE else ": weier.Interface converts from and to SI units"
@@ -171,15 +168,15 @@ def unit_in(text: str) -> str:
 
 
 def mixed(name: str, unit: str) -> str:
-    """Return the message for numbers of which some have a unit."""
+    """Return the message for a list in which only some numbers have a unit."""
     return f"{name} must all have a unit, as some are in {unit:.{MAX_NAME}}, or none"
 
 
 def bare(values: Any) -> Any:
-    """Return the numbers of a quantity without its unit; values without a unit as they are."""
+    """Return the numbers of a quantity without its unit; values without a unit are returned unchanged."""
     if not unit_of(values):
         return values
-    for name in ("magnitude", "value"):  # of pint, and of astropy and unyt
+    for name in ("magnitude", "value"):  # pint; astropy and unyt
         if (found := getattr(values, name, None)) is not None:
             return found
     inner = getattr(values, "data", None)

@@ -30,13 +30,11 @@ from weier.surface.profile import Profile
 from weier.theory.bounds import complete_bounds
 
 SCENE = Path("config/accuracy/infinite.yaml")
-MESH_FRACTION = 0.1  # error of the mesh over the amplitude of the tail: bounds are at most a tenth wider for it
-MAX_TOLERANCE = (
-    0.9  # g_0, the largest that boundary elements take: the tail of a gamma close to 1 is many times as high
-)
+MESH_FRACTION = 0.1  # ratio of mesh error to tail amplitude; the mesh widens the bounds by at most a tenth
+MAX_TOLERANCE = 0.9  # g_0, the largest that boundary elements take; the tail of a gamma near 1 is much higher
 HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
 H = "compliance", "compliance_lower", "compliance_upper"
-KEPT = ("total_amplitude", "tail_amplitude", *H, "resistance", "residual", "points", "status")  # of the table
+KEPT = ("total_amplitude", "tail_amplitude", *H, "resistance", "residual", "points", "status")
 OWN = {"resolved_terms": Variable(("resolved_terms",), "terms of the series that are resolved", content=LABEL)}
 
 

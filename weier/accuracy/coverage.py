@@ -26,7 +26,7 @@ class Judged(NamedTuple):
     error : in g_0 and g_0/p_0*; NaN where the method finds no solution
     stated : compliance_error and resistance_error
     ratio : error over stated, minus the uncertainty of the reference; NaN if that is too coarse
-    message : of the first refusal
+    message : message of the first refusal
     """
 
     error: Array
@@ -52,7 +52,7 @@ def judge(draw: Draw, variant: Variant) -> Judged:
 
 
 def judge_all(draw: Draw, names: Iterable[str] = VARIANTS) -> dict[str, Judged]:
-    """Return the variants of these names on a draw."""
+    """Return the judged variants of these names on a draw."""
     return {variant.name: judge(draw, variant) for variant in draw.variants if variant.name in names}
 
 
@@ -103,7 +103,7 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
 
 
 def _text(draw: Draw) -> str:
-    """Return a surface as Python makes it."""
+    """Return the Python expression of a surface."""
     profile = draw.profile
     if not isinstance(profile, Profile):
         return repr(profile)

@@ -23,9 +23,9 @@ from weier.methods import bem
 from weier.methods.method import Settings
 from weier.surface.waves import Waves
 
-MAX_WAVES = 1000  # per period: at most a third of a second per load by contact patches
+MAX_WAVES = 1000  # per period; contact patches then take at most a third of a second per load
 LOADS = 8  # loads per series
-SHAPE_SAMPLES = 4096  # of smooth surfaces
+SHAPE_SAMPLES = 4096  # samples that define a smooth surface
 VARIANTS = "bem", "bem with staircase", "patches"
 # Ratios of wavelengths whose periods are many lambda_0.
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
@@ -95,7 +95,7 @@ def shape(random: Generator) -> Waves:
     return Cosines(np.abs(wave[kept]), (kept + 1).tolist(), np.angle(wave[kept]))
 
 
-# phases of a series
+# functions that draw the phases of a series
 
 
 def any_phases(random: Generator, waves: Array) -> Array:
@@ -183,7 +183,7 @@ SERIES = usual, rational, coarse, long, extreme_dimension, power_law, shape
 PHASES = any_phases, near_symmetry, aligned, twin_crests
 PRESSURES = any_loads, near_events, near_full_contact
 SETTINGS = usual_settings, odd_points, tolerances
-Features = tuple[tuple[Callable[..., Any], ...], ...]  # the choices of series, phases, loads and settings
+Features = tuple[tuple[Callable[..., Any], ...], ...]  # choices of series, phases, loads and settings
 
 
 def _family(*features: Callable[..., Any]) -> Features:

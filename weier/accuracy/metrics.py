@@ -1,4 +1,4 @@
-"""Errors of curves: deviations and correct digits, of numbers of terms, and the Pareto front of a tradeoff."""
+"""Errors of curves: deviations, correct digits, errors by number of terms, and the Pareto front of a tradeoff."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import xarray as xr
 from weier.accuracy.multiprecision import DIGITS
 from weier.kernels.arrays import Array
 
-MAX_DIGITS = 16.0  # digits of a double, for an error of 0
+MAX_DIGITS = 16.0  # digits of a double, returned for an error of 0
 TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.
 MEASURED, STATED = "deviation", "error"  # suffixes of the variables of measured and stated errors
 
 
 def deviation(values: Array, right: Sequence[Any]) -> Array:
-    """Return distance of each value from its reference, numbers of mpmath or floats; NaN where either is unknown."""
+    """Return the distance of each value from its reference (mpmath numbers or floats); NaN if either is unknown."""
     return np.array([float(abs(mp.mpf(float(value)) - true)) for value, true in zip(values, right, strict=True)])
 
 
@@ -41,7 +41,7 @@ def _digits(value: float, right: Any) -> float:
 def by_load(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> Array:
     """Return measured or stated errors of a tradeoff, shape (case, variant, mean_pressure); NaN where there are none.
 
-    Of the compliance in g_0; of the resistance relative to the larger of itself and 1 g_0/p_0*: it falls from several
+    Errors of the compliance are in g_0, errors of R relative to the larger of R and 1 g_0/p_0*. R falls from several
     g_0/p_0* at light loads to 0 at full contact, so that relative errors are meaningless near full contact, and
     absolute ones at light loads.
     """
@@ -57,7 +57,7 @@ def worst_over_loads(data: xr.Dataset, quantity: str, kind: str = MEASURED) -> A
 
 
 def seconds_per_load(data: xr.Dataset) -> Array:
-    """Return seconds a load of each case and variant, shape (case, variant)."""
+    """Return the seconds per load of each case and variant, shape (case, variant)."""
     return np.asarray(data["seconds"].values / data.sizes["mean_pressure"])
 
 

@@ -1,4 +1,4 @@
-"""The closed forms in 50 digits: sums term by term, from the same doubles as the method.
+"""The closed forms in 50 digits, summed term by term from the same doubles as the methods.
 
 The sums are those of docs/closed_forms.md: "One wave", "Archard" and "Demelio". They share no code with the methods.
 An infinite series is summed until the remainder is geometric or negligible. Each function returns compliance, in g_0,
@@ -11,7 +11,7 @@ from typing import Any
 
 import mpmath as mp
 
-DIGITS = 50  # far more than 16 digits remain after cancellation
+DIGITS = 50  # leaves far more than 16 digits after cancellation
 Pair = tuple[Any, Any]
 
 
@@ -58,7 +58,7 @@ def _infinite_demelio(p: Any, D: Any, gamma: Any) -> Pair:
     """Sum all flattened terms, then n r^n = r/(1 - r)^2 with r = 1/gamma over all others (26)."""
     flat = max(mp.ceil(mp.log(p) / ((D - 1) * mp.log(gamma))), 0)
     g, xi, r = gamma ** ((D - 2) * flat), p * gamma ** ((1 - D) * flat), 1 / gamma
-    logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # of sum -r^n ln xi_n
+    logarithms = -mp.log(xi) / (1 - r) + (D - 1) * mp.log(gamma) * r / (1 - r) ** 2  # tail of sum -r^n ln xi_n
     h = (1 - g) / (1 - gamma ** (D - 2)) + g * xi * (1 / (1 - r) + logarithms)
     return h, gamma**-flat * logarithms
 

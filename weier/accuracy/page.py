@@ -1,4 +1,4 @@
-"""The command and the page of a measurement: what it explains, its tables, and how it was made."""
+"""The command and the page of a measurement: explanation, tables and provenance."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Measurements(click.Group):
     """The commands of the modules of a package; bad input ends in one sentence."""
 
     def __init__(self, package: str, names: Sequence[str], summary: str) -> None:
-        """Take the package, the names of its measurements and what they are for."""
+        """Take the package, and the names and purposes of its measurements."""
         explanation = (
             f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it. "
             "Data of which a figure is drawn are written beside it as netCDF."
@@ -57,7 +57,7 @@ class Page(NamedTuple):
 
 
 def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
-    """Return a decorator that makes a command of a function, which has the name of its module.
+    """Return a decorator that turns a function into the command named after its module.
 
     The docstring of the function explains the measurement, in its page and in `--help`.
     """
@@ -90,13 +90,13 @@ def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
 
 
 def _checked(context: click.Context, option: click.Parameter, path: Path) -> Path:
-    """Return the path of a page, if it can be written."""
+    """Return the path of a page after checking that it can be written."""
     check_target(path)
     return path
 
 
 def _made_by(context: click.Context) -> str:
-    """Return the command line, with the seed that it drew, and versions and date."""
+    """Return the command line with the drawn seed, the versions and the date."""
     words = [context.command_path]
     for option in context.command.params:
         name, value = str(option.name), context.params[str(option.name)]

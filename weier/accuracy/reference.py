@@ -1,8 +1,8 @@
-"""Reference curves from other sources than the method under test.
+"""Reference curves that are independent of the method under test.
 
-An estimate is compared with the sum that defines it (`ESTIMATE_REFERENCES`), and a solution of the series with the exact
-contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches between
-them. The patches solve the profile shifted along x, so that no number agrees by construction.
+An estimate is compared with the sum that defines it (`ESTIMATE_REFERENCES`), and a solution of the series with the
+exact contact: the closed form of one wave, or closed forms at first touch and at full contact, with contact patches
+between them. The patches solve the profile shifted along x, so that no number agrees by construction.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
-# the smallest tolerance that can be met is used: with many contacts the bound exceeds the first
+# tried in turn; with many contacts the bound exceeds the first
 TOLERANCES = (1e-12, 1e-11, 1e-10)
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
-ROUNDING, SLOPE_ROUNDING = 1e-15, 1e-11  # of h over the total amplitude, and of R: the least uncertainties
+ROUNDING, SLOPE_ROUNDING = 1e-15, 1e-11  # smallest uncertainty of h/G and of R
 
 
 class Reference(NamedTuple):
@@ -57,13 +57,13 @@ def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Ar
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
     """Return the layer on twice the points, with a quarter of the error; None if that takes minutes."""
-    if 10 < profile.m < math.inf:  # more scales take minutes at this accuracy
+    if 10 < profile.m < math.inf:  # at this accuracy, more scales take minutes
         return None
     finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
     return Reference(finer.compliance, finer.resistance, "finer layer")
 
 
-# references of the estimates, whose numerical errors are measured apart from their model errors, by name
+# reference of each estimate by name, which separates its numerical error from its model error
 ESTIMATE_REFERENCES: dict[str, Callable[[Profile, Array], Reference | None]] = {
     "archard": partial(_sums, multiprecision.archard),
     "demelio": partial(_sums, multiprecision.demelio),
@@ -103,7 +103,7 @@ def is_in_reach(profile: Profile, loads: Array) -> bool:
     return patches.METHOD.seconds(profile, loads) <= MAX_REFERENCE_SECONDS
 
 
-@cache  # for all methods on one profile
+@cache  # all methods on one profile share it
 def contact_reference(profile: Waves, loads: tuple[float, ...]) -> Reference:
     """Return the exact curve of a finite series that can be resolved; NaN where the contact patches fail.
 
@@ -116,7 +116,7 @@ def contact_reference(profile: Waves, loads: tuple[float, ...]) -> Reference:
     twin = _by_patches(shifted(profile, reflected=True), np.array(loads), TOLERANCES[1:])
     uncertainty = np.abs(found - twin)
     pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in found.T]
-    # Contact is certainly full beyond rounding of its computed load.
+    # Above the computed load of full contact and its rounding, contact is certainly full.
     full_contact = profile.full_contact_load * (1 + 1e-12)
     for i, load in enumerate(loads):
         if not isinstance(profile, Profile):
@@ -151,7 +151,7 @@ def _single_crest(profile: Profile) -> bool:
     """Return whether the lightest loads rest on one crest in each lambda_0."""
     expansion = expand(profile.amplitude, profile.waves_per_period, profile.phase)
     height = find_crests(profile.amplitude, profile.waves_per_period, expansion).expansion[:, 0]
-    # At such loads, only crests that are as high as the highest one to 1e-12 g_0 touch.
+    # At such loads only crests within 1e-12 g_0 of the highest one touch.
     return profile.period == 1 and int((height > height.max() - 1e-12).sum()) == 1
 
 
@@ -163,7 +163,7 @@ def _first_touch(profile: Profile, load: float) -> multiprecision.Pair:
     """
     with mp.workdps(multiprecision.DIGITS):
         x = mp.mpf(profile.crest[0])
-        for _ in range(8):  # Newton's method from a double
+        for _ in range(8):  # refines a double by Newton's method
             x = x - _height(profile, x, 1) / _height(profile, x, 2)
         p = mp.mpf(load)
         R = -mp.log(4 * mp.pi**2 * p / -_height(profile, x, 2))

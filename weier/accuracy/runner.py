@@ -23,10 +23,10 @@ from weier.methods.method import Method
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
-MAX_REPEATED = 0.5  # seconds: longer runs average over such disturbances and are not repeated.
+MAX_REPEATED = 0.5  # seconds; longer runs average over disturbances and are not repeated
 # The names of stated errors among the results of a method.
 STATED = ("compliance_error", "resistance_error")
-# The errors that are results of a run: those of a fault in a method, too, but not that of a time limit.
+# Errors that are results of a run, including faults of a method; a time limit is not one.
 FAULTS = (
     *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
     *(NameError, RuntimeError, TypeError, ValueError),
@@ -49,7 +49,7 @@ class Run(NamedTuple):
     compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
     compliance_error, resistance_error : errors stated by the method for each number, NaN where it states none
     solution_error : largest error of the compliance according to the method, in g_0
-    outcome : of the solution at each load, shape (loads,)
+    outcome : outcome at each load, shape (loads,)
     seconds : processor time
     others : further results of the method, by name
     message : kind and text of the first error, empty if there was none
@@ -69,7 +69,7 @@ class Run(NamedTuple):
 
 
 def run(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
-    """Return the curve of a variant with the median of the seconds of some runs; raises what `weier.solve` raises."""
+    """Return the curve of a variant and the median seconds of several runs; raises the errors of `weier.solve`."""
     task, seconds = CurveTask(profile, variant.method, variant.settings, loads), list[float]()
     if repeat > 1:
         task._replace(loads=loads[:1]).solve()  # loads compiled code
@@ -112,7 +112,7 @@ def _join(parts: list[Run]) -> Run:
 
 
 def is_clear(error: Exception, method: Method) -> bool:
-    """Return whether an error was raised on purpose by weier or the file of the method, with a text without NaN."""
+    """Return whether weier, or the file of the method, raised the error on purpose, and its text has no NaN."""
     last, text = extract_tb(error.__traceback__)[-1], str(error)
     source_file = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
     own = PACKAGE in Path(last.filename).parents or last.filename == source_file

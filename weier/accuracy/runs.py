@@ -18,8 +18,8 @@ from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
 from weier.scene import Case
 
-DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # describe a case, besides its coordinates
-# the variables of the table that all comparisons have
+DESCRIPTION = ("total_amplitude", "tail_amplitude", "first_contact")  # describe a case, with its coordinates
+# variables that all comparisons have
 KEPT = (*DESCRIPTION, *QUANTITIES, "compliance_error", "compliance_deviation", "points", "settings")
 VARIANT = Variable(("variant",), "method and settings that are compared", content=LABEL)
 
@@ -49,7 +49,7 @@ def blank(comparisons: Sequence[Comparison], kept: Collection[str], own: Mapping
     `kept` names variables of the common table; `own` are further ones, with the dimension solution_method for
     variants, as in that table.
     """
-    # Each variant once, by name, in the order of the comparison with most of them.
+    # Distinct variants by name, in the order of the longest comparison.
     lists = sorted((comparison.variants for comparison in comparisons), key=len, reverse=True)
     variants = {variant.name: variant for own in lists for variant in own}
     methods = [variant.method for variant in variants.values()]

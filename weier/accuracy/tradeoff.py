@@ -29,9 +29,9 @@ from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
 
 SCENE = Path("config/accuracy/tradeoff.yaml")
-# runs for the median: other processes lengthen some, and the clock of a virtual machine may shorten others
+# runs per median: other processes lengthen some runs, and the clock of a virtual machine may shorten others
 REPEAT = 5
-# those of the table of variables
+# results copied from the table of variables
 KEPT = (
     *runs.KEPT,
     "resistance_error",
@@ -129,7 +129,7 @@ def table_of(data: xr.Dataset) -> str:
 
 
 def _row(name: str, seconds: Array, *errors: Array) -> list[str]:
-    """Return the results of a variant: seconds a load on each profile, measured and stated errors of h and of R."""
+    """Return the results of a variant: seconds per load on each profile, measured and stated errors of h and R."""
     cells = [plain(name), str(seconds.size), number(1e3 * np.median(seconds), ".2g")]
     for measured, stated in (errors[:2], errors[2:]):
         quantiles = np.median(measured), np.quantile(measured, 0.9), measured.max(), np.median(stated)

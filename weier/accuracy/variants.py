@@ -17,7 +17,7 @@ OTHER_SETTINGS: dict[str, tuple[Settings, ...]] = {
     "bem": ({"staircase": "kept", "points_per_wave": 12},),
     "layer": ({"points": 6}, {"points": 24}),
 }
-MAX_POINTS = 100_000  # Points in a period of boundary elements: a load then takes tens of milliseconds.
+MAX_POINTS = 100_000  # Points per period of boundary elements; a load then takes tens of milliseconds.
 
 
 class Variant(NamedTuple):

@@ -52,7 +52,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
-    """Return the sizes and variables of the arrays for these cases alone."""
+    """Return the sizes and variables of the arrays for these cases."""
     methods = dict.fromkeys(method for case in cases for method in case.methods)
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
     resolved = filter(resolvable, finite) if contact_edges else ()
@@ -122,7 +122,7 @@ def solve_batch(
     number, curve = 0, curves[0]
 
     def begun(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
-        """Return what is solved with a part of the curve that is being solved."""
+        """Return the solved curves and the solved part of the current one."""
         if part is not None:
             _store_curve(rows, number, methods, curve, _row_of_part(curve, part))
         found = data.isel(case=slice(number + 1))
@@ -157,7 +157,7 @@ def _store_curve(
 
 
 def _row_of_part(curve: CurveTask, part: tuple[Array, Curve]) -> dict[str, Any]:
-    """Return a curve that was stopped: NaN at the loads that are not solved."""
+    """Return an interrupted curve, with NaN at unsolved loads."""
     solved, solution = part
     found = curve_row(curve._replace(loads=solved), (solution, math.nan))
     for name, value in found.items():
@@ -169,7 +169,7 @@ def _row_of_part(curve: CurveTask, part: tuple[Array, Curve]) -> dict[str, Any]:
 
 
 def arrays(data: xr.Dataset) -> Arrays:
-    """Return the values of each variable, to be filled in, since access through the dataset is slower."""
+    """Return the arrays of all variables, since writing through the dataset is slower."""
     return {str(name): variable.values for name, variable in data.variables.items()}
 
 
@@ -186,7 +186,7 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
     """
     for name, value in values.items():
         if name in curves and np.size(value):  # a method may return no edges
-            # A case has one row of edges, of its last method, which may find fewer contacts than the one before.
+            # The last method overwrites the edges of a case, and may find fewer contacts than the one before.
             if "edge" in VARIABLES[name].dims:
                 curves[name][_row(name, position)] = np.nan
             curves[name][_row(name, position, np.shape(value))] = value

@@ -36,15 +36,15 @@ from weier.units import NONE, NORMALISED_PRESSURE
 ERROR = "mean_pressure_error"
 # tolerance of Brent's method in ln p, a few units of rounding
 LOG_ACCURACY = 1e-14
-FIRST_DECADES = 1.0  # width of the first bracket; each further one is twice as wide
-WIDER = 10.0  # the distance to a load certainly on one side is found within this factor
-# tolerances of patches, the next of which is tried if one cannot be met; the error of the load follows
+FIRST_DECADES = 1.0  # width of the first bracket, doubled at each step
+WIDER = 10.0  # growth factor of the distance to a load that is certainly on one side
+# on failure, the tolerance of contact patches grows by LOOSER up to MAX_TOLERANCE
 LOOSER, MAX_TOLERANCE = 100.0, 1e-4
 JUMP = 1e-6  # relative difference from the target above which the quantity jumps past it
 
 
 class Wanted(TypedDict, total=False):
-    """The value of one quantity, whose load is wanted."""
+    """The target value of one quantity."""
 
     resistance: ArrayLike
     compliance: ArrayLike
@@ -55,7 +55,7 @@ QUANTITIES = tuple(Wanted.__annotations__)
 
 
 def checked_wanted(wanted: Mapping[str, Any]) -> tuple[str, ArrayLike]:
-    """Return the name and the value of the quantity whose load is wanted."""
+    """Return the name and the checked target value of the quantity."""
     for name in wanted:
         checked_word("the quantity", name, QUANTITIES)
     if len(wanted) != 1:
@@ -121,7 +121,7 @@ def loads_for(
     if targets.ndim != 1 or targets.size == 0:
         raise ValueError(f"{name} must be a number or a list of numbers, got an array of shape {targets.shape}")
     search = _Search(profile, name, scales or {})
-    with converting(lambda curve: None):  # which is one of the search
+    with converting(lambda curve: None):  # a curve of the search, not of the caller
         found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
     curve = solve(profile, loads, EXACT.name, tolerance=search.tolerance)
@@ -131,7 +131,7 @@ def loads_for(
         which = "the wanted value" if targets.size == 1 else f"{dropped.size} of {targets.size} wanted values"
         warnings.warn(
             f"the resistance drops past {which} where a contact is born: the load is that of the birth",
-            stacklevel=3,  # at the call of `find_load`
+            stacklevel=3,  # points to the call of `find_load`
         )
     return marked(curve.assign({ERROR: ("mean_pressure", errors, attributes)}))
 
@@ -218,6 +218,6 @@ class _Search:
         return f"{self.name} must lie {limits[self.name]}, got {self._shown(target, unit)}"
 
     def _shown(self, value: float, unit: str) -> str:
-        """Return a value with its unit, in that of the scales if it has one."""
+        """Return a value with its unit, in SI if the scales have one for it."""
         factor, name = self.scales.get(unit, (1.0, unit))
         return f"{value * float(factor):.6g}{'' if name == NONE else f' {name}'}"

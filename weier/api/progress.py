@@ -17,7 +17,7 @@ TERMINAL_SECONDS, LOG_SECONDS = 0.5, 5.0  # Intervals between two messages: a lo
 
 
 def clock() -> float:
-    """Return seconds from an arbitrary start, without those of compiling."""
+    """Return the seconds since an arbitrary start, not counting compilation."""
     return perf_counter() - COMPILING_SECONDS.get()
 
 
@@ -41,10 +41,10 @@ class Loads:
 
 
 class Progress:
-    """Messages at intervals with the number of loads, or of other things, that are done."""
+    """Messages at intervals with the number of finished loads, or other items."""
 
     def __init__(self, total: int, pause: float, say: Callable[[str], None], things: str = "loads") -> None:
-        """For `total` things, with `pause` seconds between two messages to `say`."""
+        """Count up to `total`, with `pause` seconds between two messages to `say`."""
         self.total, self.pause, self.say, self.things, self.done = total, pause, say, things, 0
         self.start = self.said = perf_counter()
 
@@ -61,17 +61,17 @@ class Announcement:
     """Announces once, in a sentence, that something takes long, and then shows its progress on a terminal."""
 
     def __init__(self, name: str, advice: str = "") -> None:
-        """For the call of this name; the advice ends the sentence."""
+        """Take the name of the call, and the advice that ends the sentence."""
         self.name, self.advice, self.announced = name, advice, False
         self.start, self.said = clock(), perf_counter()
 
     def expect(self, what: str, seconds: float) -> None:
-        """Announce what takes these expected seconds if they are many."""
+        """Announce a task if its expected seconds are many."""
         if seconds > LONG:
             self._announce(f"{what} about {significant(seconds, 2)} s")
 
     def show(self, share: float, done: str) -> None:
-        """Announce or show what is done, a share of the whole."""
+        """Announce the task, or show the completed fraction."""
         now, lasted = perf_counter(), clock() - self.start
         far = f"{done}, about {lasted * (1 / share - 1):.0f} s left"
         if not self.announced and lasted > LONG and share < 1:
@@ -117,7 +117,7 @@ class Watch(Announcement):
 
 @contextmanager
 def searching(name: str, expected: float) -> Iterator[Callable[[float], None]]:
-    """Announce a search with many expected seconds; yields a function that shows the share that is done."""
+    """Announce a long search; yields a function that shows the completed fraction."""
     search = Announcement(name)
     search.expect("the search takes", expected)
     try:
@@ -148,7 +148,7 @@ def watching(total: int, expected: float, max_seconds: float | None) -> Iterator
 
 @contextmanager
 def waiting(what: str) -> Iterator[Callable[[str], None]]:
-    """Show on a line of a terminal, if there is one, what is computed; yields a function that shows the progress."""
+    """Show the current task on a terminal, if there is one; yields a function that shows the progress."""
     terminal = sys.stderr.isatty()
 
     def show(words: str) -> None:

@@ -1,4 +1,4 @@
-"""Rows of files: a curve and a surface as plain values, by the names of variables."""
+"""Rows of files: curves and surfaces as plain values by variable name."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance")
 
 
 def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
-    """Return a curve with its status, its seconds and the bounds on the infinite series; of an error the status."""
+    """Return a curve with its status, seconds and bounds on the infinite series; for an error, the status."""
     if isinstance(outcome, Exception):
         unconverged = isinstance(outcome, ConvergenceError)
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
@@ -51,7 +51,7 @@ def derived(surface: Waves, loads: Array, solution: Curve) -> dict[str, Array]:
 
 
 def surface_row(surface: Waves) -> dict[str, Any]:
-    """Return what describes a surface: its labels, its phases, and its heights that do not depend on a method."""
+    """Return the description of a surface: labels, phases, and heights that no method changes."""
     row = surface.labels | {
         "phases": surface.listed_phases,
         "total_amplitude": surface.total_amplitude,

@@ -114,7 +114,7 @@ def solve(
 
 
 def in_order(curves: xr.Dataset, position: Indices) -> xr.Dataset:
-    """Return the curves under loads in the order given, from those under increasing loads."""
+    """Return curves under increasing loads in the order in which the loads were given."""
     return curves if np.array_equal(position, range(curves.sizes[LOADS])) else curves.isel({LOADS: position})
 
 
@@ -138,7 +138,7 @@ def solve_under(
     own_loads = [loads if loads_of is None else loads_of(surface) for surface in map(checked_surface, profiles)]
     for surface, own in zip(profiles, own_loads, strict=True):
         if doubt := unit_doubt(surface, own):
-            warnings.warn(doubt, stacklevel=3)  # at the call of `solve`
+            warnings.warn(doubt, stacklevel=3)  # points to the call of `solve`
     method = default_method(*profiles, within_tolerance=TOLERANCE in settings) if method is None else method
     methods = [find_method(name).name for name in _list("method", method)]
     if max_seconds is not None:
@@ -199,7 +199,7 @@ def _solve_all(
     edges: bool,
     workers: int,
 ) -> xr.Dataset:
-    from weier.api.batch import solve_batch  # scenes, which one curve does not need
+    from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
     from weier.scene.case import Case
 
     cases = tuple(Case.from_surface(surface, tuple(methods), settings) for surface in profiles)
@@ -214,12 +214,12 @@ def _solve_all(
             cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of
         )
     for failure in failures:
-        warnings.warn(failure, stacklevel=4)  # at the call of `solve`
+        warnings.warn(failure, stacklevel=4)  # points to the call of `solve`
     return named(data)
 
 
 def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the settings of each of several methods, checked; a tolerance is for all that take one."""
+    """Return the checked settings of several methods; a tolerance applies to all methods that take one."""
     tolerance = settings.get(TOLERANCE)
     settings = {name: own for name, own in settings.items() if name != TOLERANCE}
     for name, own in settings.items():

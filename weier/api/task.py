@@ -1,4 +1,4 @@
-"""A curve to solve, which all ways of solving go through: `weier.solve`, lists, batches and the search for a load."""
+"""The description of a curve to solve, shared by `weier.solve`, lists, batches and the search for a load."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from weier.surface.waves import Waves
 
 
 class Known(NamedTuple):
-    """A curve that is solved under some of the loads, in the seconds that it took."""
+    """A curve already solved under some of the loads, and the seconds that this took."""
 
     loads: Array
     curve: Curve
@@ -28,7 +28,7 @@ class Known(NamedTuple):
 class CurveTask(NamedTuple):
     """A curve to solve: surface, name of the method, its checked settings, and increasing loads in p_0*.
 
-    Where some loads are known, the others are solved, and what depends on all loads is computed again.
+    If some loads are known, only the others are solved; results that depend on all loads are recomputed.
     """
 
     profile: Waves
@@ -39,7 +39,7 @@ class CurveTask(NamedTuple):
 
     @property
     def series(self) -> object:
-        """The key of a curve that depends on no phases and is solved once for an ensemble; None of others."""
+        """The key of a curve without phases, which an ensemble shares; None for other curves."""
         if find_method(self.method).uses_phases or not isinstance(self.profile, Profile):
             return None
         parameters = (getattr(self.profile, name) for name in PARAMETERS)
@@ -72,7 +72,7 @@ class CurveTask(NamedTuple):
 
 
 def distinct(curves: Iterable[CurveTask]) -> list[CurveTask]:
-    """Return the curves that are solved: of those that differ in unused phases alone, the first."""
+    """Return the curves to solve, without duplicates that differ only in unused phases."""
     found: dict[object, CurveTask] = {}
     for number, curve in enumerate(curves):
         found.setdefault(curve.series or number, curve)

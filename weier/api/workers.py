@@ -20,7 +20,7 @@ from weier.api.task import CurveTask
 from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.load_progress import reporting_to
 
-# The message where the pool of processes breaks.
+# The message when the process pool breaks.
 LOST = (
     "a process that was to solve curves has ended too early: a script must be a file that calls weier.solve below "
     '`if __name__ == "__main__":`, since each process imports it anew; if yours is, take fewer workers, since memory '
@@ -35,7 +35,7 @@ class Solver:
     """
 
     def __init__(self, loads: int, add: Callable[[int], object]) -> None:
-        """For this number of loads a curve; `add` is called with the number of loads that are done."""
+        """Take the number of loads per curve, and `add`, which is called with the number of finished loads."""
         self.count, self.known = Loads(loads, add), dict[object, Outcome]()
 
     def __call__(self, curve: CurveTask) -> Outcome:
@@ -45,7 +45,7 @@ class Solver:
             with reporting_to(self.count):
                 outcome = outcome or curve.solve()
         except (NotApplicableError, ConvergenceError) as error:
-            outcome = error.with_traceback(None)  # the traceback would keep the arrays of the solver
+            outcome = error.with_traceback(None)  # the traceback would keep the solver's arrays alive
         self.count.end_curve()
         if series is not None:
             self.known[series] = outcome
@@ -55,7 +55,7 @@ class Solver:
 def solve_curves(
     curves: Sequence[CurveTask], workers: int, pause: float, say: Callable[[str], None]
 ) -> Iterable[Outcome]:
-    """Return the outcome of each curve, in their order.
+    """Return the outcome of each curve, in the order of `curves`.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _side_by_side(curves: Sequence[CurveTask], loads: int, workers: int, progres
     except RuntimeError as error:
         if "bootstrapping" not in str(error):
             raise
-        raise SystemExit(1) from None  # in a process that imports a script without the guard: its parent says so
+        raise SystemExit(1) from None  # the script lacks the guard; the parent reports it
 
 
 def _begin(loads: int) -> None:
@@ -114,7 +114,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-_solver: Solver  # of a process that `_begin` has prepared
+_solver: Solver  # set by `_begin` in each worker process
 
 
 def _solve(curve: CurveTask) -> Outcome:

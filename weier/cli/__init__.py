@@ -18,7 +18,7 @@ from weier.methods.errors import ConvergenceError
 from weier.scene import SceneError
 from weier.scene.mistakes import one_line
 
-# What only an extra installs, and how.
+# Packages that only an extra installs, and the command that installs it.
 CHECKOUT = "pip install 'weier[pipeline]', or requirements/run.txt of a checkout"
 EXTRA = dict.fromkeys(("bokeh", "jinja2", "snakemake"), CHECKOUT) | {"openpyxl": "pip install 'weier[excel]'"}
 EXIT = (
@@ -67,7 +67,7 @@ def main() -> None:
     warnings.showwarning = lambda message, *_: _say(str(message))
     try:
         sys.exit(cli(prog_name="weier", standalone_mode=False))
-    except click.Abort:  # by Ctrl-C, which click would end with exit code 1
+    except click.Abort:  # Ctrl-C; click would exit with code 1
         raise KeyboardInterrupt from None
     except click.ClickException as error:
         error.show()

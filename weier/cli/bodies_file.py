@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from weier.api.interface import Interface
 
-# the ends of columns for a quantity
+# end of a column name that follows the name of a quantity
 STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
-INTERFACE = "interface"  # The key of a scene with its bodies.
+INTERFACE = "interface"  # key of a scene that holds the bodies
 
 
 def read_bodies(path: Path) -> Interface:
@@ -29,7 +29,7 @@ def read_bodies(path: Path) -> Interface:
 
     Values may have units, as in "210 GPa".
     """
-    from weier.api.interface import Interface  # which takes some tenths of a second
+    from weier.api.interface import Interface  # importing it takes some tenths of a second
 
     try:
         return Interface.from_texts(_given(path))

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from weier.api.task import Known
 
 ERROR = "mean_pressure_error"
-RESUMED = ".nc"  # the suffix of files from which a solution goes on
+RESUMED = ".nc"  # files with this suffix can be resumed
 
 
 class Request(NamedTuple):
@@ -62,7 +62,7 @@ class Request(NamedTuple):
     given: xr.Dataset | None = None
 
     def with_units(self, data: xr.Dataset) -> xr.Dataset:
-        """Return the curves of some or all of the loads, in SI units where there are bodies."""
+        """Return the curves at some or all loads, in SI units if bodies are given."""
         loads = self.loads.tolist()
         at = [loads.index(load) for load in data["mean_pressure"].values.tolist()]
         data = data if self.bodies is None else self.bodies.in_si(data)
@@ -78,7 +78,7 @@ class Request(NamedTuple):
 def _request(
     loads: Array, bodies: Path | None, pressures: Pressures | None, wanted: Mapping[str, str | None], **series: Any
 ) -> Request:
-    """Return the profile and its loads, by the options of a command."""
+    """Return the profile and its loads from the options of a command."""
     import xarray as xr
 
     from weier.api.inverse import find_load
@@ -116,7 +116,7 @@ def _case(
     tolerance: float | None,
     settings: dict[str, Any],
 ) -> Case:
-    """Return the profile with the methods that are asked for, or with those of the default that apply."""
+    """Return the profile with the requested methods, or with the default methods that apply to it."""
     from weier.pipeline import single
 
     if not methods:

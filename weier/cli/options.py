@@ -24,13 +24,13 @@ Command = Callable[..., Any]
 Option = Callable[[Command], Command]
 
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
-PLOTTED_LOADS = "1e-3:4:400"  # So many loads resolve the steps of the resistance.
+PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
 MIN_LOADS = 2  # A line needs two points.
 STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 
 def parse_phases(text: str) -> float | list[float]:
-    """Return phases from "1", which is of every wave but the first, or from "0,1,2", which are of all."""
+    """Return phases from "1", the phase of every wave but the first, or "0,1,2", the phases of all waves."""
     try:
         phases = [float(part) for part in text.split(",")]
     except ValueError:
@@ -58,7 +58,7 @@ def parse_pressures(text: str) -> Pressures:
 
 
 def listed_in_si(name: str, text: str, unit: str) -> list[float]:
-    """Return numbers in an SI unit from the text of an option; a text without a unit is echoed with the one taken."""
+    """Return numbers in an SI unit from the text of an option; report the assumed unit if the text has none."""
     values = units.listed(name, text, unit)
     if not units.unit_in(text):
         click.echo(f"--{name} {text}: taken in {unit}, since no unit is given", err=True)
@@ -102,7 +102,7 @@ def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path |
         if suffixes and path.suffix not in suffixes:
             known = ", ".join(filter(None, suffixes))
             raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
-        if suffixes and not path.parent.exists():  # Folders of users are not made, unlike those of the pipeline.
+        if suffixes and not path.parent.exists():  # Unlike the pipeline, commands create no folders.
             raise click.BadParameter(f"there is no folder {path.parent}: make it first, or name another one")
         return path
 
@@ -189,7 +189,7 @@ class SolvingCommand(click.Command):
     """A command with settings of methods, which its help lists below the options."""
 
     def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
-        """Refuse an option that is given twice, of which click would take the last one without a word."""
+        """Refuse an option that is given twice; click would silently use the last value."""
         _, _, given = self.make_parser(context).parse_args(list(args))
         for option, count in Counter(given).items():
             if count > 1 and isinstance(option, click.Option) and not (option.multiple or option.is_flag):
@@ -263,7 +263,7 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
 
 
 def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
-    """Return the parameters of a profile or of a trace, as in a scene, from the options of one of the two."""
+    """Return the parameters of a profile or a trace, as in a scene, from the options of a command."""
     given = {name: value for name, value in options.items() if value not in (None, (), [])}
     series = {name: given.pop(name) for name in SERIES if name in given}
     if trace_file is not None:

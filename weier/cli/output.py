@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 
 class Output:
-    """The file of `weier solve`, and the file beside it of the loads that are solved so far.
+    """The output file of `weier solve`, and a partial file with the loads solved so far.
 
-    The latter, such as curve.part.nc for curve.csv, is written every `APPEND_SECONDS`, and removed in the end.
+    The partial file, such as curve.part.nc for curve.csv, is written every `APPEND_SECONDS`, and removed at the end.
     """
 
     def __init__(self, path: Path, request: Request) -> None:
@@ -52,17 +52,17 @@ class Output:
         return known
 
     def __call__(self) -> None:
-        """Write what is solved so far, every few seconds."""
+        """Write the loads solved so far, every few seconds."""
         if monotonic() - self.saved > APPEND_SECONDS and (data := curve_so_far()) is not None:
             self.save(data)
 
     def save(self, data: xr.Dataset) -> None:
-        """Write what is solved beside the file."""
-        with warnings.catch_warnings(action="ignore"):  # of yield, which the whole curve gives
+        """Write the solved loads to the partial file."""
+        with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
             result.write(self.request.with_units(data), self.part)
         self.saved = monotonic()
 
     def finish(self, data: xr.Dataset, in_order: xr.Dataset) -> None:
-        """Write the file: texts have the loads in the order given."""
+        """Write the output file; text formats keep the given order of loads."""
         result.write(in_order if self.path.suffix in result.TEXTS else self.request.with_units(data), self.path)
         self.part.unlink(missing_ok=True)

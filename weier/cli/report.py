@@ -39,8 +39,8 @@ COLUMNS = {
     "contact_fraction_median": "contact fraction, median",
     "contact_pressure_median": "mean pressure of the contacts, median",
 }
-ENSEMBLE_COLUMNS = ("resistance_percentile_10", "resistance_percentile_90")  # columns that one line does not have
-MAX_DIGITS, ERROR_DIGITS = 5, 2  # significant digits of quantities and of errors, at most
+ENSEMBLE_COLUMNS = ("resistance_percentile_10", "resistance_percentile_90")  # omitted for a single line
+MAX_DIGITS, ERROR_DIGITS = 5, 2  # maximum significant digits of quantities and of errors
 TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
 PACKAGES = {".xlsx": "openpyxl", ".tex": "jinja2"}
 WRITABLE = options.writable(*TABLES, *PICTURES, DATA)
@@ -131,7 +131,7 @@ def report(
 
 
 def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, loads: int) -> None:
-    """Refuse, before anything is read, outputs that exist, are inputs, or cannot be made."""
+    """Refuse outputs that exist, are inputs, or cannot be written, before anything is read."""
     inputs = {file.resolve() for file in files}
     for path in outputs:
         if path.resolve() in inputs:
@@ -139,7 +139,7 @@ def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, 
         options.check_free(path, force)
         if path.suffix in PICTURES and loads < options.MIN_LOADS:
             raise click.BadParameter(f"a figure takes at least {options.MIN_LOADS} pressures, got {loads}")
-        if path.suffix in PACKAGES:  # of extras, which the error of a missing module names
+        if path.suffix in PACKAGES:  # an extra installs it; the error names it
             import_module(PACKAGES[path.suffix])
 
 
@@ -163,7 +163,7 @@ def _lines(files: Sequence[Path], trace_options: Mapping[str, Any]) -> list[Trac
 
 
 def rounded(ensemble: pd.DataFrame, several: bool) -> pd.DataFrame:
-    """Return the columns of a report as texts, with the digits that numerical errors leave."""
+    """Return the columns of a report as texts, rounded to the digits that numerical errors justify."""
     import pandas as pd
 
     headings = {UNIT.sub("", name): name for name in ensemble}

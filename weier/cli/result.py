@@ -25,7 +25,7 @@ PROFILE = tuple(
     for name, entry in VARIABLES.items()
     if entry.dims in (("case",), ("case", "term")) and entry.dtype == "f8" and not entry.optional
 )
-# The reasons why a curve is missing, in words.
+# Reason in words for each status of a missing curve.
 WHY = {
     Status.not_applicable: "does not apply",
     Status.not_converged: "missed its tolerance",
@@ -33,7 +33,7 @@ WHY = {
 
 
 def write(data: xr.Dataset, path: Path) -> None:
-    """Write the curves as netCDF or, where the name ends in .json or .csv, as such a text."""
+    """Write the curves as netCDF, or as JSON or CSV if the file name ends in .json or .csv."""
     if path.suffix in TEXTS:
         write_text(path, TEXTS[path.suffix](data) + "\n")
     else:
@@ -63,7 +63,7 @@ def as_json(data: xr.Dataset) -> str:
 
 
 def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
-    """Return the variables of one method that have values, without those of the profile and other methods."""
+    """Return the variables of one method that have values; omit variables of the profile and of other methods."""
     run, returned = case.sel(solution_method=method), {*find_method(method).returns, "seconds"}
     own = {
         str(name): _plain(values.values)

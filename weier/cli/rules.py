@@ -36,7 +36,7 @@ def ending_at_once() -> Iterator[None]:
     No cleanup is needed, since files of the cache are written atomically.
     """
     before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # The signal is ignored in the background of a script.
+    if before is signal.default_int_handler:  # A script's background process ignores the signal.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         yield
@@ -97,7 +97,7 @@ def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) ->
     from weier.pipeline.needed_curves import Curves
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
-    unfinished = drafts.with_name(f".{drafts.name}")  # DRAFTS are there as a whole
+    unfinished = drafts.with_name(f".{drafts.name}")  # DRAFTS appears only as a whole
     shutil.rmtree(unfinished, ignore_errors=True)
     unfinished.mkdir(parents=True)
     for stamp in stamps:
@@ -145,7 +145,7 @@ def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
     It is written as PDF, SVG and PNG next to PATH.
     """
     from weier.data import dataset
-    from weier.figures import draw as draw_files  # matplotlib, as in `weier plot`
+    from weier.figures import draw as draw_files  # imports matplotlib, as in `weier plot`
 
     with job("draw", kind):
         draw_files(Figure(kind), [dataset.read(file) for file in files], path)

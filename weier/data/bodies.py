@@ -47,7 +47,7 @@ TRACE_SCALE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
 
 def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
-    """Yield a warning for each modulus, resistivity, conductivity and hardness of no usual material."""
+    """Yield a warning for each modulus, resistivity, conductivity or hardness outside its usual range."""
     for name, value in bodies.items():
         least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
         if value not in (0, math.inf) and not least <= value <= most:
@@ -56,7 +56,7 @@ def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
 
 
 def _doubts_of_scale(lambda_0: float, g_0: float, full: float, modulus: float) -> Iterator[str]:
-    """Yield a warning for a coarsest wave that few surfaces have; ValueError beyond the limits of traces."""
+    """Yield warnings for an unusual lambda_0 and g_0; raise ValueError beyond the limits of traces."""
     got = f"from g_0 = {g_0:g} m over lambda_0 = {lambda_0:g} m"
     if not 2 * MIN_STEP <= lambda_0 <= MAX_LENGTH:
         raise ValueError(
@@ -94,7 +94,7 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
-    __signature__: ClassVar[inspect.Signature]  # that of the generated `__init__`, which `__new__` would hide
+    __signature__: ClassVar[inspect.Signature]  # restores the signature that `__new__` hides
 
     def __new__(cls, **given: Any) -> Self:
         """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
@@ -108,7 +108,7 @@ class Bodies:
         """Return the bodies of a file, whose values may have units, as in "210 GPa"."""
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
-        except TypeError as error:  # of a name that is missing or unknown
+        except TypeError as error:  # a name is missing or unknown
             raise ValueError(str(error).removeprefix(f"{Bodies.__name__}.__init__() ")) from None
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
@@ -126,10 +126,10 @@ class Bodies:
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
         known = {name: vars(self)[name] for name in given if name not in TRACE_SCALE}
         for body, E in ((1, E_1), (2, E_2)):
-            if E is not None:  # A warning names what was given.
+            if E is not None:  # The warning names the given argument, E or mu.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
         scale = (1.0, 1.0) if self.lambda_0 is None or self.g_0 is None else (self.lambda_0, self.g_0)
-        full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # which refuses two rigid bodies
+        full = 2 * math.pi * self.composite_modulus * scale[1] / scale[0]  # raises for two rigid bodies
         if not 0 < full < math.inf:
             raise ValueError(
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
@@ -139,7 +139,7 @@ class Bodies:
         if self.lambda_0 is not None and self.g_0 is not None:
             doubts += _doubts_of_scale(self.lambda_0, self.g_0, full, min(self.mu_1, self.mu_2))
         for doubt in doubts:
-            warnings.warn(doubt, stacklevel=3)  # at the call of Interface
+            warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
 
     @property
     def composite_modulus(self) -> float:
@@ -179,13 +179,13 @@ class Bodies:
         lambda_0, g_0 = self._scale_of(surface)
         if _varies((lambda_0, g_0)):
             raise ValueError("surface must be one, got curves of traces of several lengths or heights")
-        with warnings.catch_warnings():  # which were given when this interface was made
+        with warnings.catch_warnings():  # the constructor has already given them
             warnings.simplefilter("ignore")
             return replace(self, lambda_0=float(lambda_0), g_0=float(g_0))
 
     def pressure(self, normalised: ArrayLike) -> Array:
         """Convert pressures from p_0* to Pa."""
-        return self._checked_unit("p_0*", normalised)
+        return self._to_si("p_0*", normalised)
 
     def normalised_pressure(self, pressure: ArrayLike) -> Array:
         """Convert pressures of any shape from Pa to p_0*, as `weier.solve` takes them."""
@@ -193,11 +193,11 @@ class Bodies:
 
     def compliance(self, normalised: ArrayLike) -> Array:
         """Convert compliances, heights and gaps from g_0 to m."""
-        return self._checked_unit("g_0", normalised)
+        return self._to_si("g_0", normalised)
 
     def resistance(self, normalised: ArrayLike) -> Array:
         """Convert specific contact resistances from g_0/p_0* to ohm m^2 (2), or to K m^2/W for heat."""
-        return self._checked_unit("g_0/p_0*", normalised)
+        return self._to_si("g_0/p_0*", normalised)
 
     def in_si(self, data: xr.Dataset) -> xr.Dataset:
         """Convert a Dataset with its coordinates to SI units; call it before any arithmetic.
@@ -241,7 +241,7 @@ class Bodies:
         return found
 
     def warn_of_yield(self, curves: xr.Dataset) -> None:
-        """Warn once of loads at which the contacts of curves in SI units yield, and of those without an area."""
+        """Warn once of loads at which contacts yield, and of loads without a contact area to judge this."""
         hardness = min(filter(None, (self.hardness_1, self.hardness_2)), default=math.inf)
         solved = curves.get("compliance", curves.get("contact_fraction"))
         if math.isinf(hardness) or solved is None or LOADS not in curves.coords:
@@ -254,7 +254,7 @@ class Bodies:
             warnings.warn(
                 f"whether contacts yield cannot be judged at {unknown.sum().item()} of {unknown.size} loads, which "
                 "have no contact fraction: some methods return none, nor does one that leaves terms out",
-                stacklevel=3,  # at the call of the conversion
+                stacklevel=3,  # points to the call of the conversion
             )
         if (near := (of_contacts > YIELD * hardness).any(others)).any():
             pressures = pressure.where(near).min().item(), hardness, of_contacts.max().item()
@@ -264,11 +264,11 @@ class Bodies:
                 f"contacts yield from a mean pressure of {first} on, at {count} of {near.size} loads: p over "
                 f"the contact fraction exceeds {YIELD} of the lower hardness, {limit}, and reaches {largest}. "
                 "Elastic contact underestimates their area: take lighter loads, or judge these results as elastic",
-                stacklevel=3,  # at the call of the conversion
+                stacklevel=3,  # points to the call of the conversion
             )
 
     def _scale_of(self, surface: Any) -> tuple[Array, Array]:
-        """Return lambda_0 and g_0 of a surface, or of curves one per case: of traces, else of this interface."""
+        """Return lambda_0 and g_0 of a surface, or per case of curves: a trace has its own."""
         if not hasattr(surface, "data_vars"):
             own = hasattr(checked_surface(surface, "surface"), "g_0")
             return (np.asarray(surface.lambda_0), np.asarray(surface.g_0)) if own else self._scale()
@@ -295,11 +295,11 @@ class Bodies:
 
     @property
     def scales(self) -> dict[str, tuple[Array, str]]:
-        """The value of each normalised unit in SI units, and their names."""
+        """The value and the SI name of each normalised unit."""
         return self._scales(*self._scale())
 
     def _scales(self, lambda_0: Array, g_0: Array) -> dict[str, tuple[Array, str]]:
-        """Return the value of each normalised unit in SI units at these lengths and heights."""
+        """Return the SI value of each normalised unit for given lambda_0 and g_0."""
         p = full_contact_pressure(self.composite_modulus, lambda_0, g_0)
         slope = specific_resistance(g_0 / p, self.composite_modulus, *self.resistivities)
         values = {"lambda_0": lambda_0, "g_0": g_0, "p_0*": p, "g_0/p_0*": slope}
@@ -308,10 +308,10 @@ class Bodies:
         of_resistance = {"g_0/p_0*": self.resistance_unit}
         return {name: (value, (units.IN_SI | of_resistance)[name]) for name, value in values.items()}
 
-    def _checked_unit(self, unit: str, normalised: Any) -> Array:
-        """Return values of one unit; those that say they are of another one are refused."""
+    def _to_si(self, unit: str, normalised: Any) -> Array:
+        """Convert values in a normalised unit to SI; refuse values that state another unit."""
         numbers = checked_numbers("normalised", normalised, unit=unit)
-        if hasattr(normalised, "to_dataset"):  # which may be of a trace, with a scale of its own
+        if hasattr(normalised, "to_dataset"):  # a curve of a trace has a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
         return scaled(numbers, self.scales[unit][0])
 
@@ -324,7 +324,7 @@ def _unit(name: str) -> str:
 
 
 def scales_of(bodies: Bodies, data: xr.Dataset) -> dict[str, tuple[Array, str]]:
-    """Return the value of each normalised unit of curves in SI units, one or one per case, and their names."""
+    """Return the value and the name in SI of each normalised unit, for all cases or per case."""
     return bodies._scales(*bodies._scale_of(data))
 
 

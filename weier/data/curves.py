@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 class Labelled(Protocol):
-    """A case, by the names of its variables: a Dataset without the dimension of cases, or a row of arrays."""
+    """One case, indexed by variable names: a Dataset without the dimension `case`, or a row of arrays."""
 
     def __getitem__(self, name: str) -> Any:
         """Return the values of a variable."""
 
 
-CONTACT_PRESSURE = "contact_pressure"  # a column of tables, which results do not have
+CONTACT_PRESSURE = "contact_pressure"  # a column of tables only; results do not contain it
 AnyCase = TypeVar("AnyCase", bound=Labelled)
 # Contact counts as full above this fraction of the compliance at full contact, as a linear axis shows no difference.
 FULL_CONTACT_COMPLIANCE = 0.99
@@ -48,7 +48,7 @@ def curve(case: Labelled, name: str, method: str | None) -> Array | None:
         return None
     try:
         values: Array = np.asarray(case[name])[methods.index(method)]
-    except KeyError:  # a variable that no method of the file returns
+    except KeyError:  # no method of this file returns the variable
         return None
     return values if np.isfinite(values).any() else None
 
@@ -112,7 +112,7 @@ def full_contact_loads(study: xr.Dataset) -> Array:
 
 
 def profile(case: Labelled) -> Profile:
-    """Return the profile of a case, from its coordinates alone: those of m = inf are in its seed or one phase."""
+    """Return the profile of a case from its coordinates; for m = inf the seed or one phase defines the phases."""
     listed = np.asarray(case["phases"])
     series: dict[str, Any] = {name: float(case[name]) for name in PARAMETERS}
     phase = float(listed[:2][-1])

@@ -96,7 +96,7 @@ def read(path: str | Path) -> xr.Dataset:
     with open_lazily(path) as data:
         try:
             return data.load()
-        except RuntimeError as error:  # NetCDF: HDF error, of a checksum
+        except RuntimeError as error:  # netCDF reports a wrong checksum as an HDF error
             raise netcdf.unreadable_error(path, error) from None
 
 
@@ -104,7 +104,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     """Return a netCDF file of weier, opened lazily: its values are read on access."""
     try:
         parts = xr.open_groups(path, engine="netcdf4", cache=False)
-    except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # of an attribute, too
+    except (OSError, ValueError, RuntimeError, AttributeError, TypeError, KeyError) as error:  # attributes raise too
         raise netcdf.unreadable_error(path, error) from None
 
     def close() -> None:
@@ -116,7 +116,7 @@ def open_lazily(path: str | Path) -> xr.Dataset:
     if "key" not in data.variables and data.attrs.get("program") != provenance.FIXED["program"]:
         data.close()
         raise ValueError(f"{path} is a netCDF file, but not of weier: move it away and make yours again")
-    for variable in data.variables.values():  # so that shorter texts than a file has room for are written again
+    for variable in data.variables.values():  # without stored widths, shorter texts can be written
         for width in ("char_dim_name", "original_shape"):
             variable.encoding.pop(width, None)
     return data
@@ -155,14 +155,14 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path must be the name of a file, got {shown(path)}")
     data = open_lazily(path)
-    if not set(NEEDED) <= data.variables.keys():  # of a file without curves
+    if not set(NEEDED) <= data.variables.keys():  # the file has no curves
         return data
     try:
         named = name_cases(as_cases(data))
     except BaseException:
         data.close()
         raise
-    named.set_close(data.close)  # xarray loses the file when a dataset is derived from another.
+    named.set_close(data.close)  # The derived dataset would not close the file.
     return named
 
 

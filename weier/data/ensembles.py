@@ -1,4 +1,4 @@
-"""Means and percentiles over ensembles of curves: cases that differ in their phases, seed or file alone."""
+"""Means and percentiles of ensembles: cases that differ only in their phases, seed or file."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 AVERAGED = ("compliance", "resistance", "contact_fraction", CONTACT_PRESSURE)
 PERCENTILES = {"percentile_10": 0.1, "median": 0.5, "percentile_90": 0.9}  # suffixes of columns
-FITTED = ("trace_fit_D", "trace_fit_g_0")  # those of the series that are fitted to traces
-CLOSE = 1e-9  # Labels that differ by less, relative, are equal, so that a typed 0.1 matches a computed one.
+FITTED = ("trace_fit_D", "trace_fit_g_0")  # parameters of the series fitted to a trace
+CLOSE = 1e-9  # Relative tolerance for equal labels, so that a typed 0.1 matches a computed 0.1.
 # By default a trace is cut off at two of its steps, whose last digits differ between files of one instrument.
 CLOSE_CUTOFFS = 0.01
 CUTOFF = "trace_shortest"
 # Labels that may differ within an ensemble: phases, and properties of a file.
 FILE_LABELS = ("trace", "trace_digest", "trace_length", "trace_height", "trace_filled")
-SCALES = ("trace_length", "trace_height")  # of a trace, lambda_0 and g_0
+SCALES = ("trace_length", "trace_height")  # lambda_0 and g_0 of a trace
 WITHIN = ("case", "key", "surface_key", "seed", *FILE_LABELS)
 COMMON_PRESSURES = (
     "an ensemble must have common pressures, and each trace has its own unit of pressure: solve the traces by "
@@ -36,7 +36,7 @@ COMMON_PRESSURES = (
 
 
 def means(data: xr.Dataset) -> pd.DataFrame:
-    """Return mean and median curves, one row for each ensemble, method and load, of curves as of `as_cases`.
+    """Return mean and median curves of the result of `as_cases`: one row per ensemble, method and load.
 
     ValueError is raised if the cases of an ensemble have no common pressures.
     """
@@ -109,7 +109,7 @@ def _labels(data: xr.Dataset) -> dict[str, NDArray[Any]]:
 
 
 def _ensembles(labels: Mapping[str, NDArray[Any]]) -> Indices:
-    """Return the number of the ensemble of each case, in order of appearance."""
+    """Return the ensemble number of each case, in order of appearance."""
     import pandas as pd
 
     codes = pd.DataFrame(
@@ -124,8 +124,8 @@ def _ensembles(labels: Mapping[str, NDArray[Any]]) -> Indices:
 
 
 def _clusters(values: Array, tolerance: float) -> Indices:
-    """Return a number for each value, equal for those between which no step exceeds a relative tolerance."""
-    order = np.argsort(values)  # NaN is the last
+    """Return the cluster number of each value; a relative step above the tolerance starts a new one."""
+    order = np.argsort(values)  # NaN sorts last
     ordered = values[order]
     step = ordered[1:] > ordered[:-1] + tolerance * np.abs(ordered[:-1])
     step |= np.isnan(ordered[1:]) & ~np.isnan(ordered[:-1])
@@ -135,7 +135,7 @@ def _clusters(values: Array, tolerance: float) -> Indices:
 
 
 def _surfaces(data: xr.Dataset) -> Indices:
-    """Return a number for each case, equal for cases of an ensemble that have the same surface."""
+    """Return the surface number of each case; equal numbers mean the same surface."""
     import pandas as pd
 
     nothing = np.full(data.sizes[CASE], np.nan)

@@ -1,4 +1,4 @@
-"""Atomic writing of files, which names a full disk and paths that cannot be written."""
+"""Write files atomically, with clear errors for a full disk and for paths that cannot be written."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         os.replace(temporary, path)
     except (OSError, RuntimeError) as error:  # netCDF calls a full disk "HDF error" or "Permission denied".
         _check_space(temporary, path)
-        if isinstance(error, OSError) and str(error.filename) == str(temporary):  # as where the path is a folder
+        if isinstance(error, OSError) and str(error.filename) == str(temporary):  # the path may be a folder
             raise _unwritable(path, error) from None
         raise
     finally:
@@ -51,12 +51,12 @@ def check_target(path: str | Path) -> None:
         folder = next(parent for parent in path.absolute().parents if parent.exists())
         reasons = {
             "it is a folder": path.is_dir(),
-            "it is a device": path.exists() and not path.is_file(),  # which a file would replace
+            "it is a device": path.exists() and not path.is_file(),  # a file would replace it
             f"{folder} is not a folder": not folder.is_dir(),
             "netCDF needs a path in UTF-8": path.suffix == ".nc" and readable(str(path)) != str(path),
             f"{folder} is closed to writing": not os.access(folder, os.W_OK),
         }
-    except OSError as error:  # such as a name that is too long
+    except OSError as error:  # for example, the name is too long
         reasons = {str(error.strerror): True}
     for reason in (reason for reason, holds in reasons.items() if holds):
         raise OSError(f"{path} cannot be written ({reason}): name another file, in a folder that you can write to")
@@ -76,5 +76,5 @@ def _check_space(temporary: Path, path: Path) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> OSError:
-    """Return the error with the name of the given file in place of the temporary one."""
+    """Return the error with the final file name instead of the temporary one."""
     return OSError(f"{path} cannot be written: {error.strerror}; fix this and rerun")

@@ -11,7 +11,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def plain(text: str) -> str:
-    """Return text that Markdown does not read as emphasis or a new column."""
+    """Escape text so that Markdown reads no emphasis and no new column in it."""
     return text.replace("_", r"\_").replace("*", r"\*").replace("|", r"\|")
 
 

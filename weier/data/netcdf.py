@@ -24,7 +24,7 @@ from weier.kernels.arrays import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-CHUNK_BYTES = 2**20  # of whole cases by one method, before compression
+CHUNK_BYTES = 2**20  # uncompressed size of a chunk: whole cases, one method
 PACKED: dict[str, Any] = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 # Variables over dimensions that no curve has are in a group, since a table of a whole file repeats each value over
 # all dimensions. Readers without groups find the curves in the root.
@@ -45,7 +45,7 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 
 def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
-    """Return how each variable is stored; texts are characters, since netCDF strings are not compressed."""
+    """Return the encoding of each variable; texts become characters, since netCDF does not compress strings."""
     found: dict[Any, dict[str, Any]] = {}
     for name, values in data.variables.items():
         if values.dtype.kind in "UO":
@@ -54,7 +54,7 @@ def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
             found[name] = PACKED | {"chunksizes": _chunks(values.dims, values.shape, values.dtype.itemsize)}
         else:
             found[name] = {}
-        if name in data.coords:  # which CF allows no missing values
+        if name in data.coords:  # CF allows no missing values in coordinates
             found[name]["_FillValue"] = None
     return found
 
@@ -77,14 +77,14 @@ def add_curves(file: netCDF4.Dataset, name: str, attributes: dict[str, Any], lab
 
 
 def fill_method(variable: netCDF4.Variable[Any], column: int, values: Array) -> None:
-    """Write the curves by one method, shape (cases, loads); those without values take no space."""
+    """Write the curves of one method, shape (cases, loads); curves without values take no space."""
     if not np.isnan(values).all():
         variable[:, column] = values
 
 
 def unreadable_error(path: str | Path, error: Exception) -> Exception:
-    """Return the error for a file that cannot be opened or read, from that of netCDF, which names no reason."""
-    if isinstance(error, TimeoutError):  # of a program with a time limit, which says nothing about the file
+    """Return an error that explains why netCDF cannot open or read the file, since its own error does not."""
+    if isinstance(error, TimeoutError):  # the caller's time limit, no fault of the file
         return error
     name = readable(str(path)) if str(path).isprintable() else repr(path)
     if not Path(path).is_file():

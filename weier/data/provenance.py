@@ -68,7 +68,7 @@ def attributes(title: str, step: str, scene: str = "", in_si: bool = False) -> d
 
 
 def source_date() -> str:
-    """Return SOURCE_DATE_EPOCH, or an empty text: with it, files omit what depends on other runs."""
+    """Return SOURCE_DATE_EPOCH, or ""; if it is set, files contain nothing that differs between runs."""
     return os.environ.get("SOURCE_DATE_EPOCH", "")
 
 
@@ -84,7 +84,7 @@ def run_date() -> tuple[str, str]:
 
 
 def result_attributes(title: str = "") -> dict[str, str]:
-    """Return attributes of results in memory."""
+    """Return the provenance attributes of a result in memory."""
     named = {"title": title} if title else {}
     return {"program": FIXED["program"], "normalisation": NORMALISED, "references": PAPER, **named, **versions()}
 
@@ -92,7 +92,7 @@ def result_attributes(title: str = "") -> dict[str, str]:
 @cache
 def versions() -> dict[str, str]:
     """Return the versions of Python, weier and the packages that numbers depend on, and the commit in a checkout."""
-    from importlib.metadata import version  # with its mail parser, as long as all else that this module imports
+    from importlib.metadata import version  # its mail parser doubles the import time
 
     packages = {f"{name.replace('-', '_')}_version": version(name) for name in PACKAGES}
     own = {"product_version": VERSION, "python_version": platform.python_version()}
@@ -119,7 +119,7 @@ def commit() -> str:
 
 
 def _git(*arguments: str) -> str:
-    import subprocess  # which few processes need
+    import subprocess  # few processes need it
 
     command = ["git", "-C", str(PACKAGE.parent), "--no-optional-locks", *arguments]
     try:

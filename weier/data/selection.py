@@ -32,7 +32,7 @@ NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 Ratio = int | float | str | Fraction
 
 
-@xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]  # of xarray
+@xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]
 class CurvesAccessor:
     """The methods that `data.weier` adds to an `xarray.Dataset` of curves."""
 
@@ -180,7 +180,7 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
             raise ValueError(f"{label} has the dimension {strange[0]}, which curves have not: unstack it first")
         if variable.dims != dims:
             sizes = {dim: data.sizes.get(dim, 1) for dim in dims}
-            changed[label] = variable.set_dims(sizes).transpose(*dims)  # type: ignore[no-untyped-call]  # of xarray
+            changed[label] = variable.set_dims(sizes).transpose(*dims)  # type: ignore[no-untyped-call]
     # A coordinate that becomes a dimension needs a new index.
     kept = {label: variable for label, variable in data.variables.items() if label not in changed}
     return xr.Dataset(kept | changed, attrs=data.attrs).set_coords(list(data.coords)) if changed else data
@@ -208,7 +208,7 @@ def case_names(data: xr.Dataset, but: Collection[str] = ()) -> list[str]:
 
 
 def _labels(data: xr.Dataset) -> list[str]:
-    """Return the names of the coordinates that every case has one value of."""
+    """Return the names of the coordinates with one value per case."""
     return [str(name) for name in data.coords if data[name].dims == ("case",)]
 
 
@@ -235,7 +235,7 @@ def label_text(value: Any) -> str:
 
 
 def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
-    """Return whether each case has one of the values; a case may belong to several comma-separated studies."""
+    """Return whether each case matches one of the values; `study` may hold several names, separated by commas."""
     known = [label for label in _labels(data) if label != "case"]
     if name not in known:
         raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
@@ -249,7 +249,7 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     else:
         unit = units.unit_of(data[name]) or units.NONE
         numbers = np.array([_number(name, value, unit) for value in wanted])
-        # Whole numbers, such as seeds, and inf are equal or not.
+        # Integers, such as seeds, and inf are compared exactly.
         whole = (np.floor(labels) == labels)[:, None] & (np.floor(numbers) == numbers)
         fits = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole | (labels[:, None] == numbers)
     absent = [shown(wanted[row]) for row in np.flatnonzero(~np.any(fits, axis=0))]
@@ -267,7 +267,7 @@ def _number(name: str, value: Any, unit: str) -> float:
 
 
 def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
-    """Return whether each case has these phases, of all terms but the first or of each; m = inf has any."""
+    """Return whether each case has these phases; m = inf always matches."""
     given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
     if "phases" not in data.coords:
         raise ValueError("phases are not among the coordinates: select by them before single variables are taken")

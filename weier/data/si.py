@@ -1,4 +1,4 @@
-"""Datasets in SI units: those of their variables that have a normalised unit, with their attributes."""
+"""Convert Datasets to SI units: the variables with a normalised unit, and their attributes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from weier.kernels.arrays import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-# The units of the scalars of `weier.fields`, which are attributes.
+# Normalised units of the scalars that `weier.fields` returns as attributes.
 SCALARS = {"mean_pressure": "p_0*", "mean_gap": "g_0"}
-LOCATED = (LOADS, "x")  # The coordinates with normalised units.
+LOCATED = (LOADS, "x")  # coordinates in normalised units
 BODIES = ("mu_1", "mu_2", "nu_1", "nu_2")  # attributes of a Dataset in SI units
 INTERFACE_ATTRIBUTES = (
     *BODIES,
@@ -29,12 +29,12 @@ INTERFACE_ATTRIBUTES = (
     "hardness_2",
     "lambda_0",
     "g_0",
-)  # with those that not all have
+)  # includes optional attributes
 CONVERT_DATASET = "convert the whole Dataset first, as in in_si(curve).resistance"
 
 
 def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.Dataset:
-    """Return a Dataset in SI units, by the value and the name of each normalised unit, one value or one per case."""
+    """Return a Dataset in SI units; `scales` has the value, or a value per case, and the name of each unit."""
     own_loads = LOADS in data.variables and units.unit_of(data[LOADS]) in units.NORMALISED
     if own_loads and any(value.ndim for value, _ in scales.values()):
         raise ValueError(
@@ -51,7 +51,7 @@ def converted(data: xr.Dataset, scales: Mapping[str, tuple[Array, str]]) -> xr.D
 
 
 def with_pressures_in(data: xr.Dataset, unit: str) -> xr.Dataset:
-    """Return a Dataset with its pressures in this unit instead of Pa; as it is without one, or with that of p_0*."""
+    """Return a Dataset with pressures in `unit` instead of Pa; leave it unchanged for "" and p_0*."""
     if unit in ("", units.PASCAL, units.NORMALISED_PRESSURE):
         return data
     pascals = units.factor("pressure", unit, units.PASCAL)
@@ -64,7 +64,7 @@ def with_pressures_in(data: xr.Dataset, unit: str) -> xr.Dataset:
 
 
 def _as_given(pressures: Array, pascals: float) -> Array:
-    """Return pressures in a unit of so many pascals, as the shortest numbers that give these pressures."""
+    """Return pressures in a unit of `pascals` Pa, rounded to the shortest numbers that convert back exactly."""
     exact = pressures / pascals
     short = np.vectorize(lambda number: float(f"{number:.15g}"), otypes=[float])(exact)
     return np.where(short * pascals == pressures, short, exact)
@@ -83,7 +83,7 @@ def marked(data: xr.Dataset) -> xr.Dataset:
 
 
 def check_normalised(data: Any) -> None:
-    """Refuse what is no Dataset, is in SI units already, or has a variable whose unit arithmetic may have changed."""
+    """Refuse anything but a Dataset in normalised units whose variables are not results of arithmetic."""
     if not hasattr(data, "data_vars"):
         raise ValueError(f"data must be a Dataset of weier, got {shown(data)}: {CONVERT_DATASET}")
     if known := {*BODIES} & data.attrs.keys():

@@ -22,7 +22,7 @@ CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
 LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
-# Texts that several comments have in common.
+# Phrases that several comments share.
 DATUM = "It counts from the undeformed profile whose waves all peak together"
 ERROR = "{} Other methods state an estimate: the documentation has the fraction of numbers within it."
 COMPLIANCE_ERROR = (
@@ -61,7 +61,7 @@ class Check(IntEnum):
 
     @classmethod
     def from_bool(cls, holds: bool | None) -> Check:
-        """Return the result of a condition that holds, does not hold, or could not be measured (None)."""
+        """Return the check of a condition that is true, false, or not measured (None)."""
         return cls.not_measured if holds is None else cls(holds)
 
     @property
@@ -274,7 +274,7 @@ COORDINATES = tuple(name for name, entry in VARIABLES.items() if entry.content =
 
 
 def curve_variables(returned: Collection[str], edges: bool) -> list[str]:
-    """Return the variables of curves by methods that return these names, with the edges of contact or without."""
+    """Return the names of the variables of a file, given the results of its methods and whether it keeps edges."""
     return [
         name
         for name, entry in VARIABLES.items()
@@ -296,7 +296,7 @@ def attributes(name: str, table: Mapping[str, Variable] = VARIABLES, unit: str =
     """Return the CF attributes of a variable in a file; `unit` overrides that of the table."""
     entry = table[name] if not unit else table[name]._replace(unit=unit)
     known: dict[str, Any] = units.described(entry.long_name, entry.unit) | {"coverage_content_type": entry.content}
-    if entry.dtype != "f8":  # texts and numbers of things have no units
+    if entry.dtype != "f8":  # texts and counts have no units
         del known["units"]
     known |= {attribute: text for attribute, text in (("symbol", entry.symbol), ("comment", entry.comment)) if text}
     return known | (flags(entry.flags) if entry.flags else {})

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # Files carry no dates, so that the same data give the same bytes.
 METADATA: dict[str, dict[str, Any]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
-VALUES = "csv"  # a further format, the values of a figure
+VALUES = "csv"  # suffix of the values of a figure
 
 # Variables that no figure shows, and further ones that figures of grouped curves do not show: of a hundred thousand
 # cases at 40 loads by four methods, each variable takes 128 MB.
@@ -130,7 +130,7 @@ KINDS = {
 
 
 def undrawn(kind: str) -> tuple[str, ...]:
-    """Return the variables of curves that figures of a kind do not show."""
+    """Return the variables that figures of a kind do not use."""
     grouped = kind in KINDS and KINDS[kind].grouped
     return UNDRAWN + tuple(name for name in UNGROUPED if grouped and name != kind)
 
@@ -147,7 +147,7 @@ def draw(
 
     from weier.figures.style import SHEET
 
-    # The reset keeps the user's own matplotlibrc out of the figure.
+    # Resetting keeps the user's matplotlibrc out of the figure.
     with matplotlib.style.context(SHEET, after_reset=True):
         save(_drawn(wanted, studies), path, formats)
 

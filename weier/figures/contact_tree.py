@@ -15,7 +15,7 @@ from weier.figures import style
 from weier.figures.values import keep_band, line
 from weier.kernels.arrays import Array
 
-SAMPLES = 2000  # points of the profile, more than the print resolves
+SAMPLES = 2000  # points of the profile, finer than print resolves
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
@@ -41,7 +41,7 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
     rectangles = _rectangles(edges, loads, period)
     axes.add_collection(PolyCollection(rectangles, facecolors=style.BLUE, edgecolors="none", label="contact"))
     left, right, upper, _ = np.transpose(rectangles, (1, 2, 0))
-    ends = np.ravel([left[0], right[0]], "F")  # of one contact after the other
+    ends = np.ravel([left[0], right[0]], "F")  # alternates left and right ends
     keep_band(axes, "contact", ends, np.repeat(left[1], 2), np.repeat(upper[1], 2))
     axes.set(xlim=(0, period), yscale="log", ylim=(loads[0], loads[-1]))
     axes.set(xlabel=style.LABELS["x"], ylabel=style.LABELS["mean_pressure"])
@@ -52,7 +52,7 @@ def _draw_tree(axes: Axes, case: xr.Dataset) -> None:
 def _rectangles(edges: Array, loads: Array, period: float) -> list[Array]:
     """Return a rectangle for each contact, up and down to the middle between neighbouring loads.
 
-    A contact that reaches over the end of the period is drawn at both of its ends.
+    A contact across the end of the period is drawn at both ends.
     """
     middle = np.sqrt(loads[1:] * loads[:-1])
     low, high = np.append(loads[0], middle), np.append(middle, loads[-1])

@@ -17,7 +17,7 @@ from weier.figures import lines, style
 from weier.figures.values import band, line
 from weier.surface.profile import PARAMETERS
 
-HEIGHT = 2.1  # inches, of a panel
+HEIGHT = 2.1  # height of a panel (inches)
 # The bounds for these numbers of resolved terms are drawn, from light to dark, and those for the largest number.
 BANDS = (1, 2, 4)
 

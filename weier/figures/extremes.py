@@ -14,7 +14,7 @@ from weier.figures.values import line
 from weier.methods import registry
 from weier.surface.profile import PARAMETERS
 
-POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # The labels of the axis of loads are these powers of ten.
+POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # powers of ten labelled on the load axis
 # Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
 NEAR, LINEAR_SCALE = 2, 1.6
 

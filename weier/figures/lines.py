@@ -20,7 +20,7 @@ from weier.kernels.arrays import Array, Flags
 from weier.methods.curve import QUANTITIES
 
 PIECES = 8  # segments between two loads that look smooth in print
-DECADES = 4  # over which a resistance that falls to 0 is drawn, more than an axis shows
+DECADES = 4  # decades drawn of a resistance that falls to 0, more than an axis shows
 
 
 def line(case: xr.Dataset, quantity: str, method: str | None) -> tuple[Array, Array] | None:
@@ -51,7 +51,7 @@ def compliance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
 
 
 def compliance_at(fine: Array, loads: Array, h: Array, slope: Array) -> Array:
-    """Return the compliances of one or several curves, shape (..., loads), at loads between theirs."""
+    """Interpolate the compliances of one or several curves, shape (..., loads)."""
     piece = np.minimum(np.searchsorted(loads, fine, side="right") - 1, loads.size - 2)
     width = (loads[1:] - loads[:-1])[piece]
     t = (fine - loads[piece]) / width
@@ -85,7 +85,7 @@ def resistance_line(loads: Array, h: Array, slope: Array) -> tuple[Array, Array]
 
 
 def zero_load(loads: Array, h: Array, slope: Array, last: int) -> float:
-    """Return the load at which the resistance is 0, after the load of this number and not after the next."""
+    """Return the load at which the resistance vanishes, between a load and the next one."""
     return float(min(loads[last] + 2 * (h[last + 1] - h[last]) / slope[last], loads[last + 1]))
 
 

@@ -11,7 +11,7 @@ from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 
 def make_product(curves: Curves, stamp: Path, folder: Path) -> None:
-    """Make the product that a stamp is of in a folder of this name.
+    """Make the product of a stamp in a folder.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def _make(curves: Curves, folder: Path, name: str) -> None:
     if name == DATA:
         claims.write(curves, folder / DATA, folder / CLAIMS)
     elif name == PAGE:
-        from weier.figures import page  # bokeh takes half a second, and is in an extra
+        from weier.figures import page  # bokeh takes half a second to import and is an extra
 
         page.write(curves, folder / PAGE)
     else:

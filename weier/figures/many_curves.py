@@ -41,16 +41,16 @@ STATED: dict[str, Any] = {"alpha": 0.35, "linewidth": 0, "zorder": 1.8}
 VISIBLE = {"compliance": 0.01, "resistance": 0.05}
 PERCENTILES = 50, 10, 90  # the median and the ends of its band
 BAND_NAME = "10 to 90 %"
-NOUNS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}  # in place of a symbol
-SURFACES = (*PARAMETERS, "trace")  # distinguish surfaces, besides phases
-MAX_VALUES = 2**22  # Loads times curves that are reduced at once, 32 MB.
+NOUNS = {"method": "methods", "trace": "traces", "phases": "phases", "seed": "phases"}  # have no symbol
+SURFACES = (*PARAMETERS, "trace")  # parameters other than phases that distinguish surfaces
+MAX_VALUES = 2**22  # maximum number of loads times curves reduced at once, 32 MB
 
 
 class PlottedCurve(NamedTuple):
     """The curves of one method that look alike, reduced to a line and a band.
 
-    own : the values of the study of the first of them
-    first : the row of the first of them in the table of curves
+    own : the values of the study of the first curve
+    first : the row of the first curve in the table of curves
     loads, values : the line
     band : the low and the high end of the band, shape (2, loads); None for a single curve
     members : number of curves
@@ -81,7 +81,7 @@ class PlottedCurve(NamedTuple):
 def draw(studies: Sequence[xr.Dataset], title: str, quantity: str, **options: Any) -> Figure:
     """Draw compliance over mean pressure up to full contact, or another quantity on logarithmic axes."""
     figure, panels, extent = compare(studies, title, quantity, **options)
-    if quantity == COMPLIANCE:  # on an axis that shows light loads
+    if quantity == COMPLIANCE:  # the axis must show light loads
         style.set_load_axis(panels[0], extent.first_load, extent.full_contact)
         panels[0].set_ylim(bottom=0)
     else:
@@ -123,7 +123,7 @@ def compare(
     )
     bands: dict[str, Patch] = {}
     ensembles = values_of(behind, quantity, interface)
-    for axes in panels:  # else each band would set the limits of all panels
+    for axes in panels:  # otherwise each band would rescale all panels
         axes.set_autoscale_on(False)
     for number, (axes, value) in enumerate(zip(panels, shown, strict=True)):
         members = [curve for curve in drawn if tuple(curve.first[name] for name in grouping.facet) == value]
@@ -137,7 +137,7 @@ def compare(
     _add_legend(figure, panels, _legend(drawn, grouping) + list(bands.values()))
     for axes in panels:
         axes.autoscale()
-        if interface:  # a power of ten stands beside the title
+        if interface:  # the power of ten of an axis is next to the title
             axes.yaxis.get_offset_text().set(x=-0.02, horizontalalignment="right")
     above = list(filter(None, [title, shared if len(shown) > 1 else ""]))
     figure.set_figheight(figure.get_figheight() + 0.2 * len(above))  # inches for each line
@@ -212,12 +212,12 @@ def _join(labels: Iterable[str]) -> str:
 
 
 def _by_dash(drawn: Sequence[PlottedCurve], grouping: Grouping) -> bool:
-    """Return whether dashes distinguish the methods, since colours and panels do not."""
+    """Return whether dashes must distinguish the methods because colours and panels do not."""
     return "method" not in (grouping.colour or "method", *grouping.facet) and len(_values(drawn, "method")) > 1
 
 
 def _look(curve: PlottedCurve, drawn: Sequence[PlottedCurve], grouping: Grouping) -> dict[str, Any]:
-    """Return the style of a curve: that of its method, or the colour of a parameter with dashes for methods."""
+    """Return the style of a curve: the style of its method, or a parameter's colour and the method's dashes."""
     look = style.points(curve.method) if curve.points else style.line(curve.method)
     if grouping.colour in ("", "method"):
         return look
@@ -233,7 +233,7 @@ def _draw(axes: Axes, members: Sequence[PlottedCurve], drawn: Sequence[PlottedCu
     for curve in members:
         look = _look(curve, drawn, grouping)
         if curve.method in numerical_names():
-            look["zorder"] = 1.9  # below the estimates, which are thinner than it or have gaps
+            look["zorder"] = 1.9  # draws it below the thinner or dashed estimates
         name = _join(_label(drawn, part, curve.first[part]) for part in (grouping.colour, "method") if part)
         line(axes, name, curve.loads, curve.values, **look | {"label": name})
         if curve.band is not None:
@@ -259,7 +259,7 @@ def _draw_behind(
 
 
 def _differing(same: pd.DataFrame) -> list[str]:
-    """Return the parameters in which some curves differ; phases where they have several waves, as many each."""
+    """Return the parameters in which curves differ; phases count for m > 1 if all curves have the same m."""
     differing = [name for name in SURFACES if same[name].nunique(dropna=False) > 1]
     by_phases = "m" not in differing and same["phases"][same["m"] != 1].nunique() > 1
     return differing + ["seed" if same["seeded"].all() else "phases"] * by_phases
@@ -274,7 +274,7 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
     if stated is None or values is None:
         return None
     width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
-    of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # by its logarithmic axis
+    of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # R has a logarithmic axis
     wide = width / of >= VISIBLE[quantity]
     if not (wide[1:] & wide[:-1]).any():
         return None

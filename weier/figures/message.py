@@ -24,7 +24,7 @@ THEORIES: tuple[tuple[Any, str, Any], ...] = (
     (cascade, cascade.METHOD.label, (0, cascade.METHOD.style.dashes)),
     (persson, persson.METHOD.label, ":"),
 )
-WIDTH, HEIGHT = 2.9, 2.3  # inches, of a panel
+WIDTH, HEIGHT = 2.9, 2.3  # size of a panel (inches)
 # The loads, in p_0*: light, intermediate and heavy.
 LOOKS = {0.01: (style.BLUE, "o"), 0.1: (style.VERMILLION, "s"), 1.0: (style.BLACK, "^")}
 
@@ -69,7 +69,7 @@ def _draw(axes: Axes, found: pd.DataFrame, quantity: str, color: str, marker: st
     D, gamma, load = found[["D", "gamma", "load"]].iloc[0]
     terms = np.array(list(by_terms.groups))
     rows = np.transpose([np.percentile(own[quantity], [BAND[0], 50, BAND[1]]) for _, own in by_terms])
-    low, middle, high = np.where(rows > 0, rows, np.nan)  # no resistance in full contact
+    low, middle, high = np.where(rows > 0, rows, np.nan)  # R = 0 in full contact
     label = f"p = {load:g}"
     band(axes, f"{label}, {BAND[0]} to {BAND[1]} %", terms, low, high, color=color, alpha=0.18, linewidth=0)
     line(axes, f"{label}, median", terms, middle, color=color, marker=marker, markersize=3, linestyle="-")

@@ -14,7 +14,7 @@ from weier.figures.values import line
 from weier.surface.profile import Profile
 
 LENGTH = 2  # lambda_0, as in the paper
-SAMPLES_PER_WAVE = 32  # per finest wave, so that the polygon looks smooth
+SAMPLES_PER_WAVE = 32  # samples per finest wave, for a smooth polygon
 MAX_SAMPLES = 2**13  # four samples per printed dot
 
 

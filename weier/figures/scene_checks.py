@@ -73,7 +73,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     """Yield mistakes of a figure, each with its key, which is empty for the whole figure."""
     known = {name: kind for name, kind in KINDS.items() if not kind.command}
     if figure.draw not in known:
-        if figure.draw:  # else that is a mistake of its own
+        if figure.draw:  # a missing key is reported elsewhere
             yield "draw", unknown("a figure of studies", figure.draw, known)
         return
     kind = known[figure.draw]

@@ -21,7 +21,7 @@ from weier.methods.method import DEFAULT_STYLE, Style
 from weier.scene import Axis
 from weier.scene.figure import MAX_PANELS
 from weier.surface.profile import MAX_DENOMINATOR, PARAMETERS
-from weier.units import THERMAL_RESISTANCE, PASCAL
+from weier.units import PASCAL, THERMAL_RESISTANCE
 
 Group = TypeVar("Group")
 Color = tuple[float, ...]
@@ -32,9 +32,9 @@ HEIGHT = 2.6
 LEGEND_ROW = 0.17
 GRID_PANELS = {1: (WIDTH, HEIGHT), 2: (2.9, 2.4), 3: (2.3, 2.0)}
 MAX_GRID = 12  # More panels do not fit on a page.
-LINEAR_DECADES = 2  # A linear axis of more decades of loads hides the lightest ones.
-FAINT_ALPHA = 0.3  # The opacity of single curves among many, so that overlapping ones remain visible.
-LOGARITHMIC_MARGIN = 1.3  # The factor between the extreme values and the ends of a logarithmic axis.
+LINEAR_DECADES = 2  # Over more decades, a linear axis hides the lightest loads.
+FAINT_ALPHA = 0.3  # opacity of single curves among many, so that overlaps remain visible
+LOGARITHMIC_MARGIN = 1.3  # ratio of the ends of a logarithmic axis to the extreme values
 
 GREY = "0.35"  # Legend entries without a colour of their own are grey.
 
@@ -75,7 +75,7 @@ DASHES = (
 # between points over the diagonal of the axes.
 POINTS: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 0.7, "markevery": 0.06}
 SPARSE_POINTS: dict[str, Any] = {"markevery": 0.15, "markersize": 2.2, "markeredgewidth": 0.6}
-# The look of a band between bounds.
+# style of a band between bounds
 BOUND: dict[str, Any] = {"facecolor": "0.88", "edgecolor": "0.35", "linewidth": 0.7, "zorder": 1}
 
 
@@ -100,7 +100,7 @@ def points(method: str) -> dict[str, Any]:
 
 
 def counts(method: str) -> bool:
-    """Return whether axes follow the curves of a method: those of the paper, and numerical ones."""
+    """Return whether axes follow the curves of a method: a method of the paper, or a numerical one."""
     return any(entry.in_paper or entry.numerical for entry in registry.METHODS if entry.name == method)
 
 
@@ -160,7 +160,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
         if number >= panels:
             panel.remove()
             continue
-        if number + columns >= panels:  # nothing stands below it
+        if number + columns >= panels:  # no panel is below it
             panel.tick_params(labelbottom=True)
             panel.set_xlabel(x)
         if number % columns == 0:
@@ -171,7 +171,7 @@ def grid(panels: int, x: str, y: str, columns: int | None = None) -> tuple[Figur
 def limit_panels(
     title: str, groups: Sequence[Group], noun: str, most: int = MAX_PANELS
 ) -> tuple[str, Sequence[Group]]:
-    """Return the groups that fit and a title that states how many are omitted; ValueError without groups."""
+    """Return the groups that fit, and a title that counts the omitted ones; raises ValueError without groups."""
     if not groups:
         raise ValueError(f"there are no {noun} to draw in these studies")
     note = f"{most} of {len(groups)} {noun}" if len(groups) > most else ""
@@ -202,7 +202,7 @@ def _set_axis(axes: Axes, name: str, wanted: Axis) -> None:
         values = np.concatenate([[], *(getattr(artist, f"get_{name}data")() for artist in axes.get_lines())])
         positive = values[values > 0]
         low = 0 if wanted.scale == "linear" else positive.min() if positive.size else high / 10
-        getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # above 0 while it is logarithmic
+        getattr(axes, f"set_{name}lim")(max(low, np.finfo(float).tiny), high)  # a logarithmic axis must stay above 0
         getattr(axes, f"set_{name}scale")(wanted.scale)
     ends = (low if wanted.low is None else wanted.low, high if wanted.high is None else wanted.high)
     getattr(axes, f"set_{name}lim")(*ends)
@@ -242,7 +242,7 @@ def describe(case: xr.Dataset, *names: str) -> str:
 
 
 def symbol(name: str) -> str:
-    """Return the symbol of a parameter in mathtext, where Greek letters have names."""
+    """Return the symbol of a parameter in mathtext, which names Greek letters."""
     letter = VARIABLES[name].symbol
     return letter if len(letter) == 1 else f"\\{letter}"
 

@@ -19,14 +19,14 @@ from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
-UNITS = "p_0*", "g_0", "g_0/p_0*"  # of loads, compliance and resistance
+UNITS = "p_0*", "g_0", "g_0/p_0*"  # units of load, compliance and resistance
 
 
 class Extent(NamedTuple):
     """The loads and values of a figure: the first load and full contact, the least positive value and the largest.
 
-    The least is that of the numerical curves, if there are any, since an estimate may vanish long before the contact
-    is full. The largest is that of the methods of the paper and of numerical ones, if there are any.
+    The least value is taken over the numerical curves, if any, since an estimate may vanish long before the contact
+    is full. The largest value is taken over the methods of the paper and the numerical ones, if any.
     """
 
     first_load: float
@@ -64,7 +64,9 @@ class Values:
 
     def case(self, row: int) -> xr.Dataset:
         """Return one case, in the units of the figure."""
-        case = self.study.isel(case=row).drop_vars("contact_fraction", errors="ignore")  # no warning of yield again
+        case = self.study.isel(case=row).drop_vars(
+            "contact_fraction", errors="ignore"
+        )  # the warning of yield was already given
         return self._interface.at(case).in_si(case) if self._interface else case
 
     def line(self, row: int, column: int, points: bool = False) -> tuple[Array, Array]:

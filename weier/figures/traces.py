@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-# The possible differences between two traces of one name, and their text in a legend, in this order.
+# Properties that may distinguish two traces of one name, in order, with their text in a legend.
 DIFFERENCES: dict[str, Callable[[Any], str]] = {
     "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
     "trace_ends": str,
@@ -20,7 +20,7 @@ DIFFERENCES: dict[str, Callable[[Any], str]] = {
 
 
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
-    """Return a name for the trace of each case, empty for a series: each trace has one of its own.
+    """Return a unique name for the trace of each case, empty for a series.
 
     It is the path of the file in the folder that all have in common, and the differences between traces of this path:
     the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
@@ -36,11 +36,11 @@ def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
         alike = [other for other in known if other["trace"] == trace["trace"]]
         names[trace["trace_digest"]] = ", ".join([trace["trace"][folder:] or "trace", *_differences(trace, alike)])
     shown = (names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces)
-    return [f" {name}" if name.startswith("_") else name for name in shown]  # else matplotlib hides it
+    return [f" {name}" if name.startswith("_") else name for name in shown]  # matplotlib hides "_..."
 
 
 def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
-    """Return the texts that distinguish a trace from others of the same name: as few as suffice, in order."""
+    """Return the shortest list of texts, in order, that distinguishes a trace from others of the same name."""
     found: list[str] = []
     for name, text in DIFFERENCES.items():
         if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:

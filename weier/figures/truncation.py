@@ -16,9 +16,9 @@ from weier.figures.values import band, line
 from weier.methods.curve import COMPLIANCE
 from weier.surface.profile import PARAMETERS
 
-# The datum is that of the infinite series, unlike in Fig. 3, where it is that of the m waves.
+# The datum belongs to the infinite series; in Fig. 3 it belongs to the m waves.
 LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
-# The inset is at this part of the range of loads, where the curves are steep and far from full contact.
+# position of the inset in the range of loads: curves are steep there and far from full contact
 ZOOM = 0.03, 0.05  # half the width and height of the region shown, over the ranges of loads and values
 
 

@@ -1,4 +1,4 @@
-"""The table of a figure, of which lines and bands are drawn: its values as CSV, headed by the labels of the axes."""
+"""Draw lines and bands and keep their values, to write them as CSV with the labels of the axes as headings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-# Formulas of matplotlib in plain text, between signs of dollars that stand for themselves behind a backslash.
+# Dollar signs delimit mathtext unless escaped by a backslash; SIGNS converts mathtext to plain text.
 DOLLAR = re.compile(r"(?<!\\)\$")
 SIGNS = (
     (r"\\(?:bar|mathrm)\{([^}]*)\}", r"\1"),
@@ -22,7 +22,7 @@ SIGNS = (
 
 
 def line(axes: Axes, name: str, x: Any, y: Any, **look: Any) -> None:
-    """Draw a line, and keep its values; the look may have another label for the legend."""
+    """Draw a line and keep its values; `look` may override the label of the legend."""
     _keep(axes, name, x, {"": y})
     axes.plot(x, y, **{"label": name} | look)
 
@@ -34,18 +34,18 @@ def band(axes: Axes, name: str, x: Any, low: Any, high: Any, **look: Any) -> Non
 
 
 def keep_band(axes: Axes, name: str, x: Any, low: Any, high: Any) -> None:
-    """Keep the ends of what is drawn otherwise."""
+    """Keep the ends of a band that is drawn elsewhere."""
     _keep(axes, name, x, {", low": low, ", high": high})
 
 
 def _keep(axes: Axes, name: str, x: Any, values: dict[str, Any]) -> None:
-    """Keep the values of a curve, by the ends of their headings."""
+    """Keep the values of a curve in a dict by suffix of their headings."""
     vars(axes.figure).setdefault("curves", []).append((axes, name, x, values))
 
 
 def as_csv(figure: Figure) -> str:
     """Return all points: panel and curve, and for each pair of axes x, y, and the ends of bands."""
-    import pandas as pd  # which takes a third of a second
+    import pandas as pd  # importing it takes a third of a second
 
     parts = []
     for axes, name, x, values in vars(figure)["curves"]:
@@ -60,7 +60,7 @@ def as_csv(figure: Figure) -> str:
 
 
 def _title(axes: Axes) -> str:
-    """Return the title of a panel, or that of another panel of its column; the sheet of the style has it left."""
+    """Return the title of a panel, or of another panel in its column; the style sheet puts titles at the left."""
     columns = [(one, getattr(one.get_subplotspec(), "colspan", None)) for one in (axes, *axes.figure.axes)]
     same = [one for one, column in columns if column == columns[0][1]]
     return next(filter(None, (one.get_title(loc=place) for one in same for place in ("left", "center"))), "")
@@ -74,7 +74,7 @@ def _label(axes: Axes, name: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Return a text of matplotlib without its signs of formulas; what is between formulas, as names, stays."""
+    """Convert mathtext to plain text; text outside formulas, such as names, is unchanged."""
     parts = DOLLAR.split(text)
     for pattern, sign in SIGNS:
         parts[1::2] = [re.sub(pattern, sign, part) for part in parts[1::2]]

@@ -21,7 +21,7 @@ from weier.kernels.arrays import Array
 from weier.methods import registry
 
 WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
-FLOOR, CEILING = 1e-15, 10.0  # The range of errors on the axis; smaller ones are drawn at its lower end.
+FLOOR, CEILING = 1e-15, 10.0  # range of the error axis; smaller errors are drawn at its lower end
 LABELS = {"compliance": r"error of $h/g_0$", "resistance": r"error of $R$, in max$(R,\,g_0/p_0^{*})$"}
 # The looks of errors, stated errors, backgrounds, the legend and names.
 SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
@@ -30,7 +30,7 @@ NAME: dict[str, Any] = {"fontsize": 7, "linespacing": 1, "verticalalignment": "b
 
 
 class Line(NamedTuple):
-    """Milliseconds for a load, the mean over some profiles, and the largest errors, by the settings of a method."""
+    """Mean time per load over the profiles (ms) and largest errors, for each setting of a method."""
 
     method: str
     milliseconds: Array
@@ -43,7 +43,7 @@ def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:
     (data,) = studies
     if not np.isfinite(data["seconds"]).any():
         raise ValueError("there are no times to draw in these data")
-    title, columns = style.limit_panels(title, _series(data), "series", most=6)  # as many as fit into the width
+    title, columns = style.limit_panels(title, _series(data), "series", most=6)  # six columns fit the width
     # Two panels of 1.75 inches and the legend leave space for text on a page.
     figure = Figure(figsize=(WIDTH, 1.75 * len(LABELS) + 0.4), layout="constrained")
     axes = figure.subplots(len(LABELS), len(columns), sharex=True, sharey=True, squeeze=False)
@@ -97,7 +97,7 @@ def _draw_panel(axes: Axes, lines: Sequence[Line], named: bool) -> None:
     for method, low, high in _fastest(lines):
         color = _look(method)["color"]
         axes.axhspan(low, high, color=color, alpha=0.16, linewidth=0)
-        if named and high / low >= 300:  # A background over this factor of errors is high enough for a name.
+        if named and high / low >= 300:  # a background that spans this factor of errors has room for a name
             text = f"fastest:\n{_look(method)['label']}"
             axes.text(0.05, 1.5 * low, text, transform=axes.get_yaxis_transform(), **NAME)
     for own in lines:
@@ -117,7 +117,7 @@ def _fastest(lines: Sequence[Line]) -> Iterator[tuple[str, float, float]]:
 
 
 def _look(method: str) -> dict[str, Any]:
-    """Return line and symbol of a method. Other figures have all numerical methods in black, on one curve."""
+    """Return line and symbol of a method; other figures draw all numerical methods in black."""
     look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
     return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
 

@@ -17,9 +17,9 @@ from weier.pipeline.jobs import solve
 from weier.pipeline.needed_curves import SURFACE, Curves, Part
 from weier.pipeline.store import ORIGIN, SUFFIX, Store
 
-SAMPLE = 50  # curves of each kind that are solved again, evenly spread over those that there are
-RECORD = "adopted.json"  # beside the segments: the last comparison with other numerics
-NOT_COMPARED = ("seconds", ORIGIN)  # which differ from run to run
+SAMPLE = 50  # curves per kind to solve again, evenly spread over the existing ones
+RECORD = "adopted.json"  # holds the last comparison, next to the segments
+NOT_COMPARED = ("seconds", ORIGIN)  # these differ from run to run
 
 
 def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Callable[[str], None]) -> int:
@@ -71,7 +71,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
                 with replacing(store.segments(name) / path.name) as temporary:
                     temporary.write_bytes(path.read_bytes())
             write_text(store.segments(name) / RECORD, json.dumps(record, indent=1) + "\n")
-            store = Store(store.folder, store.numerics)  # which reads the copies
+            store = Store(store.folder, store.numerics)  # a new store reads the copies
             agree = "the same bits" if identical else "within the stated errors" if within else "they differ"
             verdict = "adopted" if accepted else "not adopted"
             say(f"{name} of {other.numerics}: {record['compared']} curves solved again, {agree}: {verdict}")
@@ -80,7 +80,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
 
 
 def _sample(lacking: Iterable[Part], other: Store) -> list[Part]:
-    """Return curves that are solved under the other numerics, evenly spread."""
+    """Return an evenly spread sample of the curves solved under the other numerics."""
     solved = [part.only(other.index(part.kind.name).find(part.keys)[0]) for part in lacking]
     total = sum(len(part.keys) for part in solved)
     chosen = np.zeros(total, bool)
@@ -97,14 +97,14 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
 
     same = {name: _same(*both(name)) for name in VARIABLES if name not in NOT_COMPARED}
     identical = all(same.values())
-    # Nothing of a surface has a stated error, nor has anything of an estimate.
+    # Surfaces and estimates have no stated errors.
     if part.kind.method == SURFACE or both("compliance_error")[0] is None or not same["status"]:
         return identical, identical
     return identical, all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
 
 
 def _same(*values: Any) -> bool:
-    """Return whether two arrays are the same to the last bit, but for NaN at their ends."""
+    """Return whether two arrays are bitwise identical, except for padding with NaN at their ends."""
     if any(one is None or one.dtype.kind == "U" for one in values):
         return np.array_equal(values[0], values[1])
     shape = np.max([one.shape for one in values], axis=0)

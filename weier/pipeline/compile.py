@@ -15,10 +15,10 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.registry import find_method
 from weier.surface.profile import Profile
 
-# Loads with few contacts and with few gaps, since contact patches have a problem of their own for either.
+# Few contacts and few gaps: contact patches have separate kernels for the two.
 LOADS = np.geomspace(1e-3, 10, 16)
 TWO_WAVES = Profile(D=1.25, gamma=2, m=2)  # Two waves suffice to reach all kernels of finite series.
-INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # Its tail is so small that small grids suffice.
+INFINITE = Profile(D=1.02, gamma=10, m=math.inf)  # A small tail needs only small grids.
 
 
 def compile_kernels(methods: Collection[str] = ()) -> None:

@@ -11,7 +11,7 @@ from weier.methods.settings import TOLERANCE
 from weier.scene import Case, Scene
 from weier.surface.waves import Waves
 
-MAX_SECONDS = 1e5  # A solution of more than a day is refused.
+MAX_SECONDS = 1e5  # A solution that would take more than a day is refused.
 
 
 def forecast(case: Case, loads: Array) -> list[str]:

@@ -57,9 +57,9 @@ class Solved:
         self.loads = np.unique(np.concatenate([*loads.values()]))
 
     def _among(self, parts: Iterable[Part]) -> Iterable[tuple[Part, Indices, Indices]]:
-        """Yield parts with the rows of the dataset that are of theirs, and the numbers of these in the part."""
+        """Yield each part with its rows in the dataset, and the positions of these cases in the part."""
         for part in parts:
-            number = self.cases - part.cases[0]  # the others follow
+            number = self.cases - part.cases[0]  # case numbers of a part are consecutive
             rows = np.flatnonzero((number >= 0) & (number < len(part.positions)))
             if rows.size:
                 yield part, rows, number[rows]
@@ -86,12 +86,12 @@ class Solved:
         return sorted({str(origin) for found in read if found is not None for origin in np.unique(found)})
 
     def case_variable(self, name: str) -> Values:
-        """Return a variable of the cases, shape (cases, ...)."""
+        """Return a variable that depends on the case only, shape (cases, ...)."""
         if name == "key":
             return np.array(short_keys(self.scene.keys_of_cases[self.cases]), object)
         if name == "surface_key":
             return self._joined(name, [(r, np.array(short_keys(p.keys[n]), object)) for p, r, n in self._surfaces])
-        if "edge" in VARIABLES[name].dims:  # a case has the edges of its last method
+        if "edge" in VARIABLES[name].dims:  # the last method of a case provides its edges
             return self._joined(name, [own for method in self.methods for own in self._method_parts(name, method)])
         found = [
             (rows, self._store.read(part.kind, part.keys[numbers], name)) for part, rows, numbers in self._surfaces
@@ -99,14 +99,14 @@ class Solved:
         return self._joined(name, [(rows, values) for rows, values in found if values is not None])
 
     def method_variable(self, name: str, method: str) -> Values:
-        """Return a variable of the curves by a method, shape (cases, ...)."""
+        """Return a variable of the curves of one method, shape (cases, ...)."""
         joined = self._joined(name, self._method_parts(name, method))
         if name == "status":
             joined[joined < 0] = Status.not_requested
         return joined
 
     def _method_parts(self, name: str, method: str) -> list[tuple[Indices, Values]]:
-        """Return the rows and values of each part by a method."""
+        """Return the rows and values of each part that a method has solved."""
         found = []
         for part, rows, numbers in self._parts:
             if part.kind.method != method:
@@ -119,7 +119,7 @@ class Solved:
         return found
 
     def _at_all_loads(self, name: str, values: Values, part: Part) -> Values:
-        """Return values at all loads of the dataset from those at the loads of a part."""
+        """Return values at all loads of the dataset, NaN at loads that the part does not have."""
         loads = part.product.loads
         if "mean_pressure" not in VARIABLES[name].dims or loads.size == self.loads.size:
             return values
@@ -128,7 +128,7 @@ class Solved:
         return spread
 
     def _joined(self, name: str, found: Collection[tuple[Indices, Values]]) -> Values:
-        """Return the values of all rows, shape (cases, ...), from those of some."""
+        """Combine the values of some rows into an array of all rows, shape (cases, ...)."""
         dtype = VARIABLES[name].dtype
         sizes = {"mean_pressure": self.loads.size, "term": 1}
         own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
@@ -184,7 +184,7 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
 
     Notes
     -----
-    A variable is in memory at a time, of one method, so that a file may be larger than memory.
+    Only one variable of one method is in memory at a time, so that a file may be larger than memory.
     """
     scene, solved = curves.scene, Solved(curves)
     in_memory = solved.dataset(without=solved.over_loads)
@@ -192,7 +192,7 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
     sizes = {CASE: 1, "solution_method": len(solved.methods), "mean_pressure": solved.loads.size}
     blank = {name: variables.blank(name, sizes) for name in solved.over_loads}
     like = marked(in_memory.isel(case=slice(1)).assign(blank))
-    described = in_units_of(scene, like).variables  # for attributes in the units of the scene
+    described = in_units_of(scene, like).variables  # gives attributes in the units of the scene
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
     data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
@@ -219,7 +219,7 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
     if not scene.in_si or scene.interface is None:
         return data
     own = {name: value for name, value in vars(scene.interface).items() if value is not None}
-    with warnings.catch_warnings():  # of yield, which `write` gives once
+    with warnings.catch_warnings():  # `write` warns of yield once
         warnings.simplefilter("ignore")
         return scene.interface.in_si(data).drop_attrs(deep=False).assign_attrs(own)
 

@@ -18,7 +18,7 @@ from weier.pipeline.store import Store
 from weier.scene.case import Case
 from weier.surface.spectrum import fit_columns
 
-# Seconds of work that are lost with a job that is killed (an append takes 0.02); rows that fit into memory.
+# Seconds of work lost if a job is killed (an append takes 0.02 s), and a number of rows that fits into memory.
 APPEND_SECONDS, MAX_ROWS = 10.0, 50_000
 CHANGED = "the code of weier has changed since {}: run snakemake again, which plans with the new code"
 
@@ -62,18 +62,18 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
                 if monotonic() - saved > APPEND_SECONDS or len(rows) == MAX_ROWS:
                     append(part.kind)
                     saved = monotonic()
-        finally:  # also of Ctrl-C, and of SIGTERM from a scheduler
+        finally:  # runs on Ctrl-C and on a scheduler's SIGTERM too
             append(part.kind)
 
 
 def check_code(store: Store, since: str) -> None:
-    """Refuse code on disk that has other numerics than the store."""
+    """Raise ValueError if the code on disk has other numerics than the store."""
     if numerics() != store.numerics:
         raise ValueError(CHANGED.format(since))
 
 
 def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
-    """Return the row of one curve of a kind, or what describes a surface, and the fit of a series to a trace."""
+    """Return the row of a curve, or the row that describes a surface, including the fit of a series to a trace."""
     if kind.method == SURFACE:
         row = surface_row(case.profile)
         if "trace" in case.parameters:
@@ -86,6 +86,6 @@ def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
         outcome = curve.solve()
     except (NotApplicableError, ConvergenceError) as error:
         say(f"{case.profile.describe()}, {kind.method}: {error}")
-        outcome = error.with_traceback(None)  # which would keep the arrays of the solver
+        outcome = error.with_traceback(None)  # the traceback would keep the solver's arrays alive
     row = curve_row(curve, outcome)
     return {name: value for name, value in row.items() if kind.contact_edges or np.ndim(value) < 2}

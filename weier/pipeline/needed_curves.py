@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from weier.surface.measured.trace import Trace
     from weier.surface.waves import Waves
 
-SURFACE = "surface"  # in place of a method: what describes a surface itself
-CLOSED = "closed_form"  # group of the methods that need no compiled kernels of their own
+SURFACE = "surface"  # stands for the method in rows that describe a surface
+CLOSED = "closed_form"  # group of methods without compiled kernels
 
 
 class Kind(NamedTuple):
-    """What curves have in common.
+    """The settings that curves of one kind share.
 
     method, settings : the method with all its settings, or SURFACE
     loads : in p_0*, or in Pa with `modulus`
@@ -105,7 +105,7 @@ class Part:
         return Part(self.kind, self.product, self.cases[rows], self.positions[rows])
 
     def share(self, number: int, count: int) -> Part:
-        """Return the share of one of several jobs, which depends on the key and the kind of each curve alone."""
+        """Return the share of job `number` of `count`; it depends only on the keys and kinds of the curves."""
         return self.only((self.keys + key_of(self.kind.name)) % np.uint64(count) == number)
 
     @cached_property
@@ -148,7 +148,7 @@ class Curves:
                 self.parts += [Part(kind_of(product, method, scene), *own) for method in product.methods]
 
     def parts_for(self, studies: Collection[str] | None = None) -> list[Part]:
-        """Return what these studies need, or all, surfaces first."""
+        """Return the parts that these studies need, or all parts; surfaces come first."""
         wanted = np.full(len(self.scene.distinct), studies is None)
         for study in studies or ():
             wanted[self.scene.cases_of_study(study)] = True

@@ -1,4 +1,4 @@
-"""The products of a scene, and the stamps that say what each was made of.
+"""The products of a scene, and the stamps that record what each product was made from.
 
 `results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp: its name is the digest of the curves that the product reads, its
 entry in the scene and the code that makes it, so that Snakemake's plain rule, a missing file is made, does
@@ -19,10 +19,10 @@ from weier.scene.identity import digest_of_keys
 
 # The products of a scene besides its figures, whose names have no dot: the dataset with the claims, and the explorer.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
-FORMATS = ("png", "pdf", "svg", "csv")  # of each figure
+FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
 STAMPS = ".made_of"
 DATA_ROOMS, FIGURE_ROOMS = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
-TEXTS = (".py", ".css", ".html", ".js", ".mplstyle")  # suffixes of what figures and the explorer are made with
+TEXTS = (".py", ".css", ".html", ".js", ".mplstyle")  # suffixes of the source files of figures and the explorer
 
 
 def names_of(scene: Scene) -> list[str]:
@@ -49,7 +49,7 @@ def made_of(curves: Curves, product: str) -> str:
     cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]
     common: list[Any] = [scene.name, product, numerics(), cases, curves.digest(studies), repr(scene.interface)]
     common.append(scene.load_unit)
-    if product == DATA:  # with SOURCE_DATE_EPOCH, it has neither the date of the run nor seconds
+    if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
         own = [scene.text, source_date(), digest_of_modules(*DATA_ROOMS)]
     elif product == PAGE:
         own = [scene.title, digest_of_modules(*FIGURE_ROOMS, suffixes=TEXTS)]
@@ -59,7 +59,7 @@ def made_of(curves: Curves, product: str) -> str:
 
 
 def stamp_of(folder: Path, product: str, made_of: str) -> tuple[Path, bool]:
-    """Return the stamp of a product with this digest, and whether the files of the product are those in the stamp.
+    """Return the stamp of a product with this digest, and whether the product's files equal those in the stamp.
 
     A product whose files have changed since needs a stamp of another name, which is missing.
     """

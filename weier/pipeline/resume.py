@@ -1,4 +1,4 @@
-"""Files of `weier solve` that lack loads: what they must have in common with a request, and the curves they have."""
+"""Incomplete files of `weier solve`: check that they match the request, and read their curves."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
             {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}, own
         ),
     }
-    if data["surface_key"].values[0] == surface_key(case):  # however it is written
+    if data["surface_key"].values[0] == surface_key(case):  # the spelling of a value does not matter
         del differences["another surface"]
     for what, pair in differences.items():
         if pair:
@@ -78,7 +78,7 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
     scales = {} if bodies is None else {unit: float(value) for unit, (value, _) in bodies.scales.items()}
     known = {}
     for method, given in settings.items():
-        if find_method(method).by_load(**given) and all(scales.values()):  # perfect conductors leave no R
+        if find_method(method).by_load(**given) and all(scales.values()):  # a unit of 0 has no inverse
             known[method] = _known(data.isel(case=0).sel(solution_method=method), loads, scales)
     return loads, {method: one for method, one in known.items() if one.loads.size}
 
@@ -110,7 +110,7 @@ def _settings(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _differing(*given: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the values in which two mappings differ, in a few words each; nothing if they do not."""
+    """Describe the values in which two mappings differ; return "" if they are equal."""
     names = [name for name in {**given[0], **given[1]} if given[0].get(name) != given[1].get(name)]
     both = (", ".join(f"{name} = {one[name]}" for name in names if name in one) or "none" for one in given)
     return tuple(both) if names else ()

@@ -30,7 +30,7 @@ from weier.surface.loads import check_range, unit_doubt
 from weier.surface.measured.trace import Trace
 from weier.surface.waves import Waves
 
-CASE_KEYS = ("source", "name", "digest")  # parameters of a trace that cases have and scene files do not
+CASE_KEYS = ("source", "name", "digest")  # keys of a trace in a case that scene files lack
 
 
 def case_of(profile: Mapping[str, Any], methods: Sequence[str], settings: Mapping[str, Any]) -> Case:
@@ -78,7 +78,7 @@ def solve_one(
         If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
     """
     check_range(loads)
-    known, _ = known or {}, code()  # before the sources can change
+    known, _ = known or {}, code()  # read the digest before the sources can change
     lacking = [~np.isin(loads, known[name].loads) if name in known else loads > 0 for name in case.methods]
     expected = forecast(case, loads[np.any(lacking, axis=0)])
     lines = [*filter(None, [unit_doubt(case.profile, loads)]), *expected]
@@ -142,7 +142,7 @@ def _parameters(profile: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _described(data: xr.Dataset, case: Case) -> xr.Dataset:
-    """Return curves of a case with what identifies their surface, loads and code, and a scene that gives them."""
+    """Return curves with digests of their surface, loads and code, and a scene that reproduces them."""
     loads = data["mean_pressure"].values
     keys = {"key": case.key(loads), "surface_key": surface_key(case)}
     named = {name: ("case", np.array([key], object), attributes(name)) for name, key in keys.items()}
@@ -160,7 +160,7 @@ def code() -> str:
 
 
 def surface_key(case: Case) -> str:
-    """Return the digest of a surface as files have it."""
+    """Return the digest of a surface in the form stored in files."""
     return short_keys(np.array([case.surface_key]))[0]
 
 

@@ -1,8 +1,8 @@
 """Solved curves in append-only segments: files of rows, each with its key.
 
 `results/curves/KIND/NUMERICS/*.npz` are the segments of a kind under one numerics, and `KIND/kind.json` describes the
-kind. A segment is written to a temporary file, synced and renamed, and never changed. Where two segments have a key, so that two
-runs have solved the same curve, either serves.
+kind. A segment is written to a temporary file, synced and renamed, and never changed. If two runs have solved the
+same curve, two segments hold its key, and either may be read.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from weier.kernels.arrays import Flags, Indices
 from weier.pipeline.needed_curves import Kind, Part
 from weier.scene.identity import Keys, distinct
 
-KEY, ORIGIN = "key", "origin"  # of each row, and of all rows of a segment
+KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
 DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
 
@@ -41,7 +41,7 @@ class Index(NamedTuple):
     row: Indices
 
     def find(self, keys: Keys) -> tuple[Flags, Indices]:
-        """Return whether there is a row of each key, and its position in the index."""
+        """Return whether each key has a row, and its position in the index."""
         place = np.searchsorted(self.keys, keys)
         return np.append(self.keys, 0)[place] == keys if self.keys.size else np.zeros(keys.shape, bool), place
 
@@ -62,7 +62,7 @@ class Store:
         self._indices: dict[str, Index] = {}
 
     def lacking(self, wanted: Iterable[Part]) -> list[Part]:
-        """Return what the store lacks of some parts, each curve once."""
+        """Return the parts reduced to curves that the store lacks, each curve once."""
         by_kind: dict[str, list[Part]] = {}
         for part in wanted:
             by_kind.setdefault(part.kind.name, []).append(part)
@@ -77,7 +77,7 @@ class Store:
         return found
 
     def read(self, kind: Kind, keys: Keys, name: str) -> NDArray[Any] | None:
-        """Return a value of each curve, shape (keys, ...), NaN or "" where it has none; None if no curve has it.
+        """Return a variable of each curve, shape (keys, ...), NaN or "" if missing; None if no curve has it.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Store:
         return joined
 
     def append(self, kind: Kind, rows: Mapping[np.uint64, Mapping[str, Any]], origin: str) -> None:
-        """Add curves by their keys as a segment: whole or not at all, and on the disk before it has its name."""
+        """Append curves as one segment, atomically: the data are synced to disk before the file gets its name."""
         if not (about := self.folder / kind.name / "kind.json").exists():
             write_text(about, json.dumps(kind._asdict(), indent=1, sort_keys=True) + "\n")
         names = dict.fromkeys(name for row in rows.values() for name in row)
@@ -131,7 +131,7 @@ class Store:
             for file in files:
                 with opened(file) as columns:
                     for member in columns.zip.infolist():
-                        columns.zip.open(member).close()  # a name that is damaged would hide its column
+                        columns.zip.open(member).close()  # a damaged name would hide its column
                     keys.append(columns[KEY])
             every = np.concatenate([np.empty(0, np.uint64), *keys])
             order = np.argsort(every, kind="stable")
@@ -146,10 +146,10 @@ class Store:
 def opened(file: Path) -> Iterator[Any]:
     """Yield the columns of a segment, which are read on access; a damaged file is a ValueError with advice."""
     try:
-        with file.open("rb") as content, np.load(content) as columns:  # which leaves a damaged file open by itself
+        with file.open("rb") as content, np.load(content) as columns:  # np.load alone leaves a damaged file open
             yield columns
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, ValueError, KeyError) as error:
-        if isinstance(error, OSError) and error.errno != errno.EINVAL:  # which a place beyond the file gives
+        if isinstance(error, OSError) and error.errno != errno.EINVAL:  # EINVAL: an offset beyond the end of the file
             raise
         raise ValueError(DAMAGED.format(file, error)) from None
 

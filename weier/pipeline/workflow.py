@@ -1,4 +1,4 @@
-"""What the Snakefile asks: which curves and products are missing, and how their curves are shared among jobs.
+"""The plan of the Snakefile: which curves and products are missing, and how jobs share them.
 
 Planning writes nothing. An invalid scene or folder ends the run with one sentence, without a traceback.
 """
@@ -28,9 +28,9 @@ from weier.pipeline.store import Store
 from weier.scene import Scene
 from weier.scene.identity import digest_of_keys
 
-CONFIG_KEYS = ("scenes",)  # what `snakemake --config` takes
+CONFIG_KEYS = ("scenes",)  # keys that `snakemake --config` accepts
 ALL = "all"  # the curves of all products of the scenes of the configuration
-BETWEEN = "~"  # between the name of a scene and of a product; neither has it
+BETWEEN = "~"  # separates scene and product; neither name contains it
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
 # job that needs more is run again with twice as many.
 BASE_MINUTES, SECONDS_FACTOR = 5, 5
@@ -65,7 +65,7 @@ class Plan:
     ) -> None:
         self.names, self.slots, self.results = names, slots, Path(results)
         self._load, self._runs, self._wants_all = cache(load), runs, False
-        # Snakemake calls these several times.
+        # Cached, since Snakemake calls them several times.
         self.curves, self.missing, self.stamp = cache(self._curves), cache(self._missing), cache(self._stamp)
 
     @cached_property
@@ -104,7 +104,7 @@ class Plan:
         return files
 
     def _stamp(self, name: str, product: str) -> tuple[Path, bool]:
-        """Return the stamp of a product, and whether it is fresh, so that dates do not count."""
+        """Return the stamp of a product, and whether it is fresh; dates do not matter."""
         with ending_in_one_sentence():
             curves = self.curves(name)
             return products.stamp_of(self.results / name, product, products.made_of(curves, product))
@@ -125,7 +125,7 @@ class Plan:
         return self._share(wildcards.scene, wildcards.what, int(wildcards.number), int(wildcards.jobs))
 
     def _share(self, name: str, what: str, number: int, count: int) -> list[str]:
-        """Return the stamps of a job's share, which does not depend on what other jobs have made meanwhile."""
+        """Return the stamps of a job's share, independently of the progress of other jobs."""
         named = products.names_of(self.scene(name))[number::count] if what == ALL else [what]
         return self._stale(name, named)
 
@@ -138,14 +138,14 @@ class Plan:
 
     @property
     def new_digests(self) -> str:
-        """A pattern of stamps that do not exist: no rule makes those that do."""
+        """A pattern that matches missing stamps only, since no rule makes existing ones."""
         known = {path.name for path in self.results.glob(f"*/{products.STAMPS}/*/*")}
         return rf"(?!({'|'.join(map(re.escape, sorted(known)))})$)[0-9a-f.]+" if known else "[0-9a-f.]+"
 
     # --- curves ---
 
     def solved(self, wildcards: Any) -> list[str]:
-        """Return the jobs that solve what the store lacks of the curves of the products that a job makes."""
+        """Return the jobs that solve the missing curves of the products that a job makes."""
         name, jobs = wildcards.scene, list[str]()
         for stamp in self.drafted(wildcards):
             own = f"{name}{BETWEEN}{Path(stamp).parent.name}"
@@ -158,7 +158,7 @@ class Plan:
         return missing(what, self.names, self.curves)
 
     def _jobs(self, what: str, group: str) -> list[str]:
-        """Return the jobs that solve what is missing of a group: as many as can run, and none that is short."""
+        """Return the jobs that solve the missing curves of a group: at most `slots`, and none too short."""
         parts = self.missing(what)[group]
         curves, seconds = sum(len(part.keys) for part in parts), sum(part.seconds for part in parts)
         count = max(1, min(self.slots, curves, math.ceil(seconds / JOB_SECONDS)))
@@ -188,7 +188,7 @@ class Plan:
         return [kernels_file(method.name) for method in methods if method.numerical]
 
     def _forecast(self) -> None:
-        """Print the expected time of what is missing; ValueError if a scene would take longer than it allows."""
+        """Print the expected time of missing curves; raises ValueError if a scene exceeds its time limit."""
         for name in self.names:
             own = self.store.lacking(self.curves(name).parts_for())
             seconds = sum(part.seconds for part in own)
@@ -198,9 +198,9 @@ class Plan:
 
 
 def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) -> dict[str, list[Part]]:
-    """Return, by the kernels that they need, the curves that the store lacks.
+    """Return the curves that the store lacks, grouped by the kernels that they need.
 
-    They are those of ALL scenes of these names, or of a product, named by SCENE~PRODUCT.
+    `what` is ALL for the named scenes, or SCENE~PRODUCT for one product.
     """
     if what == ALL:
         wanted = [part for name in names for part in curves(name).parts_for()]
@@ -247,7 +247,7 @@ def ending_in_one_sentence() -> Iterator[None]:
     The event loop of Snakemake would handle Ctrl-C only after its planning, with a traceback.
     """
     before = signal.getsignal(signal.SIGINT)
-    if before is not signal.SIG_IGN:  # as in the background of a script
+    if before is not signal.SIG_IGN:  # a script's background process ignores it
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         yield

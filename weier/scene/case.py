@@ -29,12 +29,12 @@ from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves
 from weier.units import METRE, NONE
 
-DIGITS = re.compile(r"(\D*)(\d*)")  # in the names of files
+DIGITS = re.compile(r"(\D*)(\d*)")  # splits file names into text and digits
 # Copies and locks that editors and office programs leave beside a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
-AGAINST = "against"  # the file of the other body
-HURST = "hurst"  # a parameter of random lines, which measured ones do not have
-KEPT_TRACES = 100  # traces kept in memory, since each method of a case reads its trace: of 5 MB at most
+AGAINST = "against"  # key that names the trace of the other body
+HURST = "hurst"  # only random lines have this parameter
+KEPT_TRACES = 100  # traces kept in memory (at most 5 MB each), since each method reads them again
 
 
 @dataclass(frozen=True)
@@ -55,16 +55,16 @@ class Case:
     def from_surface(
         cls, surface: Waves, methods: tuple[str, ...], settings: Mapping[str, Mapping[str, Any]]
     ) -> Case:
-        """Return the case of a surface, which is kept, since measured heights may not be in a file."""
+        """Return the case of a surface, which the case keeps, since measured heights may not come from a file."""
         return cls(surface.parameters, methods, settings, surface)
 
     @cached_property
     def surface_key(self) -> np.uint64:
-        """The key of the surface: where the file of a trace is does not change it."""
+        """The key of the surface; it does not depend on the folder of a trace file."""
         return keys_of([name, identity(name, value)] for name, value in self.parameters.items()).sum()
 
     def key(self, loads: Array) -> str:
-        """Return a digest of all that the numbers depend on except code: a case has the same key in every file."""
+        """Return a digest of everything but the code that determines the numbers; it is the same in every file."""
         return short_keys(keys_of([[self.methods, self.settings, loads.tolist()]]) + self.surface_key)[0]
 
     @cached_property
@@ -126,7 +126,7 @@ def identity(name: str, value: Any) -> Any:
 
 
 def trace_files(file: str, folder: Path) -> list[str]:
-    """Return the files of a scene in this folder that a name stands for: one, or those of a folder or a pattern.
+    """Return the files that a name in a scene refers to: one file, or the files of a folder or a pattern.
 
     The files of a folder, or of a pattern as `lab/*.csv`, are in natural order, 2 before 10, without hidden ones and
     backup copies of editors, unless the pattern names them.
@@ -152,7 +152,7 @@ def trace_files(file: str, folder: Path) -> list[str]:
 
 
 def trace_parameters(values: Mapping[str, Any], folder: Path) -> list[dict[str, Any]]:
-    """Return the traces of a trace of a scene in this folder, as parameters of a case each, with their digests.
+    """Return the parameters of a case for each trace that a key `trace` describes, with digests of the heights.
 
     There are several if all lines of a map are wanted, if the file is a pattern, and if several wavelengths are given
     for `shortest`. They are named by the path of the file in the scene, which distinguishes files of the same name in
@@ -187,7 +187,7 @@ def _traces_of_file(values: Mapping[str, Any], folder: Path) -> list[dict[str, A
     parameters: dict[str, Any] = {"source": readable(values["file"]), **values}
     parameters |= {name: str(folder / values[name]) for name in ("file", AGAINST) if name in values}
     traces = _read(parameters)
-    if "longest" in values:  # in m
+    if "longest" in values:  # its value is in m
         parameters["longest"] *= UNITS[values.get("unit", values.get("x_unit", "m"))]
     lines = [{} if trace.line is None else {"line": trace.line} for trace in traces]
     names = [{"name": trace.source, "digest": trace.digest} for trace in traces]
@@ -227,7 +227,7 @@ def _read(parameters: Mapping[str, Any]) -> list[Trace]:
 
 
 def _file_traces(parameters: Mapping[str, Any]) -> list[Trace]:
-    """Return the traces of a file, which are kept by the digest of its content."""
+    """Return the traces of a file, cached by the digest of its content."""
     with checked_file(parameters["file"]).open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     found = _read_once(json.dumps(_arguments(parameters)), digest)

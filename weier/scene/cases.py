@@ -19,7 +19,7 @@ from weier.scene.study import CaseProduct, Study
 from weier.surface.loads import check_range
 from weier.units import NORMALISED_PRESSURE
 
-# Names of scenes, studies, figures and claims are names of files and parts of paths of Snakemake.
+# Names of scenes, studies, figures and claims become file names and parts of Snakemake paths.
 MAX_NAME = 64
 NAME = rf"[A-Za-z0-9][A-Za-z0-9_-]{{0,{MAX_NAME - 1}}}"
 
@@ -66,7 +66,7 @@ class Scene:
 
     @cached_property
     def _distinct(self) -> tuple[Indices, Indices]:
-        """The first position of each distinct case among all studies, and the number of each case among those."""
+        """The first position of each distinct case in all studies, and the distinct case at each position."""
         return distinct(self._keys)
 
     @cached_property
@@ -92,7 +92,7 @@ class Scene:
 
     @cached_property
     def position_in_product(self) -> Indices:
-        """The position of each case within that product, shape (cases,)."""
+        """The position of each case in the product of `product_of_cases`, shape (cases,)."""
         starts = np.cumsum([0, *(product.count for product in self.products)])
         return self._distinct[0] - starts[self.product_of_cases]
 
@@ -111,7 +111,7 @@ class Scene:
         for column, name in enumerate(self.studies):
             member[self.cases_of_study(name), column] = True
         code: Indices = np.zeros(len(member), int)
-        for flags in member.T:  # numbers of sets, without a sort of whole rows
+        for flags in member.T:  # number the sets of studies without sorting whole rows
             code = np.unique(2 * code + flags, return_inverse=True)[1]
         first = np.unique(code, return_index=True)[1]
         names = [tuple(itertools.compress(self.studies, member[row])) for row in first]

@@ -24,7 +24,7 @@ class Grouping(NamedTuple):
     median_over: tuple[str, ...] = ()
 
     def with_defaults(self, cases: int) -> Grouping:
-        """Return the grouping; by default a panel for each of few cases, or a median over phases."""
+        """Return the grouping; without one, few cases get a panel each, and many a median over phases."""
         if self != BY_DEFAULT:
             return self
         return EACH_CASE if cases <= MAX_PANELS else MEDIAN_OVER_PHASES
@@ -79,5 +79,5 @@ class Figure(NamedTuple):
 
     @property
     def all_studies(self) -> tuple[str, ...]:
-        """The studies that it shows, and those behind them."""
+        """The studies shown, then those behind them."""
         return (*self.studies, *self.behind)

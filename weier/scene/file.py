@@ -52,7 +52,7 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     try:
         text = path.read_text(encoding="utf-8")
         document = read_yaml(text)
-    except TimeoutError:  # of a program with a time limit
+    except TimeoutError:  # the caller's time limit
         raise
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
@@ -113,7 +113,7 @@ def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
 
 
 def _mistakes_of_scene(keys: SceneKeys) -> Iterator[Mistake]:
-    """Yield mistakes in keys that go together, and names of studies that the scene does not have."""
+    """Yield mistakes in combinations of keys, and unknown names of studies."""
     if keys.loads.in_si and not keys.interface:
         yield Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")
     if keys.loads.in_si and keys.claims:

@@ -28,7 +28,7 @@ GENERATED = re.compile(r"(?<=<!-- keys of a scene -->\n).*?(?=<!-- end -->)", re
 
 
 def schema() -> dict[str, Any]:
-    """Return the JSON schema of scene files, with the names of all methods there are."""
+    """Return the JSON schema of scene files, with the names of all registered methods."""
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | models.SceneKeys.model_json_schema()
 
 

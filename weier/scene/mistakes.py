@@ -29,7 +29,7 @@ class Mistakes(dict[Keys, str]):
     """The mistakes found in a scene, at most one at each place."""
 
     def add(self, found: Iterable[Mistake]) -> None:
-        """Add mistakes, except in parts of the file that have one, which may be their cause."""
+        """Add mistakes, except in parts of the file that already have one, since it may be the cause."""
         for keys, text in found:
             if not self.within(*keys):
                 self[keys] = text
@@ -39,12 +39,12 @@ class Mistakes(dict[Keys, str]):
         return any(place[: len(keys)] == keys for place in self)
 
     def attempt(self, keys: Keys, read: Callable[[], Value], instead: Other) -> Value | Other:
-        """Return the result of `read`, or `instead` after a mistake (ValueError or OSError), which is noted."""
+        """Return the result of `read`; after a ValueError or OSError, record a mistake and return `instead`."""
         if self.within(*keys):
             return instead
         try:
             return read()
-        except TimeoutError:  # of a program with a time limit
+        except TimeoutError:  # the caller's time limit
             raise
         except (OSError, ValueError) as error:
             self[keys] = str(error)
@@ -65,5 +65,5 @@ def _described(keys: Keys, text: str) -> str:
 
 
 def one_line(text: object) -> str:
-    """Return a text without the ends of its lines."""
+    """Return a text with its line breaks removed."""
     return " ".join(str(text).split())

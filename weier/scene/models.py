@@ -40,8 +40,8 @@ from weier.surface.loads import check_pascal, check_range, listed_loads
 from weier.units import NORMALISED_PRESSURE, PASCAL, factor, mixed
 from weier.units import NUMBER as QUANTITY
 
-ABSENT: Any = None  # the value of a key that a file need not have
-SURFACES = ("product", "cases", "trace", "random")  # keys of a study, one of which it has
+ABSENT: Any = None  # default of an optional key
+SURFACES = ("product", "cases", "trace", "random")  # a study has exactly one of these keys
 
 
 class Range(Section):
@@ -64,7 +64,7 @@ class Range(Section):
         return self
 
     def values(self) -> list[float]:
-        """Return the numbers; those that are whole as integers."""
+        """Return the numbers, whole numbers as integers."""
         space = np.geomspace if self.spacing == "log" else np.linspace
         return [int(v) if v.is_integer() else v for v in space(self.first, self.last, self.count).tolist()]
 
@@ -105,7 +105,7 @@ NumberOrWord = Annotated[Number, AfterValidator(number_or_word)]
 NumberOrRange = Annotated[Any, PlainValidator(_number_or_range, json_schema_input_type=float | str | Range)]
 Phase = Annotated[Any, PlainValidator(_phase, json_schema_input_type=float | str | list[float] | Range)]
 Load = Annotated[Any, PlainValidator(_load, json_schema_input_type=float | str | LoadRange)]
-Whole = Annotated[int, Field(strict=False)]  # also 1e4
+Whole = Annotated[int, Field(strict=False)]  # accepts 1e4
 Position = Annotated[Whole, Field(ge=0)]
 Line = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
@@ -260,7 +260,7 @@ class StudyKeys(Section):
 
     @property
     def products(self) -> list[tuple[Keys, dict[str, Any]]]:
-        """The axes of each product, with its keys in the file; each trace is one."""
+        """The axes of each product with its keys in the file; each trace is a product of its own."""
         if self.product:
             return [(("product",), self.product.given)]
         if self.random:

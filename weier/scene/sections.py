@@ -34,7 +34,7 @@ class Section(BaseModel):
 
 
 class OneOrMore:
-    """A list, in place of which a single entry may stand; equal entries count once."""
+    """A list, which may be written as a single entry; duplicates count once."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return no_info_before_validator_function(as_list, handler(source))
@@ -45,7 +45,7 @@ class OneOrMore:
 
 
 def as_list(value: Any) -> Any:
-    """Return a list as it is, and another value as a list of one."""
+    """Return a list unchanged, and any other value as a list of one."""
     return value if isinstance(value, list) else [value]
 
 
@@ -57,7 +57,7 @@ def distinct(values: list[Any]) -> list[Any]:
 def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
     """Yield the mistakes of the plain values of a file, with their keys in the file.
 
-    The locations of pydantic also have marks of keys, and positions in lists for which a single value stands.
+    Pydantic's locations also contain markers of keys, and list positions of values written without a list.
     """
     for found in error.errors():
         keys, value = list[str | int](), raw
@@ -70,7 +70,7 @@ def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
 
 
 def _words(error: ErrorDetails) -> str:
-    """Return the words of pydantic, and the given value; validators of weier have words of their own."""
+    """Return pydantic's message and the given value, or the message of a validator of weier."""
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     if error["type"] == "missing":

@@ -22,7 +22,7 @@ from weier.scene.identity import Keys, key_of, keys_of
 from weier.scene.yaml import number
 from weier.surface.profile import random_phases
 
-MAX_CASES = 10_000  # default limit, since a typing error would take hours
+MAX_CASES = 10_000  # default limit; a typing error could ask for hours of work
 
 
 def check_number(count: int, most: int) -> None:
@@ -66,7 +66,7 @@ class CaseProduct:
 
     @cached_property
     def keys_without_phases(self) -> Keys:
-        """The same for methods without phases: equal for surfaces that differ in nothing else."""
+        """The keys for methods that ignore phases: surfaces that differ only in phases share a key."""
         return self._keys(without=PHASES)
 
     def _keys(self, without: Collection[str] = ()) -> Keys:
@@ -82,7 +82,7 @@ class CaseProduct:
         return self.surface_keys + key_of([self.methods, self.settings, self.loads.tolist()])
 
     def representative_cases(self, *names: str) -> Iterator[Case]:
-        """Return cases with each combination of the values of some parameters; the others have their first value."""
+        """Yield a case for each combination of the named parameters; other parameters keep their first value."""
         chosen = {name: values if name in names else values[:1] for name, values in self.axes.items()}
         product = replace(self, axes=chosen)
         return map(product.case, range(product.count))

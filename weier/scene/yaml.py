@@ -14,7 +14,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from weier.checks import checked_number
 from weier.units import NONE, parsed
 
-MAX_DEPTH = 50  # Deeper nesting is refused: a scene has ten levels, and Python's recursion has a limit.
+MAX_DEPTH = 50  # A scene has ten levels; deeper nesting would exceed Python's recursion limit.
 
 
 class Document(NamedTuple):
@@ -56,7 +56,7 @@ def read_yaml(text: str) -> Document:
 def write_yaml(values: Any) -> str:
     """Return plain values as YAML, with keys in their order."""
     yaml, text = YAML(typ="safe", pure=True), StringIO()
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]  # whose default is None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]  # the default is None
     yaml.dump(values, text)
     return text.getvalue()
 
@@ -76,7 +76,7 @@ def number_or_word(value: Any) -> Any:
 
 
 def _child(node: Node | None, key: str | int) -> tuple[StringMark, Node] | None:
-    """Return the position of a key of a mapping or an item of a list, and its value; merged keys come first."""
+    """Return the position of a key or list item, and the node of its value; own keys override merged ones."""
     if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
     pairs = node.value if isinstance(node, MappingNode) else []

@@ -18,21 +18,21 @@ from weier.theory.bounds import compliance_bounds, resistance_bounds
 
 
 class Stated(NamedTuple):
-    """The errors of compliance and resistance that a method states, shape (loads,); 0 where it states none."""
+    """Stated errors of compliance and resistance, shape (loads,); 0 if a method states none."""
 
     compliance: Array
     resistance: Array
 
 
 class Noise(NamedTuple):
-    """Errors besides the stated ones: of heights over the total amplitude, and relative ones of slopes."""
+    """Unstated errors: of heights relative to the total amplitude, and relative errors of slopes."""
 
     height: float = 1e-12
     slope: float = 1e-11
 
 
 ROUNDING = Noise()
-# Cubics through tables of accuracy 1e-5 and, of slopes, between their rows: methods with tables that state no error.
+# Errors of methods that interpolate tables of accuracy 1e-5 and state no error.
 TABLE_NOISE = {"layer": Noise(1e-6, 1e-5)}
 
 

@@ -123,10 +123,10 @@ def failures(data: xr.Dataset) -> list[str]:
 def _faults(run: xr.Dataset) -> list[str]:
     outcome = run["outcome"].values
     faults = [f"not {name}".replace("_", " ") for name in CHECKS if run[name] == Check.no and name != "one_curve"]
-    # Outcomes that no method should have.
+    # No method should have these outcomes.
     faults += [COUNTED[bad] for bad in (Outcome.unclear_error, Outcome.not_finite) if (outcome == bad).any()]
     if run["one_curve"] == Check.no and set(outcome) <= {Outcome.not_run, Outcome.finite}:
-        faults.append("not one curve")  # though each load is solved by itself
+        faults.append("not one curve")  # but each load alone is solved
     return faults
 
 

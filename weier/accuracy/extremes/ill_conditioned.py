@@ -20,9 +20,9 @@ from weier.methods.method import Method
 from weier.scene import Case
 from weier.surface.profile import Profile
 
-DISTANCES = (1e-12, 1e-8, 1e-4)  # The loads around an event are at these distances, relative to its load.
+DISTANCES = (1e-12, 1e-8, 1e-4)  # Relative distances of loads from an event.
 
-# Loads for the whole range of floats, and usual ones.
+# Loads over the whole range of floats, and usual loads.
 SWEEP = 10.0 ** np.array(
     [*range(-300, -20, 50), -30, -20, *range(-15, -3, 2), *np.arange(-3, 1.5, 0.5), 2, 6, 12, *range(50, 301, 50)]
 )
@@ -31,7 +31,7 @@ ONE_LOAD = np.array([0.1])
 
 
 def extremes() -> Iterator[Comparison]:
-    """Yield all extremes with their loads and variants; some loads are those of events, which are computed here."""
+    """Yield all extremes with their loads and variants; loads near events are computed here."""
     for name, case, chosen in EXTREMES:
         loads = chosen(case) if callable(chosen) else chosen
         yield Comparison(name, case, loads, variants(case.profile, loads))
@@ -41,20 +41,20 @@ def extremes() -> Iterator[Comparison]:
 
 
 def neighbours(*loads: float) -> Array:
-    """Return each load, and those one and two units in its last place below and above."""
+    """Return each load and its neighbours, one and two units in the last place (ulp) away."""
     below = np.nextafter(loads, 0)
     above = np.nextafter(loads, np.inf)
     return np.unique([np.nextafter(below, 0), below, loads, above, np.nextafter(above, np.inf)])
 
 
 def around(loads: ArrayLike) -> Array:
-    """Return each load, and those a little below and above."""
+    """Return each load and loads slightly below and above it."""
     steps = np.array([*(-distance for distance in DISTANCES), 0.0, *DISTANCES])
     return np.unique(np.multiply.outer(np.asarray(loads, float), 1 + steps))
 
 
 def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
-    """Return all methods with compliance and resistance that take the profile and end in time."""
+    """Return all methods that give compliance and resistance of the profile in affordable time."""
     methods = (method for method in registry.METHODS if method.stiffness)
     return tuple(by_default(method.name) for method in methods if _meets(method, profile, loads))
 
@@ -62,11 +62,11 @@ def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     try:
         method.check_applies(profile)
-    except NotApplicableError:  # of a series that is too large: the refusal takes no time and is itself examined
+    except NotApplicableError:  # the refusal of too large a series is quick and itself examined
         return method.numerical and math.isfinite(profile.m)
     try:
         method.check(profile)
-    except ValueError:  # of a tolerance out of reach, as quickly
+    except ValueError:  # so is the refusal of an unreachable tolerance
         return True
     load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
     # A method is left out if it takes longer for a curve and for its loads one by one.
@@ -123,7 +123,7 @@ EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
     ("finer waves flat to rounding", _case(1 + 1e-9, "1000000", 1000), USUAL),
     ("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
 )
-# points a wave of boundary elements: the fewest, and a million nodes
+# points per wave of boundary elements: the fewest, and a million nodes
 GRIDS = (
     ("3 nodes", ONE_WAVE, 3),
     ("10^6 nodes, one wave", ONE_WAVE, 1_000_000),

@@ -96,7 +96,7 @@ def _examine(compared: Comparison, variant: Variant) -> dict[str, Any]:
 def _check_curve(
     method: Method, profile: Profile, p: Array, h: Array, R: Array, stated: curve_checks.Stated, solution_error: float
 ) -> dict[str, Check]:
-    """Return the checks of a curve at the solved loads; those of its shape need at least two loads."""
+    """Return the checks of a curve at the solved loads; checks of its shape need at least two loads."""
     found, noise, total = (
         {},
         curve_checks.TABLE_NOISE.get(method.name, curve_checks.ROUNDING),

@@ -27,7 +27,7 @@ from weier.pipeline.gather import read_cases
 from weier.pipeline.needed_curves import Curves
 from weier.units import unit_of
 
-MAX_CASES = 1000  # As many cases of 40 loads by four methods take 4 MB of the page, with their errors.
+MAX_CASES = 1000  # With errors, this many cases at 40 loads by four methods take 4 MB of the page.
 EXPLORER_ID = ID("curves-explorer")
 HIDING = "A click on a name in a legend hides its curve."
 IN_SI = "Pressures are in {}, compliance in m and resistance in {}, for the two bodies of the scene."
@@ -41,12 +41,12 @@ def write(curves: Curves, path: Path) -> None:
 
 
 def render(data: xr.Dataset, title: str, count: int, interface: Bodies | None = None) -> str:
-    """Return the explorer of some of this number of cases as HTML."""
+    """Return the explorer of a selection of `count` cases as HTML."""
     shown = data.sizes["case"]
     cases = f"This page has all {count} cases." if count > 1 else "This page has one case."
     if shown < count:
         cases = f"This page has {shown} of {count} cases, evenly spread; the figures and contact.nc have all."
-    # Only the components of the explorer: the others would double the size of the file.
+    # Includes only the components in use; all of them would double the file size.
     library = Resources(mode="inline", components=["bokeh", "bokeh-widgets"]).render()
     item = json.dumps(json_item(curve_explorer(data, interface), EXPLORER_ID))
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)

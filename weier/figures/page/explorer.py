@@ -36,14 +36,15 @@ from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 from weier.units import unit_of
 
-LABELS = ("trace", *PARAMETERS, "phase", "case")  # select a case; the last one tells studies and settings apart
-NONE = "-"  # Stands for a label that a case does not have; a list with no other value is hidden.
-# Titles of lists that differ from their names.
+# labels that select a case; the last one distinguishes studies and settings
+LABELS = ("trace", *PARAMETERS, "phase", "case")
+NONE = "-"  # Replaces a missing label; a list without other values is hidden.
+# Titles of lists, if different from their names.
 TITLES = {
     "gamma": "\N{GREEK SMALL LETTER GAMMA}",
     "phase": "phases, in rad (a single one is of all terms but the first)",
 }
-MIN_WIDTHS = dict.fromkeys(LABELS, 6) | {"trace": 12, "phase": 18, "case": 18}  # of lists, in rem
+MIN_WIDTHS = dict.fromkeys(LABELS, 6) | {"trace": 12, "phase": 18, "case": 18}  # minimum width of each list (rem)
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 MAX_POINTS = 30  # More points of a curve would hide the line below them.
 LINE_WIDTH = 2  # pixels
@@ -109,7 +110,7 @@ def curve_explorer(data: xr.Dataset, interface: Bodies | None = None) -> Column:
 
 
 def _at_own_loads(data: xr.Dataset) -> tuple[Array, dict[str, Array]]:
-    """Return the loads and the values of each case at the loads of its study; what is shorter ends in NaN."""
+    """Return the loads and the values of each case at the loads of its study, padded with NaN."""
     known = np.isfinite(data["compliance"].values).any(axis=1)
     order = np.argsort(~known, axis=1, kind="stable")[:, : max(known.sum(axis=1))]
     pressures = np.where(np.take_along_axis(known, order, 1), data["mean_pressure"].values[order], np.nan)
@@ -167,14 +168,14 @@ def _plot(
     )
     for method, source in zip(methods, sources, strict=True):
         _draw(plot, method, quantity, source, method in as_points)
-    # The axis follows the methods that count, if there are any; curves of others may leave the frame.
+    # The axis follows the methods that count, if any; other curves may leave the frame.
     counting: Any = [glyph for method, glyph in zip(methods, plot.renderers, strict=True) if style.counts(method)]
     start: dict[str, Any] = {"start": 0} if quantity == "compliance" else {}
     plot.y_range = DataRange1d(renderers=counting or "auto", **start)
     for axis in (axis for axis in plot.axis if isinstance(axis, LogAxis)):
         ticker, formatter = FixedTicker(ticks=TICKS, minor_ticks=MINOR_TICKS), PrintfTickFormatter(format="%g")
         axis.update(ticker=ticker, formatter=formatter, major_label_policy=NoOverlap())
-    plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # where no curve is
+    plot.legend.location = "bottom_left" if quantity == "resistance" else "top_left"  # curves leave this corner free
     plot.legend.name = f"legend of {quantity}"
     plot.legend[0].update(click_policy="hide", **SMALL_LEGEND)
     return plot

@@ -1,4 +1,4 @@
-"""The claims of a scene: evaluated, and written into its dataset and into a text."""
+"""Evaluate the claims of a scene, and write them into its dataset and a Markdown file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CLAIMS", "Claim", "Judgement", "check_names", "evaluate", "write"]
 
-# Variables that no claim uses, and those that few do: most of the memory of a large study.
+# Variables that no claim uses, or only a few: they take most of the memory of a large study.
 UNUSED = ("indentation", "residual", "work", "settings", "status", "origin", "contact_edge")
 RARELY_USED = (*BOUNDS, "patch_count")
 
@@ -52,7 +52,7 @@ def write(curves: Curves, path: str | Path, table: str | Path) -> None:
         The netCDF file and the Markdown file.
 
     """
-    # The import of xarray is not needed to check the names of claims.
+    # Checking the names of claims does not need xarray.
     from weier.pipeline import gather
 
     # Only the studies of claims are read into memory, each once.

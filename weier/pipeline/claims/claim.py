@@ -49,12 +49,12 @@ class Limits(NamedTuple):
 
 
 def at_most(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """Return limits for values that must not exceed a limit; up to `factor` times it they are not decided."""
+    """Return an upper limit; values between it and `factor` times it leave the condition undecided."""
     return Limits(limit, factor * limit, 1, "at most", limit)
 
 
 def at_least(limit: float, factor: float = OPEN_FACTOR) -> Limits:
-    """Return limits for values that must reach a limit; below `factor` times it they are not decided."""
+    """Return a lower limit; values between `factor` times it and the limit leave the condition undecided."""
     return Limits(factor * limit, limit, -1, "at least", limit)
 
 
@@ -74,7 +74,7 @@ class Condition(NamedTuple):
     text : the condition as a clause
     quantity, unit : the measured quantity; "%" for fractions, empty for a number
     measure : function from the cases of one member to the value
-    limits : of the value
+    limits : the values that meet and violate the condition
     most : whether it is a tendency of most members; otherwise one member refutes it
     ensembles : the ensembles to which it applies
     error : the numerical quantity, if any, whose stated error makes a sign uncertain
@@ -129,7 +129,7 @@ class Finding(NamedTuple):
     statement, quantity, unit, ensemble : in words
     limit, met, missed, sign : the limit in words, and as in `Limits`
     value : the decisive one: of the worst member, or the median for a tendency
-    values, checks : of each member
+    values, checks : the value and the check of each member
     outcome : of all
     decides : whether the verdict depends on it
     """
@@ -159,7 +159,7 @@ class Finding(NamedTuple):
         return ", ".join([f"{first} of {total} {words}", *(f"{count} {words}" for count, words in others)])
 
 
-# The results of members in words.
+# The checks of members in words.
 VOTES = {Check.yes: "say yes", Check.no: "say no", Check.not_decided: "too close to call"}
 
 
@@ -167,7 +167,7 @@ class Judgement(NamedTuple):
     """The result of a claim.
 
     statement : the statement of the paper
-    outcome : of all findings together
+    outcome : the combined outcome of all findings
     findings : one for each condition and ensemble
     missing : the data that the studies lack, if it could not be measured
     """
@@ -179,7 +179,7 @@ class Judgement(NamedTuple):
 
     @property
     def decisive(self) -> Finding:
-        """The finding that decides the outcome: of the first condition with this outcome, the worst value."""
+        """The decisive finding: the worst value of the first condition with this outcome."""
         same = [finding for finding in self.findings if finding.decides and finding.outcome == self.outcome]
         first = [finding for finding in same if finding.statement == same[0].statement]
         return max(first, key=lambda finding: finding.sign * finding.value)

@@ -64,7 +64,7 @@ def _largest(values: Array) -> float:
 
 
 def _partial_contact(case: CaseRow) -> Flags:
-    """Return whether the contact is partial at each load; raises MissingError if it is at none."""
+    """Return whether the contact is partial at each load; raises MissingError if no load gives partial contact."""
     partial: Flags = numerical(case, "contact_fraction") < 1 - ROUNDING
     need(partial.any(), "loads of partial contact")
     return partial
@@ -93,7 +93,7 @@ def _mean(loads: Array, values: Array) -> float:
 
 
 def errors_of_elements(case: CaseRow) -> tuple[float, float]:
-    """Return the largest relative errors of elements on one wave, with one of them in contact and with more."""
+    """Return the largest relative errors of boundary elements on one wave: one node in contact, and several."""
     h, exact, fraction = curve(case, "bem"), curve(case, "westergaard"), curve(case, "bem", "contact_fraction")
     points = float(case["points"][case["solution_method"].tolist().index("bem")])
     single = points * fraction < 1.5
@@ -107,7 +107,7 @@ def _relative_curves(phases: tuple[CaseRow, ...]) -> Array:
 
 
 def distances_from_average(*phases: CaseRow) -> tuple[float, float]:
-    """Return the largest distance of a curve from the average, for phases close to 0 and pi and for others."""
+    """Return the largest distances of curves from their average, for phases near 0 and pi, and for others."""
     h, angle = _relative_curves(phases), np.array([curves.phase_angle(case) for case in phases])
     close = np.minimum(angle, np.pi - angle) <= MAX_ALIGNED_ANGLE + ROUNDING
     need(close.any() and not close.all(), "phases close to zero or pi and phases between")
@@ -163,7 +163,7 @@ def largest_rise_of_resistance(case: CaseRow) -> float:
 
 
 def width_of_bounds(case: CaseRow) -> float:
-    """Return the mean relative width of the bounds on the resistance over that of the compliance."""
+    """Return the mean relative width of the bounds on R, divided by that of the bounds on h."""
     widths = []
     for quantity in ("resistance", "compliance"):
         width = numerical(case, f"{quantity}_upper") - numerical(case, f"{quantity}_lower")
@@ -173,7 +173,7 @@ def width_of_bounds(case: CaseRow) -> float:
 
 
 def later_full_contact(*dimensions: CaseRow) -> float:
-    """Return the load close to full contact of the last case over that of the first."""
+    """Return the ratio of the loads close to full contact of the last and the first case."""
     return _full_contact_load(dimensions[-1]) / _full_contact_load(dimensions[0])
 
 
@@ -208,7 +208,7 @@ def error_at_low_loads(case: CaseRow, method: str) -> float:
 
 
 def growth_of_error(method: str, *cases: CaseRow) -> float:
-    """Return the growth of the largest error of an estimate, over full contact, from the first case to the last."""
+    """Return the increase from first to last case of an estimate's largest error, relative to full contact."""
     first, last = (_largest(excess(case, method)) / _total(case) for case in (cases[0], cases[-1]))
     return last - first
 
@@ -216,24 +216,24 @@ def growth_of_error(method: str, *cases: CaseRow) -> float:
 def resistance_errors(case: CaseRow, method: str, lowest: float = PARTIAL[0]) -> tuple[Array, Array]:
     """Return loads of partial contact, and the relative errors of the resistance by an estimate there."""
     exact = numerical(case, "resistance")
-    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
+    with np.errstate(divide="ignore", invalid="ignore"):  # full contact is excluded below
         error = curve(case, method, "resistance") / exact - 1
     return _between(case, error, lowest, PARTIAL[1])
 
 
 def resistance_range(case: CaseRow, method: str) -> tuple[float, float]:
-    """Return the least and the largest of these errors."""
+    """Return the smallest and the largest of `resistance_errors`."""
     error = resistance_errors(case, method)[1]
     return float(error.min()), float(error.max())
 
 
 def mean_resistance_error_at_high_loads(case: CaseRow, method: str) -> float:
-    """Return the mean of these errors at high loads."""
+    """Return the mean of `resistance_errors` at high loads."""
     return _mean(*resistance_errors(case, method, LOW_COMPLIANCE))
 
 
 def layer_behind_others(case: CaseRow, lightest: bool = False) -> float:
-    """Return the root mean square of these errors of the layer less that of the better of the other estimates.
+    """Return the rms error of R by the layer, minus the rms error by the better of the other estimates.
 
     With `lightest`, the range begins at the first load, and the mean is over the logarithm of the load.
     """
@@ -259,12 +259,12 @@ def _change(shorter: CaseRow, longer: CaseRow) -> float:
 
 
 def last_change(*lengths: CaseRow) -> float:
-    """Return the largest change of the mean gap with the last term, of full contact."""
+    """Return the largest change of the mean gap with the last term, relative to full contact."""
     return _change(*lengths[-2:]) / _total(lengths[-1])
 
 
 def last_change_over_others(*lengths: CaseRow) -> float:
-    """Return the largest change with the last term over the least with the terms before."""
+    """Return the largest change with the last term, divided by the smallest change with an earlier term."""
     return _change(*lengths[-2:]) / min(map(_change, lengths[:-2], lengths[1:-1]), default=np.inf)
 
 
@@ -290,7 +290,7 @@ def _area_ratio(shorter: CaseRow, longer: CaseRow) -> Array:
 def _changes_of_resistance(lengths: Cases) -> tuple[Array, Array]:
     """Return loads of intermediate compliance, and the absolute relative change of R with the last term there."""
     shorter, longer = (numerical(case, "resistance") for case in lengths[-2:])
-    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
+    with np.errstate(divide="ignore", invalid="ignore"):  # full contact is excluded below
         change = np.abs(longer / shorter - 1)
     return _between(lengths[-1], change, *INTERMEDIATE)
 
@@ -314,13 +314,13 @@ def growth_of_count(*lengths: CaseRow) -> float:
 def factor_of_independent_contacts(*lengths: CaseRow) -> float:
     """Return the factor of the resistance of independent contacts with the last term, geometric mean."""
     shorter, longer = map(resistance_of_independent_contacts, lengths[-2:])
-    with np.errstate(divide="ignore", invalid="ignore"):  # at full contact, excluded below
+    with np.errstate(divide="ignore", invalid="ignore"):  # full contact is excluded below
         factor = np.log(longer / shorter)
     return float(np.exp(_mean(*_between(lengths[-1], factor, *INTERMEDIATE))))
 
 
 def resistance_of_independent_contacts(case: CaseRow) -> Array:
-    """Return the resistance of as many equal contacts of the same area, evenly spaced; NaN in full contact.
+    """Return R of N equal contacts at even spacing, with the same N and total area; NaN in full contact.
 
     Each of them is the contact of one wave of wavelength 1/N: R = -(1/N) ln sin^2(pi A/2) by (8) and (13).
     """

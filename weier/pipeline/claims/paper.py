@@ -35,7 +35,7 @@ from weier.pipeline.claims.measures import (
 from weier.pipeline.claims.rows import CaseRow
 from weier.surface.profile import PARAMETERS
 
-# Limits that stand for words of the paper.
+# Limits that quantify words of the paper.
 CLOSE_AGREEMENT = 0.1  # Relative errors below this are not visible in a plot at light loads.
 CLOSE = 0.05  # "Fairly close", "good results" and "relatively small", over the compliance at full contact.
 EXTREMELY_SMALL = 0.02  # "Extremely small", over the compliance at full contact.
@@ -72,7 +72,7 @@ MEANINGS = (
 
 
 def by_phases(cases: Cases) -> list[Ensemble]:
-    """Return the cases by D, gamma and m, each a member of its ensemble; a single wave has no phases to differ in."""
+    """Return an ensemble for each D, gamma and m, with each case as a member; a single wave has one member."""
     need(cases, "cases")
     return [
         Ensemble(describe(group[0]), tuple((case,) for case in group), float(group[0]["m"]) == 1)
@@ -110,7 +110,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
 
 
 def _rows(cases: Cases, varied: str) -> list[Cases]:
-    """Return one case of each value of a parameter, in its order, for the phases of each case of the last value."""
+    """Return rows of cases, one per value of a parameter; each row has the phases of a case of the last value."""
     by_value: dict[float, list[tuple[tuple[float, ...], CaseRow]]] = {}
     for case in cases:
         phases = case["phases"]

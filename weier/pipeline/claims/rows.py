@@ -21,9 +21,9 @@ Arrays = Mapping[str, NDArray[Any]]
 class StudyArrays:
     """The arrays of a study.
 
-    own : of each case, which is their first dimension; that of the loads, if they have it, is the last one
-    common : of all cases
-    over_loads : names of those over the loads
+    own : arrays whose first dimension is the case, and whose last one is the load, if they depend on it
+    common : values that all cases share
+    over_loads : names of the arrays over the loads
     """
 
     def __init__(self, own: Arrays, common: Arrays, over_loads: frozenset[str]) -> None:
@@ -54,7 +54,7 @@ class StudyArrays:
 
     @cached_property
     def thinned(self) -> StudyArrays:
-        """The study at every second load, and at the last."""
+        """The study at every second load and the last one."""
         every = slice((len(self.common["mean_pressure"]) - 1) % THIN, None, THIN)
         own, common = (
             {name: values[..., every] if name in self.over_loads else values for name, values in arrays.items()}
@@ -83,7 +83,7 @@ class CaseRow:
 
     @property
     def thinned(self) -> CaseRow:
-        """The case at every second load, and at the last."""
+        """The case at every second load and the last one."""
         return CaseRow(self._study.thinned, self._row)
 
     def with_values(self, values: Arrays) -> CaseRow:

@@ -16,7 +16,7 @@ from weier.pipeline.claims.paper import MEANINGS, RULE
 if TYPE_CHECKING:
     import xarray as xr
 
-CONTENT = "qualityInformation"  # The content of claims in the terms of ISO 19115.
+CONTENT = "qualityInformation"  # Kind of content of claims in the terms of ISO 19115.
 DETAILS = ("condition", "profiles", "measured", "between", "limit", "results", "holds")
 
 
