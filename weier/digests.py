@@ -19,7 +19,7 @@ from typing import Any
 PACKAGE = Path(__file__).parent
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
 DIGITS = 12  # length of a digest in file names
-KERNELS = ("kernels", "surface", "theory", "methods")  # All compiled functions are in these rooms.
+KERNELS = ("kernels", "surface", "theory", "methods")  # rooms that contain all compiled functions
 # Rooms and modules that compute a curve from the parameters of its surface and store it.
 CURVES = (
     *KERNELS,

@@ -62,9 +62,9 @@ def seconds_per_load(data: xr.Dataset) -> Array:
 
 
 def by_resolved_terms(case: xr.Dataset) -> tuple[Array, Array]:
-    """Return half-width of the bounds and error of the estimate of h, largest over the loads; NaN where unknown.
+    """Return the largest half-width of the bounds on h over the loads, and the largest error of the estimate; or NaN.
 
-    The error is the distance from the estimate with most terms.
+    The error is the distance from the estimate with the most terms.
     """
     h, low, high = (case[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
     last = max(np.flatnonzero(np.isfinite(h).all(axis=1)), default=-1)

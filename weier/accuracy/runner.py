@@ -117,7 +117,7 @@ def is_clear(error: Exception, method: Method) -> bool:
     source_file = getattr(getattr(method.solve, "__code__", None), "co_filename", None)
     own = PACKAGE in Path(last.filename).parents or last.filename == source_file
     deliberate = own and str(last.line).startswith("raise") and isinstance(error, ValueError | ConvergenceError)
-    # A message with such values does not help the user.
+    # A message that contains them does not help the user.
     return deliberate and bool(text) and not re.search(r"\b(nan|inf of|of inf)\b", text)
 
 

@@ -1,4 +1,4 @@
-"""Curves of single cases of a study, by method or by the most accurate method that has solved the case."""
+"""Select the curves of a case by method, or by the most accurate method that solved it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Provenance of a file: the attributes of the Attribute Convention for Data Discovery (ACDD 1.3).
 
-The dates are those of the run. Where the environment sets SOURCE_DATE_EPOCH, they are that second, and the same scene
-and program make the same bytes.
+Dates are the date of the run. If the environment sets SOURCE_DATE_EPOCH, it replaces them, and the same scene
+and program write the same bytes.
 """
 
 from __future__ import annotations

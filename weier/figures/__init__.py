@@ -153,7 +153,7 @@ def draw(
 
 
 def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
-    """Return the figure in the current style; ValueError with the reason if it cannot be drawn."""
+    """Draw the figure in the current style; raise ValueError with the reason if this fails."""
     if wanted.draw not in KINDS:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(KINDS)}")
     kind = KINDS[wanted.draw]

@@ -15,7 +15,7 @@ from weier.methods import registry
 from weier.surface.profile import PARAMETERS
 
 POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # powers of ten labelled on the load axis
-# Powers of ten up to NEAR are spaced evenly, over LINEAR_SCALE times the length of a decade of larger powers.
+# The axis is linear in the power up to NEAR, with LINEAR_SCALE times the length of a later decade, then logarithmic.
 NEAR, LINEAR_SCALE = 2, 1.6
 
 

@@ -25,7 +25,7 @@ THEORIES: tuple[tuple[Any, str, Any], ...] = (
     (persson, persson.METHOD.label, ":"),
 )
 WIDTH, HEIGHT = 2.9, 2.3  # size of a panel (inches)
-# The loads, in p_0*: light, intermediate and heavy.
+# light, intermediate and heavy loads (p_0*)
 LOOKS = {0.01: (style.BLUE, "o"), 0.1: (style.VERMILLION, "s"), 1.0: (style.BLACK, "^")}
 
 

@@ -70,7 +70,7 @@ CHECKS = check_figures, claims.check_names, check_claims
 
 
 def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
-    """Yield mistakes of a figure, each with its key, which is empty for the whole figure."""
+    """Yield mistakes of a figure with their keys; the key is "" if the whole figure is wrong."""
     known = {name: kind for name, kind in KINDS.items() if not kind.command}
     if figure.draw not in known:
         if figure.draw:  # a missing key is reported elsewhere

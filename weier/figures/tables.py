@@ -85,9 +85,9 @@ def values_of(studies: Sequence[xr.Dataset], quantity: str, interface: Bodies | 
 def table_of(tables: Sequence[Values]) -> pd.DataFrame:
     """Return a table with a row for each curve.
 
-    It has the case, its study and row, the method and its column, whether that is the most accurate one or another
+    Columns are the case, its study and row, the method and its column, whether it is the most accurate one or another
     numerical one, and the parameters: equal phases as one number, phases in place of an unknown seed, and None for
-    the parameters of a trace, whose name says all.
+    the parameters of a trace, which its name identifies.
     """
     parts, first = [pd.DataFrame(columns=["case", "method"])], 0
     for number, (own, names) in enumerate(zip(tables, _names_of_traces(tables), strict=True)):

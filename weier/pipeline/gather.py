@@ -38,7 +38,7 @@ Values = NDArray[Any]
 
 
 class Solved:
-    """Cases of a scene with their solved curves, over case, method and the loads of all of them.
+    """Cases of a scene with their solved curves, over case, method and the union of their loads.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
     Raises
     ------
     ValueError
-        If the code on disk is not that of the plan, or changes meanwhile: curves must not be filed under other code.
+        If the code on disk differs from the planned code or changes meanwhile, since the store files curves by code.
     """
     work = list(parts)
     check_code(store, "the plan")

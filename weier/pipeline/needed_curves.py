@@ -37,9 +37,9 @@ class Kind(NamedTuple):
     """The settings that curves of one kind share.
 
     method, settings : the method with all its settings, or SURFACE
-    loads : in p_0*, or in Pa with `modulus`
+    loads : mean pressures in p_0*, or in Pa with `modulus`
     contact_edges : whether the edges of contacts are kept
-    modulus : composite modulus in Pa, from which a trace has its loads in p_0*
+    modulus : composite modulus in Pa, which converts the loads of a trace to p_0*
     """
 
     method: str

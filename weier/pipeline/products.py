@@ -1,8 +1,8 @@
 """The products of a scene, and the stamps that record what each product was made from.
 
-`results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp: its name is the digest of the curves that the product reads, its
-entry in the scene and the code that makes it, so that Snakemake's plain rule, a missing file is made, does
-everything. It holds the files of the product as they were made, so that an edited one is found, too.
+`results/SCENE/.made_of/PRODUCT/DIGEST` is a stamp. Its name is the digest of the curves that the product reads, its
+entry in the scene and the code that makes it, so that Snakemake only has to make missing files. It holds the original
+files of the product, which reveals edited files.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from weier.pipeline.needed_curves import Curves
 from weier.scene.cases import Scene
 from weier.scene.identity import digest_of_keys
 
-# The products of a scene besides its figures, whose names have no dot: the dataset with the claims, and the explorer.
+# Products of a scene other than figures: the dataset with the claims, and the explorer. Figure names have no dot.
 DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
 FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
 STAMPS = ".made_of"
@@ -43,7 +43,7 @@ def studies_of(scene: Scene, product: str) -> tuple[str, ...]:
 
 
 def made_of(curves: Curves, product: str) -> str:
-    """Return the digest of all that a product depends on."""
+    """Return a digest of everything that a product depends on."""
     scene = curves.scene
     studies = studies_of(scene, product)
     cases = [[name, [digest_of_keys(part.case_keys) for part in scene.study(name).products]] for name in studies]

@@ -36,14 +36,14 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
     path : path
         The file.
     case : Case
-        The surface, the methods and their settings that are asked for.
+        The requested surface, methods and settings.
     bodies : Bodies, optional
-        Both bodies with the scale of the surface, of a file in SI units.
+        Both bodies with the scale of the surface; the file is then in SI units.
 
     Raises
     ------
     ValueError
-        If the file is of another problem or of other code: the message says in what it differs.
+        If the file holds another problem or comes from other code; the message names the difference.
     """
     try:
         data = dataset.read(path)

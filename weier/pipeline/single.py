@@ -170,7 +170,7 @@ def _title(case: Case) -> str:
 
 
 def scene_text(case: Case, loads: Array) -> str:
-    """Return a scene file that gives the same curves."""
+    """Return the text of a scene file that reproduces the curves."""
     # a scene has one list of phases per profile
     product = {name: [value] if name == "phases" else value for name, value in case.parameters.items()}
     trace = {name: value for name, value in case.parameters.get("trace", {}).items() if name not in CASE_KEYS}

@@ -30,7 +30,7 @@ from weier.surface.waves import Waves
 from weier.units import METRE, NONE
 
 DIGITS = re.compile(r"(\D*)(\d*)")  # splits file names into text and digits
-# Copies and locks that editors and office programs leave beside a file.
+# Editors and office programs leave such copies and lock files next to a file.
 BACKUP = re.compile(r"~$|^~\$|^#.*#$|\.(bak|backup|old|orig|save|swp|tmp|part|crdownload)$", re.IGNORECASE)
 AGAINST = "against"  # key that names the trace of the other body
 HURST = "hurst"  # only random lines have this parameter

@@ -97,7 +97,7 @@ class Scene:
         return self._distinct[0] - starts[self.product_of_cases]
 
     def cases_of_study(self, name: str) -> Indices:
-        """Return the numbers of the cases of a study among all distinct ones, in the order of the study."""
+        """Return the positions of a study's cases among all distinct cases, in the order of the study."""
         study = self.study(name)
         start = sum(
             len(other) for other in itertools.takewhile(lambda other: other is not study, self.studies.values())

@@ -179,7 +179,7 @@ def _with_tolerance(methods: Sequence[str], settings: Settings, tolerance: Any) 
 
 
 def _check_methods(products: Sequence[CaseProduct]) -> None:
-    """Refuse a study in which no method applies to any profile, with the reason of the first."""
+    """Refuse a study in which no method applies to any profile, and give the reason for the first method."""
     cases = [case for product in products for case in product.representative_cases(*PARAMETERS)]
     if not any(find_method(method).takes(case.profile) for case in cases for method in case.methods):
         find_method(cases[0].methods[0]).check_applies(cases[0].profile)

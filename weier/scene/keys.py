@@ -12,7 +12,7 @@ from weier.data.markdown import plain, table
 from weier.scene import models
 from weier.scene.sections import Section
 
-# The parts of a scene with the headings of their tables, in their order.
+# parts of a scene and the headings of their tables, in order
 PARTS: dict[str, type[Section]] = {
     "a scene": models.SceneKeys,
     "a study": models.StudyKeys,

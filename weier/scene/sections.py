@@ -1,4 +1,4 @@
-"""Sections of scene files as models of pydantic: their base, kinds of values, and the words for their mistakes."""
+"""Base class of the pydantic models of scene files, types of values, and messages for their mistakes."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ class CaseProduct:
         """Refuse a series beyond the limits or too fine for a method, and settings that do not apply to it.
 
         The limits of D and of seeds do not depend on other parameters (`check_value`), those of gamma and phases
-        depend on m alone, and a tolerance is hardest to reach for the largest D. So not every case is made.
+        depend only on m, and a tolerance is hardest to reach for the largest D. So a few cases are enough.
         """
         order = {"D": sorted(self.axes["D"], key=partial(number, "D"), reverse=True)} if "D" in self.axes else {}
         hardest = replace(self, axes={**self.axes, **order})
