@@ -72,7 +72,7 @@ def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIA
         A surface with any number of terms, also inf.
     tolerance : float
         Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*:
-        where terms are left out, it is estimated from successive truncations and is no bound.
+        if terms are left out, it is estimated from successive truncations and is no bound.
     quantity : "compliance" or "resistance"
         The quantity of the tolerance.
 
@@ -263,7 +263,7 @@ def _check(profile: Waves, **settings: Any) -> None:
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
-    """Return the expected seconds of the method that is chosen; inf where the tolerance is out of reach."""
+    """Return the expected seconds of the method that is chosen; inf if the tolerance is out of reach."""
     try:
         choice = choose(profile, **settings)
     except OutOfReachError:

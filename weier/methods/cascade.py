@@ -2,7 +2,7 @@
 
 docs/cascade.md derives the formulas. One wave under the mean pressure q has the pressures of (10); the next finer
 wave bears each of them as its mean pressure. The fraction F_k of the area on which the pressure of the finest of k
-waves exceeds a value t follows from that of the finest one alone,
+waves exceeds a value t follows from the fraction F_1 of the finest wave alone,
 
     F_1(xi) = (2/pi) arcsin sqrt(c (1 - S)),    F_k(xi) = (2/pi) int F_{k-1}(gamma^(1-D) p(y; xi)) dy,
 
@@ -118,9 +118,9 @@ def contact_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float)
 
 
 def hertzian_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Return the contact fraction if the contacts of each wave are Hertz's, far from full contact on every scale.
+    """Return the contact fraction if the contacts of each wave are Hertzian, far from full contact on every scale.
 
-    It is the product of m factors by which moments of the pressure follow from those of the next coarser wave.
+    It is a product of m factors, each the ratio of moments of the pressure on successive waves.
     """
     log_area, order = np.zeros(()), 0.0
     for n in range(int(m) - 1, -1, -1):
@@ -134,7 +134,7 @@ def _fraction(finest: Finest, xi: Array, step: float, waves: int) -> Array:
     """Return F_k for k waves under loads on the coarsest; `step` is (D - 1) ln(gamma)."""
     if waves == 1:
         return finest.over(xi)
-    # Kinks of finer waves are those of coarser ones, too, but each mean over a wave smooths them.
+    # Coarser waves inherit the kinks of finer ones, but each mean over a wave smooths them.
     kinks = finest.kinks | {load for kink in finest.kinks for load in _loads_with(kink * math.exp(step))}
     rows = _rows(kinks)
     finer: Finest | Table = finest

@@ -26,9 +26,9 @@ def count_load() -> None:
 
 @contextmanager
 def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
-    """In a `with` statement, call these functions, too, after each load; without any, call none.
+    """Within the `with` block, also call these functions after each load; without arguments, call no listener.
 
-    The latter is for loads that are solved as part of another one. An error that a listener raises stops the solver
+    Loads that are solved as part of another load need the latter. An error that a listener raises stops the solver
     between two loads.
     """
     token = _LISTENERS.set((*_LISTENERS.get(), *listeners) if listeners else ())

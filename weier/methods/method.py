@@ -64,7 +64,7 @@ TOLERANCES = Range(1e-13, 1.0, half_open=True)  # g_0; rounding of fields domina
 class Setting(NamedTuple):
     """A keyword of a solver.
 
-    default : its value unless it is given; where it is None, None may be given, too
+    default : value unless one is given; if it is None, None may be given as well
     meaning : description with its unit, for help texts
     values : the range of a number, or the words to choose from
     """

@@ -34,7 +34,7 @@ def invert_punches(centre: Array, compliance: Array, period: float) -> Inverse:
 
     The rows of W are the punches from coarse to fine. With the influence as a covariance, a row is the deviation of
     one displacement from its mean for given displacements of its neighbours among the coarser, over its standard
-    deviation. Where the matrix is not positive definite, W is NaN.
+    deviation. If the matrix is not positive definite, W is NaN.
     """
     n, stride, row = centre.size, 1, 0
     while n > stride * MAX_COARSEST:

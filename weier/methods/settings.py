@@ -71,7 +71,7 @@ def with_tolerance(
 
 
 def all_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that a method uses: those given, and the others at their defaults, without None."""
+    """Return the settings that a method uses: given values and defaults, without None."""
     given = {name: value for name, value in settings.items() if value is not None}
     used = {**defaults(method), **method.chosen(given), **given}
     return {name: value for name, value in used.items() if value is not None}

@@ -26,7 +26,7 @@ FLAT, STEEP = 0.0, 3.0  # extreme ratios of the slope beyond a bend to the slope
 LONG, SHORT = -1, 1  # sides of a bend, beyond which the law does not hold
 BENDS_PER_OCTAVE = 4  # places at which a bend is tried; results hardly change with eight
 BINS_PER_OCTAVE = 16  # bins of waves; the likelihood varies little within one
-TRANSITION_END = 1 / 16  # (k_b/k)^s, or (k/k_b)^s, from which the slope is nearly that of the law
+TRANSITION_END = 1 / 16  # (k_b/k)^s or (k/k_b)^s below which the slope is nearly the slope of the law
 
 
 class Spectrum(NamedTuple):
@@ -50,7 +50,7 @@ class Spectrum(NamedTuple):
 class Bend(NamedTuple):
     """A spectrum k^-beta with another slope beyond a bend at ln k = `place`, by a factor on one side.
 
-    `gain` is twice the logarithm of its likelihood over that of a power law without a bend.
+    `gain` is twice the log likelihood ratio of this spectrum to a power law without a bend.
     """
 
     side: int
@@ -111,7 +111,7 @@ def _rated(band: Spectrum, bends: list[Bend]) -> list[Bend]:
 
     On a random surface, P_k/S_k is chi^2 distributed with 2/scatter degrees of freedom, over their number. With S_k =
     A exp(-beta q_k) the likelihood of N waves is greatest where L = ln sum P_k exp(beta (q_k - mean q)) is least, and
-    its logarithm then is -N L/scatter. A power law has q = ln k. The waves of a bin share their q. Where P_k/S_k
+    its logarithm then is -N L/scatter. A power law has q = ln k. The waves of a bin share their q. If P_k/S_k
     scatters more than on a random surface, gains are divided by the ratio of the variances.
     """
     x = np.log(band.k)

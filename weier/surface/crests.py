@@ -116,8 +116,8 @@ def _crests_nearby(
 def _separated(expansion: Expansions, t: Array, width: float, finest: float) -> tuple[Indices, Array]:
     """Return starting points for Newton's method: a row and a position next to each crest near the sampled maxima.
 
-    Where the series is not concave at a top and on both sides of it, crests may stand closer together than samples.
-    Then the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
+    If the series is not concave at a top and on both sides of it, crests may be closer together than samples. Then
+    the interval about the top is divided again and again, and each part in which the slope falls through 0 holds
     a crest, until the series is concave in it or the part is as small as `MIN_SEPARATION`.
     """
     row, rows, near = np.arange(t.size), [np.empty(0, np.int64)], [t[:0]]
@@ -164,8 +164,8 @@ def crest_heights(
 ) -> list[Any]:
     """Return heights of the crests near these positions in 40 digits, for the parameters of the series as floats.
 
-    Twin crests may differ by so little that the heights of both, as floats, do not show it. A position that is off
-    by slope/curvature, to rounding of a float, is corrected by slope^2/(2 curvature).
+    The heights of twin crests may be equal as floats. The error of a position, slope/curvature, is corrected by
+    adding slope^2/(2 curvature) to the height.
     """
     import mpmath as mp  # few profiles need this import of a tenth of a second
 

@@ -77,7 +77,7 @@ def derivatives(expansion: Expansions, t: NDArray[np.float64]) -> tuple[NDArray[
 
 
 def move(expansion: Expansions, t: Array) -> Expansions:
-    """Return the same polynomials about the points t: the coefficient of order i is sum_j (j over i) c_j t^(j-i)."""
+    """Return the polynomials translated to t: the coefficient of order i is sum_j (j over i) c_j t^(j-i)."""
     moved, power = np.empty_like(expansion), np.vander(t, ORDER + 1, increasing=True)
     for i in range(ORDER + 1):
         moved[:, i] = np.einsum("j,ij,ij->i", BINOMIAL[i, i:], expansion[:, i:], power[:, : ORDER + 1 - i])

@@ -125,7 +125,7 @@ class Profile(Waves):
         vars(self).update(fields, phases=checked_phases(phases, m))
 
     def __repr__(self) -> str:
-        """Return the call that makes this profile."""
+        """Return the call that creates this profile."""
         gamma = int(self.gamma) if self.gamma.denominator == 1 else str(self.gamma)
         m = 'float("inf")' if math.isinf(self.m) else int(self.m)
         phases = f"seed={self.phases.seed}" if isinstance(self.phases, RandomPhases) else f"phases={self.phases!r}"

@@ -44,8 +44,8 @@ DOMINANCE_DEVIATIONS = 2.0
 # five octaves; with a length of one wavelength 0.76 and 0.97
 WAVES_IN_LENGTH = 4
 MIN_RATIO = 4.0  # smallest ratio of the wavelengths: 0.68 of lines on two octaves have 1 < D < 2, 0.33 on one
-# power over that of the neighbours below which a wave was removed by a filter or stylus: none of 360 whole spectra is
-# refused, nor at three times as much; at ten times three are
+# A filter or stylus has removed a wave if its power falls below this fraction of its neighbours' power. None of 360
+# whole spectra is refused with this or three times this value, three are with ten times.
 REMOVED_WAVE_RATIO = 0.01
 HALF_OCTAVE = math.sqrt(2)  # ratio of wavelengths over half an octave
 # Variance of P_k over its square on a random surface: P_k is the sum of two squares of normal numbers in a periodic
@@ -186,7 +186,7 @@ def fit(
 def fit_columns(traces: Iterable[tuple[Trace, float | None] | None]) -> dict[str, NDArray[Any]]:
     """Return the fits of traces, each with its `longest`, as columns of results; None stands for another surface.
 
-    Where a trace has no fit, its numbers are NaN, and the remark is the reason. Where a part of the line dominates a
+    If a trace has no fit, its numbers are NaN, and the remark gives the reason. If a part of the line dominates a
     fit, the remark says so.
     """
     names = "D", "D_error", "g_0", "g_0_error", "lambda_0", "rolloff"
@@ -249,8 +249,8 @@ def _least_ratio(ratio: Fraction) -> float:
 def _untapered(trace: Trace) -> tuple[Array, float]:
     """Return the heights that no taper has changed, and their length, both in m.
 
-    A taper turns heights at the ends into waves of its own length, so that the tapered line has no spectrum of the
-    surface there if waves longer than the line are high.
+    At the ends, a taper turns waves longer than the line into waves of its own length. If the former are high, the
+    spectrum of the tapered line is wrong at this wavelength.
     """
     z = trace.g_0 * trace.sampled_height(trace.period * trace.samples)[: trace.samples]
     if trace.ends == TAPERED:
@@ -277,7 +277,7 @@ def _spectrum(trace: Trace, z: Array, length: float) -> Spectrum:
 class Law(NamedTuple):
     """The series with the spectrum of the waves between two wavelengths, in m.
 
-    The errors are those of D and ln g_0 on a random surface. `misfit` is the variance to be added to their squares,
+    The errors of D and ln g_0 hold for a random surface. `misfit` is the variance to be added to their squares,
     since the mean power of some half octaves is further from the law than on a random surface.
     """
 
@@ -367,8 +367,8 @@ def _straight_law(
 def _has_power(k: Indices, power: Array) -> Flags:
     """Return whether each wave has the power suggested by its neighbours: not removed by a filter or stylus tip.
 
-    The mean power of an octave around a wave may fall as k^-3 from that of longer waves, and be as low as that of
-    shorter ones, but not a hundredth of these.
+    The mean power of an octave around a wave may fall as k^-3 from longer waves, and be as low as on shorter ones,
+    but not a hundredth of either.
     """
     sums = np.append(0, np.cumsum(power))
     low, high = np.searchsorted(k, k / HALF_OCTAVE, "left"), np.searchsorted(k, k * HALF_OCTAVE, "right")

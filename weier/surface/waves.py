@@ -40,7 +40,7 @@ class Waves(ABC):
     total_amplitude : float
         Height of the datum of the compliance above the mean plane, in g_0; the compliance at full contact.
     tail_amplitude : float
-        Sum of the amplitudes of finer waves that are left out, in g_0; NaN where it is unknown.
+        Sum of the amplitudes of finer waves that are left out, in g_0; NaN if unknown.
     parameters : dict
         Parameters of this surface as a scene has them, as plain values.
     labels : dict
@@ -82,12 +82,12 @@ class Waves(ABC):
 
     @property
     def listed_terms(self) -> int:
-        """The waves whose phases results list."""
+        """Waves whose phases are listed in results."""
         return self.terms
 
     @property
     def listed_phases(self) -> Array:
-        """Phases that results list, shape (terms,), in radians: one NaN where there are none."""
+        """Phases that results list, shape (terms,), in radians: one NaN if there are none."""
         return self.phase[: self.listed_terms] if self.listed_terms else np.full(1, np.nan)
 
     def height(self, x: ArrayLike) -> Array:

@@ -32,7 +32,7 @@ def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
 
 
 def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
-    """Return lower and upper bound on k/k_H, the stiffness over that of the smooth punch at the same force (B.16).
+    """Return lower and upper bound on k/k_H, with k_H the stiffness of the smooth punch at the same force (B.16).
 
     They bound the contact conductance alike, by (2).
 

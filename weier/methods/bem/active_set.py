@@ -277,7 +277,7 @@ class NestedSolver:
         return NodalSolution(plane, R, residual, work, *fields)
 
     def _run(self, flatness: float, coarse: Array, carried: int, grid: Grid, state: GridState) -> None:
-        """Iterate until the solution is found, `WORK_PER_CALL` of the work at a time."""
+        """Iterate until the solution is found, in kernel calls of `WORK_PER_CALL`."""
         problem = max(WORK_PER_CALL // state.vector.size, 1), flatness, coarse, carried, self.harmonics, grid, state
         is_done = _iterate(True, *problem)
         while not is_done:

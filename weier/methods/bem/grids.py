@@ -103,7 +103,7 @@ def _accuracy(profile: Waves, points: int, terms: int) -> float:
 
 
 def inverse(eigenvalue: Array) -> Array:
-    """Return eigenvalues of A^-1, but for the mean, from those of A."""
+    """Return the eigenvalues of A^-1, except for the mean, from the eigenvalues of A."""
     return np.concatenate([[0.0], 1 / eigenvalue[1:]])
 
 

@@ -68,11 +68,11 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
     The solution at a load does not depend on the other loads.
 
     The resistance is the exact derivative of the discrete compliance. With more `points` the error of the
-    compliance falls as N^-2 or faster, that of the resistance as N^-1 to N^-2.7 and at times unevenly: the pressure
-    has kinks where the layer is flattened. With the defaults the compliance is within 5e-6 of the total amplitude and
-    the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1 to 1.9, gamma
-    from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error reaches a few
-    per cent.
+    compliance falls as N^-2 or faster, the error of the resistance as N^-1 to N^-2.7 and at times unevenly: the
+    pressure has kinks where the layer is flattened. With the defaults the compliance is within 5e-6 of the total
+    amplitude and the resistance below p_0* within 1.5e-3 of itself, mostly 3e-6 and 6e-4 (135 series with D from 1.1
+    to 1.9, gamma from 2 to 10, m up to 4); where the resistance vanishes, close to full contact, its relative error
+    reaches a few per cent.
 
     """
     check(profile, points, accuracy)
@@ -82,7 +82,7 @@ def curve(profile: Profile, mean_pressure: ArrayLike, points: int = POINTS, accu
         raise ValueError(f"mean_pressure must be at least {MIN_LOADS[1]:g} p_0*, got {loads[0]:g}")
     if profile.m == 1:
         return Curve(westergaard.compliance(loads), westergaard.resistance(loads), residual=np.zeros(loads.size))
-    # The tables of light loads begin lower, and those of heavy loads on a finite series extend to full contact.
+    # Tables for light loads begin lower; tables for heavy loads on a finite series extend to full contact.
     top = _top(model)
     parts = zip(
         np.split(loads, np.searchsorted(loads, [MIN_LOADS[0], math.exp(top)])),

@@ -20,7 +20,7 @@ from weier.methods.layer.scaling_tables import MIN_LOADS
 from weier.methods.method import CURVE_SECONDS, Method, Range, Setting, Style
 from weier.surface.profile import Profile
 
-INFINITE_TERMS = 11  # Tables of an infinite series take as long as those of this number of terms.
+INFINITE_TERMS = 11  # The tables of an infinite series take as long as the tables of this number of terms.
 
 
 def _seconds(profile: Profile, loads: Array, points: int = POINTS, **settings: Any) -> float:

@@ -4,7 +4,8 @@ Each module names its sections of that page. `surface` is the profile as a cosin
 holds contacts or gaps with their nodes and densities. A load starts from `start`. `given_edges` (with `kind`,
 `contacts`, `gaps`, `rule`, `pair_sums`) solves on given edges, `edge_iteration` moves them, `inequalities` (with
 `pressure_and_gap`) finds missing segments, and `stages` is the iteration over these. `thin_gaps` are cracks in closed
-form, and `certificate` bounds the error of h and estimates that of R. `solver` and `event_search` are the interface.
+form, and `certificate` bounds the error of h and estimates the error of R. `solver` and `event_search` are the
+interface.
 """
 
 from weier.methods.patches.contact_patches import METHOD

@@ -395,10 +395,11 @@ def _releases(
             is_narrow, scale = beside < r[j], min(beside, r[j])
             height = height_error[j] / np.sqrt(scale) + 0.5 * roughness[j] / np.sqrt(r[j])
             move = np.sqrt(2.0) / np.pi * height / A[j, side] + by_force
-            # If the move may reach this scale, the contact or gap may not exist. A gap has lost less than a move by
-            # 2 b says. The contact lowers R by f^2 chi L, and by chi/chi' times as much with the largest force.
+            # If the move may reach this scale, the contact or gap may not exist. The loss of a gap changes
+            # R by less than a move of 2 b. The contact lowers R by f^2 chi L, and by chi/chi' times
+            # as much with the largest force.
             if not move < scale:
-                more = max(chi - np.log(1 + 4 * height_error[j] / (chi * force)), 1.0)  # of the largest contact
+                more = max(chi - np.log(1 + 4 * height_error[j] / (chi * force)), 1.0)  # chi' of the largest contact
                 move = SAFETY_FACTOR * beside if is_narrow else 0.5 * r[j] * chi * max(1.0, chi / more - 1)
             move *= SAFETY_FACTOR if is_narrow else 1.0
             release += B[j, side] ** 2 * move

@@ -44,7 +44,7 @@ class Contacts:
     rounding_power : rounding changes the square of b_n in proportion to n to this power
     offset : constant added to the influence, which makes it positive definite
     increment : forcing under which the solution without load is the increment of the load
-    strength_factor : strength of the pressure at an edge over that of the density
+    strength_factor : ratio of the strength of the pressure at an edge to the strength of the density
     residual_power, residual_strength : near an edge the residual is s to this power, times this and the strength of
         the density
     new_outside, new_within : width of a new contact or gap over the interval of overlap or tension, between segments

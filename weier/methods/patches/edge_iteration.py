@@ -121,7 +121,7 @@ def edge_moves(
 
 @kernel
 def _hertzian_ratio(psi: float, phi: float) -> float:
-    """Return psi/|phi| at an edge: overlap moves it outward also where phi is unlike that of Hertz's contact."""
+    """Return psi/|phi| at an edge: overlap moves it outward even if phi differs from Hertz's."""
     return psi / max(abs(phi), 1e-300)
 
 
@@ -298,8 +298,8 @@ def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node
 def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     """Return a step with moved edges and transferred density: the next step to first order.
 
-    Its moves bound those of the next step: the contribution of rounding of the singularity, in g_0, and twice the
-    square of the present ones, since the strength B changes with the edges as well.
+    Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
+    twice the square of the present ones, since the strength B changes with the edges as well.
     """
     punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
     old, (shift, growth) = punches.segments, _shift_and_growth(outward)

@@ -39,7 +39,7 @@ class Gaps:
     rounding_power = 0
     offset = 0.0
     increment = 1.0
-    strength_factor = 0.5 / np.pi  # strength of the pressure beyond an edge over that of the slope of the gap
+    strength_factor = 0.5 / np.pi  # strength ratio at an edge: pressure outside, slope of the gap inside
     residual_power = 0.5
     residual_strength = 0.5 / np.pi
     new_outside = float(np.sqrt(2.0))

@@ -326,7 +326,7 @@ def moved_expansion(
 ) -> tuple[Array, Array]:
     """Return the coefficients of psi when segments have moved: to second order the solution, after Newton's step.
 
-    Return those of its regular part as well.
+    Return the coefficients of its regular part as well.
 
     At a point whose coordinate t changes by w = (dc + t dr)/r, psi becomes psi + w [(1-t^2) phi' - t phi], and the
     bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta).

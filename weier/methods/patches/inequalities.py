@@ -41,8 +41,8 @@ SAMPLES_PER_NODE = 2  # samples per node in the search for sign changes within a
 # width of the stencil of Newton's method on differences over the bracket, and its ratio in each refinement; a stencil
 # h misplaces a minimum by h^2 relative to the wave, 1e-9 for the last one, 3e-5
 STENCIL_RATIO, REFINEMENTS = 1 / 5, 6
-# largest depth of a minimum below the lowest of three probes over that of a parabola through them: a safety factor
-# for other functions
+# largest ratio of the depth of a minimum below the lowest of three probes to its depth on the parabola through them:
+# a safety factor for other functions
 MAX_FALL = 3
 
 
@@ -320,9 +320,9 @@ def _brackets(
 def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:
     """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
 
-    The first half of the steps finds the minimum of the quotient by the edge factor, the others that of the function.
-    A bracket is dropped as soon as its minimum is certainly positive. The result is the lowest value evaluated, since
-    differences across two adjacent crests may miss both.
+    The first half of the steps finds the minimum of the quotient by the edge factor, the other half the minimum of
+    the function. A bracket is dropped as soon as its minimum is certainly positive. The result is the lowest value
+    evaluated, since differences across two adjacent crests may miss both.
     """
     low, middle, high, interval = brackets
     if middle.size == 0:

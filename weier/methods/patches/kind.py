@@ -32,9 +32,9 @@ MAX_TENSION = 1e-9
 # shifted profiles differ by less (tests/methods/patches/test_pressure_and_gap.py). Singularities near births and
 # mergers do not fall below it.
 FIELD_ROUNDING = 1e-13
-# Half-width a of a new contact over that of the overlap, c, which it replaces: Hertz's contact alone in a period has
-# a = c (2/(1 + 2 ln(L/(pi a))))^(1/2), which is c/2 for L = 104 a, and c/4 to c for L = 5 a to 2e7 a. With
-# a = sqrt(2) c it would carry no force.
+# Ratio of the half-width a of a new contact to the half-width c of the overlap that it replaces: Hertz's contact
+# alone in a period has a = c (2/(1 + 2 ln(L/(pi a))))^(1/2), which is c/2 for L = 104 a, and c/4 to c for L = 5 a to
+# 2e7 a. With a = sqrt(2) c it would carry no force.
 NEW_CONTACT_WIDTH = 0.5
 
 # A function of positions on contacts: indices of contacts, shape (n,), and their coordinates t, shape (n, points)

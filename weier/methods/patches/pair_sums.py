@@ -37,7 +37,7 @@ class Tree(NamedTuple):
     origin, offset : parts of the position; differences of points with the same origin lose no digits
     depth : common depth of all leaves
     low, high : first and last point of each node, shape (nodes,)
-    to_parent : the interpolation from a parent's Chebyshev points to those of the node, shape (nodes, ORDER, ORDER)
+    to_parent : the interpolation from a parent's Chebyshev points to the node's, shape (nodes, ORDER, ORDER)
     at_points : the interpolation from a leaf's Chebyshev points to its points, shape (points, ORDER)
     """
 

@@ -160,7 +160,7 @@ def _near_field(
 ) -> float:
     """Return an integral over a segment at its own coordinate t, near to it or on it.
 
-    The poles of the segment, and those of its images on both sides if these are near, are integrated in closed form,
+    The poles of the segment, and of its images on both sides if these are near, are integrated in closed form,
     (L/pi) int rho/(x-s) ds and int rho ln|x-s| ds. The smooth rest of the kernel, the series in u, is integrated by
     quadrature. For the logarithm there is an additional constant: ln|2 sin(pi u)| is ln|x-s|, and with both images
     the sum of three such terms less 2 ln L, and ln(2 pi/L), and the series.

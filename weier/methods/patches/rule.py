@@ -99,7 +99,7 @@ def _cosine_sums(N: int, power: int) -> Array:
 
 @lru_cache(maxsize=256)
 def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
-    """Return the table X of a segment with K nodes, optionally that of the inverse, shape (2 K + 1,).
+    """Return the table X of a segment with K nodes, optionally for the inverse, shape (2 K + 1,).
 
     X(q) is minus the sum, minus the kernel contained in the sum over all nodes, of the angle pi q/2N. For the inverse
     it is the sum of the reciprocal powers over N^2.
@@ -114,7 +114,7 @@ def _self_influence_table(K: int, kind: Kind, inverse: bool) -> Array:
 
 
 def self_influence_tables(first_node: Indices, kind: Kind) -> Array:
-    """Return the tables X of all segments; that of segment j begins at the entry 2 first_node[j] + j."""
+    """Return the tables X of all segments; the table of segment j begins at entry 2 first_node[j] + j."""
     count = first_node[1:] - first_node[:-1]
     return np.concatenate([_self_influence_table(K, kind, False) for K in count.tolist()])
 
@@ -205,7 +205,7 @@ def forces_from_expansion(
     shift: int,
     derivative: int,
 ) -> Array:
-    """Return the forces of expansions, each that of the old segment `origin`, or 0 where this is -1.
+    """Return the forces from expansions, each of the old segment `origin`, or 0 if that is -1.
 
     Coefficients of a degree too high for the nodes are omitted.
     """

@@ -111,7 +111,7 @@ Start = Literal["crests", "tensions", "grid"]
 
 
 class Route(NamedTuple):
-    """How a state was found.
+    """Route by which a state was found.
 
     steps : number of solutions on given edges
     corrections : number of corrections of the set of segments

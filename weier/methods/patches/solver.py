@@ -182,7 +182,7 @@ def _rounding(surface: Surface) -> float:
 def solve_load(profile: Waves, mean_pressure: float, tolerance: float = TOLERANCE) -> Solution:
     """Return the contacts under one mean pressure, which evaluate pressure and gap at any position.
 
-    Parameters and exceptions are those of `curve`, with one load.
+    Parameters and exceptions are as for `curve`, with one load.
     """
     return solve_loads(profile, [mean_pressure], tolerance)[0]
 

@@ -67,7 +67,7 @@ TARGET = MAX_OVER_TARGET**-2  # ratio of the iteration's target to the tolerance
 class Limits(NamedTuple):
     """Accuracy of a load; heights, in g_0.
 
-    tolerance : relative, which sets the number of nodes
+    tolerance : relative tolerance, which sets the number of nodes
     target : target of residual, singularities and overlap
     residual : largest residual of the equations on given edges: next to a new thin gap, a larger one would look like
         tension at its end
@@ -361,6 +361,6 @@ def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
     released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
-    # The increment of gaps is that of the tension, which opens them.
+    # The increment of gaps is the increment of the tension, which opens them.
     resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
     return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)

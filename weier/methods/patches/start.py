@@ -96,7 +96,7 @@ class Starts:
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
 
     def _contacts_on_grid(self, load: float, per_wave: int) -> Intervals | None:
-        """Return the contacts of a grid; None where no gap is left, or no solution is found."""
+        """Return the contacts of a grid; None if contact is full or no solution is found."""
         solution = self._grid(per_wave).solve_discrete(load, True, GUESS_TOLERANCE)
         if not np.isfinite(solution.resistance):
             return None
@@ -110,9 +110,9 @@ class Starts:
 def _nodal_contacts(
     pressure: Array, gap: Array, contact: Flags, first: Indices, last: Indices, edge: Array, spacing: float
 ) -> Intervals:
-    """Return the contacts of a grid that carry a force, and those that stand above the plane between its nodes.
+    """Return the loaded contacts of a grid, and the crests between its nodes that stand above the plane.
 
-    There are none where no gap is left, and so no `first` and `last` node of a contact.
+    The result is empty in full contact, which has no `first` and `last` node.
     """
     n, count = first.size, 0
     missed = _contacts_between_nodes(gap, contact, spacing)
@@ -252,7 +252,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
                 half_width = places[1]
                 crest, origin, y = from_crests(series, places[0])
     nearest = np.diff(origin + y, append=origin[0] + y[0] + series.period).min()
-    # The field of a contact differs from that of a line force by the square of half-width over distance.
+    # The fields of a contact and of a line force differ by the square of half-width over distance.
     if half_width.max() >= np.sqrt(GUESS_TOLERANCE) * nearest:
         return None
     return ContactState(kind, load, 0.0, make_segments(crest, origin, y, half_width, np.zeros_like(crest)))

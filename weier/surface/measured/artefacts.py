@@ -30,13 +30,13 @@ NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard
 # A code for missing heights recurs exactly, ten standard deviations from the median, and no other value lies within
 # 0.6 of this distance from it, unlike in a groove with its flanks.
 SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
-# Or it recurs at least three times among heights of which nine in ten do not recur, and differs from its neighbours
+# Or it recurs at least three times among heights nine tenths of which do not recur, and differs from its neighbours
 # by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
 MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS = 3, 0.9, 3.0
-# From one height to the next, normal roughness changes by at most five standard deviations: in 10^6 changes there is
-# one beyond that. Six are abrupt. Such a change on the flank of a groove has a neighbour of the same sign that is
-# alike within a factor of three. Any other is a jump if it exceeds a tenth of the range of heights and twice every
-# other change.
+# From one height to the next, normal roughness changes by at most five standard deviations: one
+# change in 10^6 is larger. A change of six is abrupt. On the flank of a groove, an abrupt change has a neighbour of
+# the same sign and of equal size within a factor of three. Any other abrupt change is a jump if it exceeds a tenth of
+# the range of heights and twice every other change.
 ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
 # Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
 # side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
@@ -58,7 +58,7 @@ class Filled(NamedTuple):
 
 
 def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
-    """Return heights as an array of floats, shape (samples,), in their own unit; NaN where one is missing.
+    """Return heights as an array of floats, shape (samples,), in their own unit; NaN for missing heights.
 
     Masked values, of NumPy or astropy, None, pandas.NA and what equals a `missing_value` are missing.
     """
@@ -247,7 +247,7 @@ def check_period_end(z: Array) -> None:
 
 
 def _fine_power(z: Array) -> float:
-    """Return the mean power of the finer half of the waves over that of all, or over rounding."""
+    """Return the mean power of the finer half of the waves over the total power, plus a floor of rounding."""
     power = np.abs(np.fft.rfft(z)[1:]) ** 2
     return float(np.mean(power[power.size // 2 :]) / power.sum()) + np.finfo(float).eps ** 2
 
@@ -280,7 +280,7 @@ def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
 
 
 def _tilt(z: Array) -> float:
-    """Return the tilt, in heights a step: the median rise over half the length of the line, over the steps in it."""
+    """Return the tilt, in height per step: the median rise over half the line, divided by the steps in that half."""
     half = z.size // 2
     return float(np.median(z[half:] - z[:-half])) / half
 

@@ -13,7 +13,7 @@ from weier.units import unit_of
 class Line(NamedTuple):
     """Heights, with their positions and units as far as they are known.
 
-    heights : array, shape (samples,); masked, NaN or None where one is missing
+    heights : array, shape (samples,); masked, NaN or None for missing heights
     positions : array, shape (samples,), along the line; None if it has none
     length : length of the line, the number of heights times the step; None if unknown
     x_units, height_units : the units that are named for positions and length, and for heights: none or more

@@ -22,7 +22,7 @@ REMEDIES = (
 
 
 def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int], str]) -> tuple[Array, float]:
-    """Return heights at equal steps, NaN in rows that are left out, and the length of the trace, which is all steps.
+    """Return heights at equal steps, NaN for omitted rows, and the length of the trace, steps times heights.
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
 def _grid(x: Array, unit: float) -> tuple[Array, float]:
     """Return the number of each position in a grid from the first one, and its step; 0 if there is none.
 
-    Exact positions are multiples of a step, of which some may be left out if the step is above the unit of the
-    positions. Rounded ones stand within half a unit of a straight line with one row a step.
+    Exact positions are multiples of a step. Some may be left out if the step exceeds the unit of the positions.
+    Rounded ones stand within half a unit of a straight line with one row a step.
     """
     rows = np.arange(float(x.size))
     usual = float(np.median(np.diff(x))) or x[-1] - x[0]

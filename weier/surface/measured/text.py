@@ -58,7 +58,7 @@ class Layout:
     """Layout of a text table as given by the caller; None means: infer from the file.
 
     skip, rows : lines above the table, and rows in it
-    columns : numbers from 0: that of the heights, or those of the positions and of the heights
+    columns : number of the column of heights, from 0, or numbers of the columns of positions and heights
     delimiter, decimal, thousands : signs between columns, before decimals, and between thousands
     encoding : of the file
     comment : prefixes of lines to skip
@@ -266,7 +266,7 @@ class _Table:
         return best, [best.split(lines[at]) for at in rows]
 
     def _find_block(self, every: list[int]) -> list[int]:
-        """Return the lines from the first row to the last, where the arguments do not name them."""
+        """Return the lines from the first row to the last, unless the arguments give them."""
         rows = self.layout.rows
         if self.layout.skip is None:
             every = every[next(n for n, at in enumerate(every) if self._is_row(at)) :]
@@ -277,7 +277,7 @@ class _Table:
         return [at for at in every if at <= last]
 
     def _find_columns(self) -> tuple[int, ...]:
-        """Return the column of the heights, or those of positions and heights."""
+        """Return the column of the heights, or the columns of positions and heights."""
         given = self.layout.columns
         if given is None and self.count > 2:
             self._refuse(
@@ -312,7 +312,7 @@ class _Table:
         return texts
 
     def _values(self, texts: Sequence[Sequence[str]]) -> Array:
-        """Return the numbers in the texts of rows, shape (rows, columns), NaN where one is missing."""
+        """Return the numbers in the texts of rows, shape (rows, columns), NaN for missing heights."""
         values = [list(map(self.signs.value, row)) for row in texts]
         for at, row, own in zip(self.block, texts, values, strict=True):
             if None in own:
@@ -386,7 +386,7 @@ class _Table:
         return any(map(self.signs.is_number, fields)) or (len(words) >= self.width and len(set(words)) == 1)
 
     def _lacks_height_heading(self, at: int) -> bool:
-        """Return whether a line names neither heights in their column nor their unit."""
+        """Return whether the cell of a line above the heights contains neither their name nor a unit."""
         cell = self._cells(self.lines[at])[self.columns[0]]
         return length_units.cell_quantity(cell) != length_units.HEIGHTS and not length_units.cell_unit(cell)
 
@@ -394,7 +394,7 @@ class _Table:
         return length_units.heading_cells(heading.lstrip(PREFIXES), self.count, self.signs.delimiter)
 
     def _arguments(self, where: str, text: str) -> str:
-        """Return the arguments for a text in or next to the table that is not read."""
+        """Return advice on the arguments that settle a text in or next to the table."""
         number = "decimal= or thousands= for the signs of a number, " if re.search(r"\d", text) else ""
         return (
             f"say {where}, comment= for a remark, delimiter= for columns, {number}"
@@ -406,7 +406,7 @@ class _Table:
 
 
 def _text(path: Path, encoding: str | None) -> str:
-    """Return the text of a file, in the given encoding or in UTF-8, UTF-16 by its mark, or that of old Windows."""
+    """Return the text of a file, in the given encoding, or UTF-8, UTF-16 with its mark, or old Windows's."""
     with path.open("rb") as file:
         content = file.read(MAX_BYTES + 1)
     own = encoding or next((name for mark, name in MARKS.items() if content.startswith(mark)), None)

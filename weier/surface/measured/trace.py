@@ -39,7 +39,7 @@ TAPER = 0.1  # fraction of the length at each end over which a tapered trace fal
 ROUNDING = 1e-14  # amplitudes below this fraction of g_0 are rounding errors
 # tolerance for wavelengths that are quotients of decimal numbers
 DECIMAL_ROUNDING = 1 + 1e-9
-SAME_LENGTH = 1e-6  # relative difference of the lengths of two traces that are rounded
+SAME_LENGTH = 1e-6  # relative tolerance of two lengths that should be equal but are rounded
 MAX_LENGTH = 100.0  # m; a longer trace indicates a wrong unit
 USUAL_LENGTH = 1.0  # m; instruments rarely measure longer lines, which give a warning
 MIN_STEP = 1e-10  # m; atoms are larger
