@@ -466,6 +466,9 @@ def test_a_contact_that_may_be_born_takes_part_of_an_increment(period, part, dis
     gaps["value"] = depth * (1 - 1e-12)  # the less it may penetrate, the less
     less = stated(wave, height_error=HEIGHT, narrow_gaps=gaps) - stated(wave, height_error=HEIGHT)
     assert less < born
+    gaps["curvature"] = 0.0  # A flat gap may close over no more than this.
+    length = stated_length(wave, fixed={"height_error": HEIGHT}, narrow_gaps=gaps)
+    assert length == pytest.approx(2 * np.sqrt(2) * period, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("period", [0.1, 9.0])
