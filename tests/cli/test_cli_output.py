@@ -171,6 +171,21 @@ def test_what_fails_leaves_the_file_as_it_was(run, tmp_path, monkeypatch):
     assert path.read_bytes() == whole
 
 
+def test_perfect_conductors_start_anew_and_say_so(run, tmp_path, bodies):
+    """Their R is 0 in SI units, and cannot be converted back; nor is a file removed that is not of this problem."""
+    perfect = BODIES.replace("14 uohm cm", "0").replace("3e-8", "0")
+    bodies[1].write_text(perfect + SCALE)
+    wanted = ["solve", *SERIES, *bodies, "--pressures", "1,10,100MPa", "--method", "patches", "-o", tmp_path / "a.nc"]
+    stopped(run, TimeoutError, 2, *wanted)
+    code, _, err = run(*wanted)
+    assert code == 0, err
+    assert "goes on" not in err
+    assert "loads" not in err
+    (tmp_path / "a.part.nc").write_text("of another program")
+    assert run(*wanted, "--force")[0] == 0
+    assert (tmp_path / "a.part.nc").read_text() == "of another program"
+
+
 REFUSED = {
     "D": (["-D", "1.3"], "of another surface: D = 1.25, not D = 1.3"),
     "gamma": (["--gamma", "5/2"], "gamma = 5, not gamma = 5/2"),

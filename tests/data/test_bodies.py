@@ -36,7 +36,7 @@ def test_bodies_are_given_by_either_modulus_and_by_name_alone():
         Bodies(**of_young, mu_1=80e9)
     with pytest.raises(ValueError, match="got neither"):
         Bodies(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
-    with pytest.raises(TypeError, match=r"Bodies takes mu_1, .*, E_2, got 'rho1': did you mean 'rho_1'\?"):
+    with pytest.raises(TypeError, match=r"Interface takes mu_1, .*, E_2, got 'rho1': did you mean 'rho_1'\?"):
         Bodies(**of_young, rho1=1.4e-7)
     with pytest.raises(TypeError, match="positional"):
         Bodies(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)

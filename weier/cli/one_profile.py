@@ -184,7 +184,7 @@ def solve(
     request, stop = _request(wanted=wanted, **options), None
     known: dict[str, Known] = {}
     case = _case((), request, methods, tolerance, settings)
-    kept = None if output is None else Output(output, request)
+    kept = None if output is None else Output(output, request, case)
     if kept is not None and not force:
         known = kept.known(case)
         request = kept.request
@@ -203,7 +203,7 @@ def solve(
         kept.finish(data, in_order)
     else:
         kept.save(data)
-        where = f"in {kept.part}, from which the same command goes on"
+        where = f"in {kept.part}{', from which the same command goes on' if kept.goes_on else ''}"
     if stop is not None:
         click.echo(f"weier: {done.sum()} of {done.size} loads are solved, and {where}", err=True)
         raise stop

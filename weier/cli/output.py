@@ -14,6 +14,7 @@ import xarray as xr
 from weier.api.task import Known
 from weier.cli import result
 from weier.data import dataset
+from weier.data.files import check_target
 from weier.methods.load_progress import curve_so_far
 from weier.pipeline import resume
 from weier.pipeline.jobs import APPEND_SECONDS
@@ -28,11 +29,17 @@ class Output:
     """The output file of `weier solve`, and a partial file with the loads solved so far.
 
     The partial file, such as curve.part.nc for curve.csv, is written every `APPEND_SECONDS`, and removed at the end.
+
+    goes_on : whether a further run goes on from it
+    owned : whether it has been read, or written by this run
     """
 
-    def __init__(self, path: Path, request: Request) -> None:
+    def __init__(self, path: Path, request: Request, case: Case) -> None:
         self.path, self.part, self.request = path, path.with_name(f"{path.stem}.part.nc"), request
+        bodies = request.bodies and request.bodies.at(case.profile)
+        self.goes_on, self.owned = bool(resume.continued(case, bodies)), False
         self.saved = monotonic()
+        check_target(self.part)
 
     def known(self, case: Case) -> dict[str, Known]:
         """Return the curves of the files, whose loads replace those of the request that differ by rounding."""
@@ -48,7 +55,9 @@ class Output:
                 )
             own = np.where(same.any(axis=1), loads[same.argmax(axis=1)], self.request.loads)
             self.request = self.request._replace(loads=own)
-            click.echo(f"{path} has {loads.size} of {np.unique(own).size} loads", err=True)
+            self.owned |= path == self.part
+            if self.goes_on:
+                click.echo(f"{path} has {loads.size} of {np.unique(own).size} loads", err=True)
         return known
 
     def __call__(self) -> None:
@@ -60,9 +69,10 @@ class Output:
         """Write the solved loads to the partial file."""
         with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
             result.write(self.request.with_units(data), self.part)
-        self.saved = monotonic()
+        self.saved, self.owned = monotonic(), True
 
     def finish(self, data: xr.Dataset, in_order: xr.Dataset) -> None:
         """Write the output file; text formats keep the given order of loads."""
         result.write(in_order if self.path.suffix in result.TEXTS else self.request.with_units(data), self.path)
-        self.part.unlink(missing_ok=True)
+        if self.owned:
+            self.part.unlink(missing_ok=True)

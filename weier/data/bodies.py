@@ -100,7 +100,7 @@ class Bodies:
         """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
         known = cls.__signature__.parameters
         for name in given.keys() - known.keys():
-            raise TypeError(f"{cls.__name__} takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
+            raise TypeError(f"Interface takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
         return super().__new__(cls)
 
     @classmethod

@@ -75,12 +75,27 @@ def read(path: Path, case: Case, bodies: Bodies | None) -> tuple[Array, dict[str
     whole = pressures.size == loads.size and np.allclose(pressures * loads[-1], loads * pressures[-1], 1e-12, 0.0)
     if not whole or {*methods} != {*settings}:
         raise ValueError(f"{path} exists, and was changed since it was solved: {OTHERWISE}")
-    scales = {} if bodies is None else {unit: float(value) for unit, (value, _) in bodies.scales.items()}
-    known = {}
-    for method, given in settings.items():
-        if find_method(method).by_load(**given) and all(scales.values()):  # a unit of 0 has no inverse
-            known[method] = _known(data.isel(case=0).sel(solution_method=method), loads, scales)
+    scales = _scales(bodies)
+    known = {
+        method: _known(data.isel(case=0).sel(solution_method=method), loads, scales)
+        for method in continued(case, bodies)
+    }
     return loads, {method: one for method, one in known.items() if one.loads.size}
+
+
+def continued(case: Case, bodies: Bodies | None) -> list[str]:
+    """Return the methods whose curves go on from a file: those that solve each load by itself.
+
+    There are none in SI units between perfect conductors, since these leave no R to convert back.
+    """
+    settings = _settings(parse_yaml(scene_text(case, np.empty(0))))
+    convertible = all(_scales(bodies).values())
+    return [method for method, given in settings.items() if convertible and find_method(method).by_load(**given)]
+
+
+def _scales(bodies: Bodies | None) -> dict[str, float]:
+    """Return the value of each normalised unit in SI units; nothing without bodies."""
+    return {} if bodies is None else {unit: float(value) for unit, (value, _) in bodies.scales.items()}
 
 
 def _known(run: xr.Dataset, loads: Array, scales: Mapping[str, float]) -> Known:
@@ -109,8 +124,13 @@ def _settings(scene: Mapping[str, Any]) -> dict[str, Any]:
     return {name: all_settings(find_method(name), given.get(name, {})) for name in scene["methods"]}
 
 
+def _short(value: Any) -> Any:
+    """Return a number without the digits of rounding."""
+    return f"{value:.12g}" if isinstance(value, float) else value
+
+
 def _differing(*given: Mapping[str, Any]) -> tuple[str, ...]:
-    """Describe the values in which two mappings differ; return "" if they are equal."""
+    """Describe the values in which two mappings differ; return nothing if they are equal."""
     names = [name for name in {**given[0], **given[1]} if given[0].get(name) != given[1].get(name)]
-    both = (", ".join(f"{name} = {one[name]}" for name in names if name in one) or "none" for one in given)
+    both = (", ".join(f"{name} = {_short(one[name])}" for name in names if name in one) or "none" for one in given)
     return tuple(both) if names else ()

@@ -60,22 +60,25 @@ def mistakes_of(error: ValidationError, raw: Any) -> Iterator[Mistake]:
     Pydantic's locations also contain markers of keys, and list positions of values written without a list.
     """
     for found in error.errors():
-        keys, value = list[str | int](), raw
+        keys, value, section = list[str | int](), raw, raw
         for key in found["loc"]:
             if isinstance(value, list) and isinstance(key, int):
-                keys, value = [*keys, key], value[key]
+                keys, value, section = [*keys, key], value[key], value
             elif isinstance(value, dict) and key != "[key]" and (isinstance(key, str) or key in value):
-                keys, value = [*keys, key], value.get(key)
-        yield Mistake(tuple(keys), _words(found))
+                keys, value, section = [*keys, key], value.get(key), value
+        yield Mistake(tuple(keys), _words(found, section))
 
 
-def _words(error: ErrorDetails) -> str:
-    """Return pydantic's message and the given value, or the message of a validator of weier."""
+def _words(error: ErrorDetails, section: Any) -> str:
+    """Return pydantic's message and the given value, or the message of a validator of weier.
+
+    An unknown key is compared with the keys of the kind of section that shares most keys with this section.
+    """
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     if error["type"] == "missing":
         return error["msg"]
     if error["type"] == "extra_forbidden":
-        known = {key for section in Section.__subclasses__() for key in section.keys()}  # noqa: SIM118
-        return f"{error['msg']}{suggestion(error['loc'][-1], known - {error['loc'][-1]})}"
+        known = max((of.keys() for of in Section.__subclasses__()), key=lambda keys: len(keys & section.keys()))
+        return f"{error['msg']}{suggestion(error['loc'][-1], known)}"
     return f"{error['msg']}, got {shown(error['input'])}"
