@@ -95,6 +95,25 @@ def test_a_step_that_few_digits_leave_open_is_refused():
         on_grid(x[:6], np.ones(6), None, place)
 
 
+@pytest.mark.parametrize("step", [0.01, 0.1, 1.0])
+def test_a_row_left_out_is_missing_if_decimals_below_the_step_are_written(step):
+    x = np.delete(step * N, 1000)
+    full, length = on_grid(x, np.ones(1999), None, place, 4)
+    assert np.flatnonzero(np.isnan(full)).tolist() == [1000]
+    assert length == pytest.approx(2000 * step, rel=1e-12)
+    for decimals in (int(-np.log10(step)), None):
+        with pytest.raises(ValueError, match="positions must rise in equal steps"):
+            on_grid(x, np.ones(1999), None, place, decimals)
+
+
+def test_positions_that_leave_a_range_of_steps_are_refused():
+    """Steps of 6 and 6.073 both fit the first 20 positions."""
+    x = np.floor(6.073 * N)
+    assert on_grid(x[:200], np.ones(200), None, place)[1] == pytest.approx(200 * 6.073, rel=0.0075)
+    with pytest.raises(ValueError, match="positions must rise in equal steps"):
+        on_grid(x[:20], np.ones(20), None, place)
+
+
 def test_a_row_left_out_of_positions_with_more_digits_than_the_step_needs_is_missing():
     full, length = on_grid(np.delete(5.0 * N, 1000), np.ones(1999), None, place)
     assert (full.size, length, np.flatnonzero(np.isnan(full)).tolist()) == (2000, 10000.0, [1000])

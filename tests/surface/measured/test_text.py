@@ -226,6 +226,31 @@ def test_decimals_behind_commas_are_no_column(file, heading, given):
     assert_right(Trace.read(path, columns=0, decimal=",", **ALONE))
 
 
+@pytest.mark.parametrize(
+    ("delimiter", "heading", "yes", "no"),
+    [
+        (",", "x (mm),z (um),valid", 1, 0),
+        (";", "x;z;Is_Valid\nmm;um;-", "true", "false"),
+        ("\t", "[mm]\t[um]\tvalidity", "1.0", ""),
+    ],
+)
+def test_heights_that_a_column_marks_as_invalid_are_refused(file, delimiter, heading, yes, no):
+    def table(height, mark):
+        rows = [f"{written(z)}{delimiter}{yes}" for z in Z]
+        rows[60] = f"{height}{delimiter}{mark}"
+        return file(columns(delimiter, f"{heading}\n", z=rows))
+
+    assert_right(Trace.read(table(written(Z[60]), yes), columns=(0, 1)))
+    line = 62 + heading.count("\n")
+    for more in ({"columns": (0, 1)}, {"columns": 1, "length": 1e-3}):
+        with pytest.raises(
+            ValueError, match=f"line {line}, has a height that is not valid .*: write nan for heights"
+        ):
+            Trace.read(table(written(Z[60]), no), **more)
+    with pytest.raises(ValueError, match=f"^1 of 200 heights are missing, the first is height 61 in line {line}"):
+        Trace.read(table("nan", no), columns=(0, 1))
+
+
 def test_more_rows_than_heights_may_have_are_refused_unread(file, monkeypatch):
     monkeypatch.setattr("weier.surface.measured.text.MAX_HEIGHTS", 200)
     assert_right(Trace.read(file(columns())))
@@ -495,6 +520,32 @@ def test_rows_that_are_left_out_of_two_columns_are_missing_heights(file):
     filled = Trace.read(path, missing="interpolate")
     assert filled.lambda_0 == pytest.approx(1e-3, rel=1e-12)
     assert tuple(filled.filled) == (3, 2, 0)
+
+
+@pytest.mark.parametrize(
+    ("step", "form", "is_filled"),
+    [
+        (1, ".4f", True),
+        (0.1, ".4f", True),
+        (1, ".0f", False),
+        (0.1, ".1f", False),
+        (1, ".3e", True),
+        (1, ".2e", False),
+        (1e-3, ".3e", True),
+        (1e-3, ".2E", False),
+    ],
+)
+def test_a_row_left_out_is_missing_where_positions_have_a_decimal_below_the_step(file, step, form, is_filled):
+    lines = columns(";", "x (mm);z (um)\n", x=[f"{step * n:{form}}" for n in N]).splitlines()
+    table = "\n".join(lines[:61] + lines[62:])
+    for text in (table, decimal_commas(table), table.replace("e", "d")):
+        if is_filled:
+            trace = Trace.read(file(text), missing="interpolate")
+            assert trace.lambda_0 == pytest.approx(0.2 * step, rel=1e-12)
+            assert tuple(trace.filled) == (1, 1, 0)
+        else:
+            with pytest.raises(ValueError, match="positions must rise in equal steps"):
+                Trace.read(file(text), missing="interpolate")
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ class Line(NamedTuple):
     periodic : whether the surface is known to repeat
     axis, number : for a line of a map, the axis that it runs along and its number among these lines
     numbers : in a file of text, the number of the line of each height, from 1
+    decimals : in a file of text, the number of decimals of the positions
     left_out : the lines of a file of text above and below its table
     """
 
@@ -32,6 +33,7 @@ class Line(NamedTuple):
     axis: str = ""
     number: int | None = None
     numbers: tuple[int, ...] = ()
+    decimals: int | None = None
     left_out: tuple[str, ...] = ()
 
     def place(self, at: int) -> str:

@@ -21,7 +21,9 @@ REMEDIES = (
 )
 
 
-def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int], str]) -> tuple[Array, float]:
+def on_grid(
+    x: Array, heights: Array, length: float | None, place: Callable[[int], str], decimals: int | None = None
+) -> tuple[Array, float]:
     """Return heights at equal steps, NaN for omitted rows, and the length of the trace, steps times heights.
 
     Parameters
@@ -32,6 +34,8 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
         Must agree with the positions, within their rounding.
     place : callable
         The place of a height, by its index, for messages.
+    decimals : int, optional
+        Number of decimals of the positions in their text, which may end in zeros; by default that of the floats.
 
     Raises
     ------
@@ -47,7 +51,7 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
             "file, or take the column of heights alone, as in columns=1, with the length, if no row is left out"
         )
     unit = _last_digit(x)
-    number, step = _grid(x, unit)
+    number, step = _grid(x, unit, unit if decimals is None else 10.0**-decimals)
     if not step:
         even = x[0] + (x[-1] - x[0]) / rise.size * np.arange(x.size)
         at = int(np.abs(x - even).argmax())
@@ -63,11 +67,11 @@ def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int
     return full, own if length is None else length
 
 
-def _grid(x: Array, unit: float) -> tuple[Array, float]:
+def _grid(x: Array, unit: float, written_unit: float) -> tuple[Array, float]:
     """Return the number of each position in a grid from the first one, and its step; 0 if there is none.
 
-    Exact positions are multiples of a step. Some may be left out if the step exceeds the unit of the positions.
-    Rounded ones stand within half a unit of a straight line with one row a step.
+    Exact positions are multiples of a step. Some may be left out if the step exceeds the unit of the last written
+    decimal. Rounded ones stand within half a unit of a straight line with one row a step.
     """
     rows = np.arange(float(x.size))
     usual = float(np.median(np.diff(x))) or x[-1] - x[0]
@@ -76,7 +80,7 @@ def _grid(x: Array, unit: float) -> tuple[Array, float]:
     off = np.abs(x - x[0] - exact * step)
     is_exact = (off <= STEP_TOLERANCE * step).all() and (np.diff(exact) > 0).all() and exact[-1] < MAX_HEIGHTS
     if is_exact:
-        return exact, step if exact[-1] == rows[-1] or step > ROUNDING_FACTOR * unit else 0.0
+        return exact, step if exact[-1] == rows[-1] or step > ROUNDING_FACTOR * written_unit else 0.0
     return rows, _rounded_step(x, unit)
 
 
@@ -84,15 +88,22 @@ def _rounded_step(x: Array, unit: float) -> float:
     """Return the step of positions that are rounded, or cut, to a unit; 0 if there is none.
 
     The fitted step is rounded to as few decimals as the positions allow. After a gap of more than a unit no step fits
-    the positions; after a smaller gap one may fit, but hardly one of few digits.
+    the positions; after a smaller gap one may fit, but hardly one of few digits. The steps that fit are an interval:
+    if neither step at a distance fits, all are within it. It must be at least that by which half a unit of the
+    length changes the step, since a gap may narrow the interval.
     """
     rows = np.arange(x.size)
     fitted = float(np.polyfit(rows, x, 1)[0])
-    error = max(ROUNDING_FACTOR * unit - np.ptp(x - fitted * rows), unit / 2) / rows[-1]
-    for decimals in range(2 * MAX_DECIMALS if error <= MAX_ERROR * fitted else 0):
+
+    def fits(step: float) -> bool:
+        return bool(np.ptp(x - step * rows) <= ROUNDING_FACTOR * unit)
+
+    for decimals in range(2 * MAX_DECIMALS):
         step = round(fitted, decimals)
-        if np.ptp(x - step * rows) <= ROUNDING_FACTOR * unit:
-            return step if step >= unit or 10.0**-decimals >= BY_CHANCE * error else 0.0
+        if fits(step):
+            error = min(MAX_ERROR * step, 10.0**-decimals / BY_CHANCE if step < unit else np.inf)
+            is_known = unit / 2 / rows[-1] <= error and not fits(step - error) and not fits(step + error)
+            return step if is_known else 0.0
     return 0.0
 
 

@@ -38,6 +38,8 @@ TYPOGRAPHIC_SIGNS = {  # ASCII signs in numbers for typographic ones
 }
 PREFIXES = "#%!/*; \t"  # characters that precede remarks and headings
 MISSING = "nan NaN NAN -nan -NaN -nan(ind) 1.#QNAN -1.#IND NA N/A n/a #N/A #NV NULL null None none BAD bad -- ---"
+VALIDITY = re.compile(r"(is[ _]?)?valid(ity)?", re.IGNORECASE)  # heading of a column that marks valid heights
+VALID = re.compile(r"1([.,]0*)?|true|yes|valid", re.IGNORECASE)
 SEPARATE_SIGNS = frozenset("+-(") | {"plus", "minus", "pos", "neg"}  # signs in a column of their own
 SAMPLE_LINES = 200  # approximate number of lines sampled for the signs of a table
 END_ROWS = 5  # rows at the start of one column that may be a count, a step or a length
@@ -232,6 +234,7 @@ class _Table:
             x_units=tuple(filter(None, named[:-1])),
             height_units=tuple(filter(None, named[-1:])),
             numbers=tuple(at + 1 for at in self.block),
+            decimals=self._decimals([row[0] for row in texts]) if with_positions else None,
             left_out=tuple(line for at, line in enumerate(self.lines) if line and at not in within),
         )
 
@@ -296,6 +299,8 @@ class _Table:
 
     def _texts(self) -> list[list[str]]:
         """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
+        above = map(self._cells, self.lines[: self.block[0]])
+        marks = {at for cells in above for at, cell in enumerate(cells) if VALIDITY.fullmatch(cell)} - {*self.columns}
         texts = []
         for at in self.block:
             fields = self.signs.split(self.lines[at])
@@ -308,6 +313,11 @@ class _Table:
                 sign = min(SEPARATE_SIGNS & {*fields})
                 problem = f"has {sign!r} in a column of its own, which may be the sign of a number"
                 self._refuse(at, problem, "write the sign in front of the number, and nan for a missing value")
+            elif fields[self.columns[-1]] not in self.signs.missing and not all(
+                VALID.fullmatch(fields[mark]) for mark in marks
+            ):
+                problem = "has a height that is not valid by the column of validity"
+                self._refuse(at, problem, "write nan for heights that are not valid, or leave out this column")
             texts.append([fields[column] for column in self.columns])
         return texts
 
@@ -319,6 +329,12 @@ class _Table:
                 wrong = row[own.index(None)]
                 self._refuse(at, f"has {shown(wrong)} for a number", self._arguments(TABLE_END_ARGUMENTS, wrong))
         return np.array(values, float)
+
+    def _decimals(self, numbers: Sequence[str]) -> int:
+        """Return the largest number of decimals of positions, at the largest of their exponents."""
+        parts = [text.lower().replace("d", "e").partition("e") for text in numbers]
+        exponents = [int(exponent or 0) for digits, _, exponent in parts if digits.strip("+-0.,")]
+        return max(len(digits.partition(self.signs.decimal)[2]) for digits, _, _ in parts) - max(exponents, default=0)
 
     def _check_neighbours(self) -> None:
         """Refuse a line above or below the table that may belong to it, unless `skip` or `rows` is given."""

@@ -548,7 +548,7 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
         return z, length
     unit = UNITS[known_unit("positions", given, one.x_units)]
     if one.positions is not None:
-        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place)
+        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place, one.decimals)
         return z, own * unit
     own = float(one.length or 0) * unit
     # Both are rounded.
