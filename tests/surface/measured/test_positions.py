@@ -106,12 +106,19 @@ def test_a_row_left_out_is_missing_if_decimals_below_the_step_are_written(step):
             on_grid(x, np.ones(1999), None, place, decimals)
 
 
-def test_positions_that_leave_a_range_of_steps_are_refused():
-    """Steps of 6 and 6.073 both fit the first 20 positions."""
-    x = np.floor(6.073 * N)
-    assert on_grid(x[:200], np.ones(200), None, place)[1] == pytest.approx(200 * 6.073, rel=0.0075)
+@pytest.mark.parametrize(
+    "x",
+    [
+        np.floor(6.073 * N[:20]),  # also of steps of 6
+        np.floor(5.926 * N[:14]),
+        np.delete(np.round(0.4 * N[:20]), [8, 9]),  # also of steps of 0.5
+    ],
+)
+def test_positions_that_leave_a_range_of_steps_are_refused(x):
     with pytest.raises(ValueError, match="positions must rise in equal steps"):
-        on_grid(x[:20], np.ones(20), None, place)
+        on_grid(x, np.ones(x.size), None, place)
+    x = np.floor(6.073 * N[:200])
+    assert on_grid(x, np.ones(200), None, place)[1] == pytest.approx(200 * 6.073, rel=0.0075)
 
 
 def test_a_row_left_out_of_positions_with_more_digits_than_the_step_needs_is_missing():

@@ -300,7 +300,7 @@ class _Table:
     def _texts(self) -> list[list[str]]:
         """Return the fields of the rows in the columns that are read; ValueError if a row has other columns."""
         above = map(self._cells, self.lines[: self.block[0]])
-        marks = {at for cells in above for at, cell in enumerate(cells) if VALIDITY.fullmatch(cell)} - {*self.columns}
+        marks = {at for cells in above for at, cell in enumerate(cells) if VALIDITY.fullmatch(cell)}
         texts = []
         for at in self.block:
             fields = self.signs.split(self.lines[at])
