@@ -67,6 +67,14 @@ localrules:
     page,
 
 
+onsuccess:
+    plan.clean()
+
+
+onerror:
+    plan.clean()
+
+
 rule all:
     default_target: True
     input:
@@ -133,7 +141,7 @@ rule solve:
 
 # A job makes its share of the products of a scene, since each process spends two seconds on imports. The rule made_of
 # moves each product into its stamp, a folder named by the digest of its inputs, and the rules below copy its files.
-# No rule makes a stamp that exists.
+# No rule makes a stamp that exists. The old stamp of a product is removed once the new one is there.
 rule make:
     input:
         plan.solved,
@@ -175,11 +183,17 @@ rule made_of:
         digest=plan.new_digests,
     conda:
         "rules/environment.yaml"
+    params:
+        made=lambda wildcards, input: f"{input[0]}/{wildcards.product}",
+        stamps=lambda wildcards, output: Path(output[0]).parent,
     message:
         "{wildcards.scene}: {wildcards.product} is made"
     shell:
-        "(rm -rf results/{wildcards.scene}/.made_of/{wildcards.product}/* && "
-        "mv {input:q}/{wildcards.product} {output:q}) 2>{log:q}"
+        "(if ! test -d {params.made:q}; then"
+        " echo weier: {wildcards.product} is not made, for the reason above >&2; exit 1; fi;"
+        " mv {params.made:q} {output:q}; "
+        "find {params.stamps:q} -mindepth 1 -maxdepth 1 ! -name {wildcards.digest:q} -exec rm -r {{}} +)"
+        " 2>&1 | tee -i {log:q}"
 
 
 rule data:

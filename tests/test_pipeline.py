@@ -181,10 +181,16 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
     edit(module, line, fault + line)
     shutil.copytree("profiles/local", finished / "profiles/default")
-    done = call(finished, "--latency-wait", "1")
+    killed = finished / "results/test/.drafts/.all.0-of-3.abc/contact.nc"
+    killed.mkdir(parents=True)
+    stamps = sorted((finished / "results/test/.made_of/two").iterdir())
+    done = call(finished, "--latency-wait", "1", cores=("--cores", "1"))  # one job, of which the others are kept
     shutil.rmtree(finished / "profiles")  # which says nothing of plans
     assert done.returncode == 1
     assert "weier: two cannot be made: no ink\n" in done.stdout
+    assert "weier: two is not made, for the reason above\n" in done.stdout
+    assert sorted((finished / "results/test/.made_of/two").iterdir()) == stamps
+    assert not (finished / "results/test/.drafts").exists()
     assert made(done.stdout) == (["one", "page.html"], 0)
     assert planned(finished) == {"make": 1, "made_of": 1, "figure": 1}
     edit(module, fault, "")

@@ -153,22 +153,30 @@ def test_force_solves_anew_and_keeps_the_old_file_until_it_is_done(run, tmp_path
         assert data.D.values.tolist() == [1.5]
 
 
-def test_what_fails_leaves_the_file_as_it_was(run, tmp_path, monkeypatch):
+def test_what_fails_leaves_the_file_as_it_was_and_what_others_have_solved_beside_it(run, tmp_path, monkeypatch):
     """A load that cannot be solved would leave the whole curve without numbers."""
-    path = tmp_path / "a.nc"
-    wanted = ["solve", *SERIES, "--method", "patches", "--method", "demelio", "-o", path]
+    path, part, solved = tmp_path / "a.nc", tmp_path / "a.part.nc", []
+    wanted = ["solve", *SERIES, "--method", "bem", "--method", "patches", "-o", path]
     assert run(*wanted, "--loads", "0.1")[0] == 0
     whole = path.read_bytes()
 
     def fail(*arguments):
         raise ConvergenceError("too hard")
 
-    monkeypatch.setattr("weier.methods.patches.solver.solve_state", fail)
-    assert run(*wanted, "--loads", "0.1,1")[::2] == (
-        1,
-        f"{path} has 1 of 2 loads\nweier: D = 1.25, gamma = 5, m = 2, patches: too hard\n",
-    )
+    with monkeypatch.context() as faulty:
+        faulty.setattr("weier.methods.patches.solver.solve_state", fail)
+        assert run(*wanted, "--loads", "0.1,1")[::2] == (
+            1,
+            f"{path} has 1 of 2 loads\nweier: what is solved is in {part}, from which the same command goes on\n"
+            "weier: D = 1.25, gamma = 5, m = 2, patches: too hard\n",
+        )
     assert path.read_bytes() == whole
+    with weier.open_dataset(part) as data:
+        assert np.isfinite(data.compliance.values[0]).tolist() == [[True, True], [True, False]]
+    with reporting_to(lambda: solved.append(1)):
+        assert run(*wanted, "--loads", "0.1,1")[0] == 0
+    assert len(solved) == 1
+    assert not part.exists()
 
 
 def test_perfect_conductors_start_anew_and_say_so(run, tmp_path, bodies):

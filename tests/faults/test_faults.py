@@ -66,7 +66,7 @@ def assert_the_next_run_is_undisturbed(checkout, undisturbed):
 
 
 def leftovers(checkout):
-    known = (".made_of", ".solved", ".drafts", ".snakemake_timestamp")
+    known = (".made_of", ".solved", ".snakemake_timestamp")
     return [path for path in checkout.rglob("results/**/.*") if path.name not in known]
 
 
@@ -120,8 +120,20 @@ def test_after_a_worker_is_killed_the_next_run_makes_the_same_files(checkout, un
         os.kill(worker, signal.SIGKILL)
     assert process.returncode != 0
     assert not (checkout / "results/test/contact.nc").exists()
-    assert leftovers(checkout)
+    assert leftovers(checkout) == []
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
+
+
+def test_what_a_killed_job_was_writing_is_removed_a_day_later(checkout, undisturbed, tmp_path):
+    shutil.rmtree(checkout / "results")
+    with paused(checkout, ".npz", tmp_path) as (_, worker):
+        os.kill(worker, signal.SIGKILL)
+    (segment,) = leftovers(checkout)
+    os.utime(segment, (time.time() - 25 * 3600,) * 2)
+    (young := segment.with_name(".a.npz.here.1")).touch()
+    code, said = run(checkout)
+    assert code == 0, said
+    assert leftovers(checkout) == [young]
 
 
 def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_path):

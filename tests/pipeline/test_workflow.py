@@ -53,6 +53,23 @@ def change(folder, old, new):
     path.write_text(text.replace(old, new))
 
 
+def test_a_run_removes_the_drafts_of_what_it_made(folder):
+    """Another run may be making another product of the scene, or of another one."""
+    drafts, other = folder / "results/test/.drafts", folder / "results/other/.drafts/all.0-of-1.a"
+    names = {f"{dot}{name}.0-of-1.a" for dot in ("", ".") for name in ("one", "two", "all")}
+    for path in (other, *map(drafts.joinpath, names)):
+        path.mkdir(parents=True)
+    own = plan()
+    own.draft(of(product="one"))
+    own.clean()
+    assert {path.name for path in drafts.iterdir()} == names - {"one.0-of-1.a", ".one.0-of-1.a"}
+    own.all_files(of())
+    own.draft(of(product="one"))
+    own.clean()
+    assert not drafts.exists()
+    assert other.exists()
+
+
 def test_everything_is_the_files_of_the_products_and_their_stamps(folder):
     files = plan().all_files(of())
     made = [path.removeprefix("results/test/") for path in files if "/.made_of/" not in path]

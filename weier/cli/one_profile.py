@@ -32,6 +32,7 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
+from weier.methods.errors import ConvergenceError
 from weier.methods.load_progress import INTERRUPTIONS, reporting_to
 from weier.methods.registry import PLOTTED
 from weier.methods.settings import TOLERANCE
@@ -195,6 +196,11 @@ def solve(
         if getattr(stopped, "curve", None) is None:
             raise
         data, stop = vars(stopped)["curve"], stopped
+    except ConvergenceError as failed:
+        if kept is not None and (solved := getattr(failed, "curve", None)) is not None:
+            kept.save(solved)
+            click.echo(f"weier: what is solved is in {kept.part}, from which the same command goes on", err=True)
+        raise
     done = np.isin(request.loads, data["mean_pressure"].values)
     in_order, where = request.with_units(data.sel(mean_pressure=request.loads[done])), "printed"
     if kept is None:

@@ -76,6 +76,8 @@ def solve_one(
     ------
     KeyboardInterrupt, TimeoutError
         If Ctrl-C or the limit ends the solution: `curve` has the curves of the loads that are solved, or is None.
+    ConvergenceError
+        If no method has a curve, or one whose curve is known in part fails: `curve` has what is solved, or is None.
     """
     check_range(loads)
     known, _ = known or {}, code()  # read the digest before the sources can change
@@ -95,7 +97,9 @@ def solve_one(
         )
     missing = data["status"].values[0] != Status.solved
     if missing.all() or known.keys() & {*data["solution_method"].values[missing].tolist()}:
-        raise (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
+        error = (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))
+        vars(error)["curve"] = None if missing.all() else part(data)
+        raise error
     print(*failures, sep="\n", end="\n" * bool(failures), file=sys.stderr)
     return _described(data, case)
 

@@ -15,7 +15,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -123,6 +123,13 @@ class Store:
     def segments(self, kind: str) -> Path:
         """Return the folder with the segments of a kind."""
         return self.folder / kind / self.numerics
+
+    def remove_leftovers(self, before: float) -> None:
+        """Remove files of jobs that were killed while writing, last changed before this time of the epoch, in s."""
+        for path in (*self.folder.glob("*/.*.*"), *self.folder.glob("*/*/.*.*")):
+            with suppress(OSError):  # another run may have named or removed it
+                if path.is_file() and path.stat().st_mtime < before:
+                    path.unlink()
 
     def index(self, kind: str) -> Index:
         """Return the rows of a kind."""

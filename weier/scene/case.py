@@ -207,7 +207,8 @@ def _trace(parameters: Mapping[str, Any]) -> Trace:
         return gaussian(**parameters)
     trace = _read(parameters)[0]
     if parameters["digest"] != trace.digest:
-        raise ValueError(f"{parameters['file']} has changed since its scene was read: run snakemake again")
+        files = " or ".join(parameters[name] for name in ("file", AGAINST) if name in parameters)
+        raise ValueError(f"{files} has changed since its scene was read: run snakemake again")
     return trace
 
 
