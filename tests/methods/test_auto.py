@@ -65,6 +65,7 @@ def test_quantities_of_the_contact_are_nan_where_terms_are_left_out():
     found = weier.solve(INFINITE, LOADS, tolerance=0.1, contact_edges=True)
     assert {name for name in found if np.isnan(found[name]).any()} == {
         "indentation",
+        "area_coefficient",
         "contact_fraction",
         "contact_fraction_error",
         "elastic_energy",
