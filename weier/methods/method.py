@@ -20,7 +20,7 @@ from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 Settings = Mapping[str, Any]
-CURVE_SECONDS = 5e-4  # takes the simplest curve: `python -m benchmarks expected_seconds`
+CURVE_SECONDS = 5e-4  # seconds of the simplest curve: `python -m benchmarks expected_seconds`
 
 
 class Style(NamedTuple):
