@@ -210,13 +210,6 @@ def interface(site):
     return "".join(path.read_text(encoding="utf-8") for path in sorted((site / "api").glob("*.html")))
 
 
-def test_every_page_is_reached_from_the_first(site):
-    sources = [path for suffix in ("rst", "md") for path in Path("docs").rglob(f"*.{suffix}")]
-    pages = {path.relative_to("docs").with_suffix("").as_posix() for path in sources}
-    linked = set(re.findall(r'href="([\w/]+)\.html', page(site, "index")))
-    assert pages - {"index"} <= linked
-
-
 def test_formulae_need_no_network(site):
     """The script that draws them is a part of the site, and no page requests files of another server."""
     fetched = [
@@ -229,15 +222,6 @@ def test_formulae_need_no_network(site):
     assert (site / "_static/mathjax/tex-chtml.js").stat().st_size > 10**5
     assert interface(site).count('class="math') > 20
     assert "\\begin{cases}" in page(site, "api/estimates")
-
-
-def test_the_site_can_be_hosted_as_it_is(site):
-    assert (site / ".nojekyll").exists()  # else some hosts hide the folders that begin with _
-    for path in site.rglob("*.html"):
-        for name in re.findall(r'(?:src|href)="([^"]+)"', path.read_text(encoding="utf-8")):
-            file, _, _ = name.partition("#")
-            if not re.match(r"\w+:", name):
-                assert (path.parent / file.partition("?")[0]).exists(), f"{path.name}: {name}"
 
 
 def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):

@@ -66,20 +66,3 @@ def test_the_program_knows_methods_from_their_list_alone():
 
 
 DATASET_NAMES = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}
-
-
-def names_in(path):
-    """The names of attributes that a file uses, also those given to `getattr` and `hasattr`."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Attribute):
-            yield node.attr
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("getattr", "hasattr"):
-            yield getattr(node.args[1], "value", "")
-
-
-@pytest.mark.parametrize("part", LIBRARY)
-def test_the_library_handles_no_datasets(part):
-    """An array may carry its unit in `attrs`, and heights their positions in a coordinate."""
-    of_arrays = {"units.py": {"attrs"}, "line.py": {"coords", "dims"}}
-    for path in files_of(part):
-        assert DATASET_NAMES & set(names_in(path)) <= of_arrays.get(path.name, set()), path
