@@ -27,8 +27,7 @@ from weier.figures import KINDS
 from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.claims import paper
-from weier.pipeline.claims.claim import judge
-from weier.pipeline.claims.rows import StudyArrays
+from weier.pipeline.claims.claim import cases_of, judge
 from weier.scene import keys
 
 
@@ -158,9 +157,11 @@ def test_the_claim_of_contributing_is_measured(two_profiles):
     (row,) = (code for code in examples("python") if "Claim(" in code)
     ((_, entered),) = eval(f"{{{row}}}", dict(vars(paper))).items()
     largest = two_profiles["resistance"].sel(solution_method="patches").diff("mean_pressure").max("mean_pressure")
-    judged = judge(entered, StudyArrays.from_dataset(two_profiles).cases)
+    judged = judge(entered, *(cases_of(two_profiles.isel(mean_pressure=slice(None, None, step))) for step in (1, 2)))
     assert judged.decisive.value == pytest.approx(largest.max().item())
-    assert judged.decisive.quantity == "largest change of the numerical resistance from one load to the next"
+    assert (
+        judged.decisive.condition.quantity == "largest change of the numerical resistance from one load to the next"
+    )
     assert judged.outcome == Check.not_decided  # too few profiles
 
 

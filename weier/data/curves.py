@@ -75,12 +75,12 @@ def most_accurate(study: Labelled) -> tuple[Flags, Indices]:
     return solved.any(axis=1), np.array(columns)[np.argmax(solved, axis=1)]
 
 
-def numerical_methods(case: xr.Dataset) -> Iterator[str]:
+def numerical_methods(case: Labelled) -> Iterator[str]:
     """Yield the numerical methods that solved the case, the most accurate first."""
     return (method for method in numerical_names() if curve(case, "compliance", method) is not None)
 
 
-def numerical_method(case: xr.Dataset) -> str | None:
+def numerical_method(case: Labelled) -> str | None:
     """Return the most accurate numerical method that solved the case, or None."""
     return next(numerical_methods(case), None)
 

@@ -8,17 +8,20 @@ tendency by most members. Otherwise the statement is not decided.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from weier.data import curves
 from weier.data.markdown import significant
 from weier.data.variables import Check
-from weier.pipeline.claims.rows import CaseRow
 
-Cases: TypeAlias = Sequence[CaseRow]
+if TYPE_CHECKING:
+    import xarray as xr
+
+Case: TypeAlias = Mapping[str, Any]  # the arrays of a case by the names of variables
+Cases: TypeAlias = Sequence[Case]
 OPEN_FACTOR = 1.25  # values within this factor of a limit that the paper does not quantify are not decided
 MIN_MEMBERS = 6  # smaller ensembles do not generalise
 MIN_FRACTION = 5 / 6  # fraction of an ensemble that decides on a tendency
@@ -28,11 +31,20 @@ class MissingError(ValueError):
     """The studies lack data for a claim."""
 
 
+def cases_of(study: xr.Dataset) -> list[Case]:
+    """Return the cases of a study, whose arrays are views: a Dataset of each would take most of the time."""
+    variables = study.transpose("case", ..., "mean_pressure").variables
+    values = {str(name): variable.values for name, variable in variables.items()}
+    own = [str(name) for name, variable in variables.items() if "case" in variable.dims]
+    return [values | {name: values[name][row] for name in own} for row in range(study.sizes["case"])]
+
+
 class Limits(NamedTuple):
     """The value up to which a condition is met, and the value from which it is violated.
 
     sign : 1 where larger values are worse, -1 where smaller ones are
     word, nominal : the limit in words: "at most", 0.05
+    error : the numerical quantity, if any, whose stated error makes a sign uncertain
     """
 
     met: float
@@ -40,6 +52,7 @@ class Limits(NamedTuple):
     sign: int
     word: str
     nominal: float
+    error: str = ""
 
     def check(self, value: float, uncertainty: float) -> Check:
         """Return whether a value meets or violates the condition, beyond its uncertainty."""
@@ -58,14 +71,19 @@ def at_least(limit: float, factor: float = OPEN_FACTOR) -> Limits:
     return Limits(factor * limit, limit, -1, "at least", limit)
 
 
-def negative(error: float) -> Limits:
-    """Return limits for negative values, whose sign is uncertain within an error."""
-    return Limits(-error, error, 1, "below", 0.0)
+def negative(quantity: str) -> Limits:
+    """Return limits for negative values; the stated error of this numerical quantity makes their sign uncertain."""
+    return Limits(0.0, 0.0, 1, "below", 0.0, quantity)
 
 
-def positive(error: float) -> Limits:
-    """Return limits for positive values, whose sign is uncertain within an error."""
-    return Limits(error, -error, -1, "above", 0.0)
+def positive(quantity: str) -> Limits:
+    """Return limits for positive values, in the same way."""
+    return Limits(0.0, 0.0, -1, "above", 0.0, quantity)
+
+
+def not_negative(quantity: str) -> Limits:
+    """Return limits for values of at least 0, in the same way."""
+    return positive(quantity)._replace(word="at least")
 
 
 class Condition(NamedTuple):
@@ -77,7 +95,6 @@ class Condition(NamedTuple):
     limits : the values that meet and violate the condition
     most : whether it is a tendency of most members; otherwise one member refutes it
     ensembles : the ensembles to which it applies
-    error : the numerical quantity, if any, whose stated error makes a sign uncertain
     decides : whether the verdict depends on it; otherwise its number is only reported
     """
 
@@ -88,7 +105,6 @@ class Condition(NamedTuple):
     limits: Limits
     most: bool = False
     ensembles: slice = slice(None)
-    error: str = ""
     decides: bool = True
 
 
@@ -108,45 +124,37 @@ class Ensemble(NamedTuple):
 
 
 class Claim:
-    """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions.
+    """A statement of the paper, a function from the cases of a scene to its ensembles, and its conditions."""
 
-    uses : the variables of its conditions that few other claims use
-    """
-
-    def __init__(
-        self,
-        statement: str,
-        ensembles: Callable[[Cases], list[Ensemble]],
-        *conditions: Condition,
-        uses: tuple[str, ...] = (),
-    ) -> None:
-        self.statement, self.ensembles, self.conditions, self.uses = statement, ensembles, conditions, uses
+    def __init__(self, statement: str, ensembles: Callable[[Cases], list[Ensemble]], *conditions: Condition) -> None:
+        self.statement, self.ensembles, self.conditions = statement, ensembles, conditions
 
 
 class Finding(NamedTuple):
-    """The result of a condition on one ensemble, as stored in a file.
+    """The result of a condition on one ensemble.
 
-    statement, quantity, unit, ensemble : in words
-    limit, met, missed, sign : the limit in words, and as in `Limits`
     value : the decisive one: of the worst member, or the median for a tendency
     values, checks : the value and the check of each member
     outcome : of all
-    decides : whether the verdict depends on it
     """
 
-    statement: str
-    quantity: str
-    unit: str
-    ensemble: str
-    limit: str
-    met: float
-    missed: float
-    sign: int
+    condition: Condition
+    ensemble: Ensemble
     value: float
     values: Sequence[float]
-    checks: Sequence[int]
-    outcome: int
-    decides: bool = True
+    checks: Sequence[Check]
+    outcome: Check
+
+    @property
+    def decides(self) -> bool:
+        """Whether the verdict depends on it."""
+        return self.condition.decides and self.ensemble.decides
+
+    @property
+    def limit(self) -> str:
+        """The limit in words."""
+        limits = self.condition.limits
+        return f"{limits.word} {written(limits.nominal, self.condition.unit)}"
 
     @property
     def votes(self) -> str:
@@ -181,8 +189,8 @@ class Judgement(NamedTuple):
     def decisive(self) -> Finding:
         """The decisive finding: the worst value of the first condition with this outcome."""
         same = [finding for finding in self.findings if finding.decides and finding.outcome == self.outcome]
-        first = [finding for finding in same if finding.statement == same[0].statement]
-        return max(first, key=lambda finding: finding.sign * finding.value)
+        first = [finding for finding in same if finding.condition is same[0].condition]
+        return max(first, key=lambda finding: finding.condition.limits.sign * finding.value)
 
 
 def written(value: float, unit: str) -> str:
@@ -192,12 +200,12 @@ def written(value: float, unit: str) -> str:
     return f"{significant(100 * value, 2)} %" if unit == "%" else f"{significant(value, 2)} {unit}".rstrip()
 
 
-def judge(claim: Claim, cases: Cases) -> Judgement:
-    """Judge a claim: each condition must hold on each of its ensembles."""
+def judge(claim: Claim, cases: Cases, at_fewer_loads: Cases) -> Judgement:
+    """Judge a claim on cases, and on the same at every second load: each condition must hold on each ensemble."""
     try:
-        ensembles = claim.ensembles(cases)
+        ensembles = list(zip(claim.ensembles(cases), claim.ensembles(at_fewer_loads), strict=True))
         findings = tuple(
-            _examine(condition, on) for condition in claim.conditions for on in ensembles[condition.ensembles]
+            _examine(condition, *on) for condition in claim.conditions for on in ensembles[condition.ensembles]
         )
     except MissingError as error:
         return Judgement(claim.statement, Check.not_measured, missing=str(error))
@@ -206,7 +214,7 @@ def judge(claim: Claim, cases: Cases) -> Judgement:
     return Judgement(claim.statement, outcome, findings)
 
 
-def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
+def _examine(condition: Condition, ensemble: Ensemble, at_fewer_loads: Ensemble) -> Finding:
     """Return the result of a condition on the members of an ensemble.
 
     Notes
@@ -215,26 +223,23 @@ def _examine(condition: Condition, ensemble: Ensemble) -> Finding:
     curve if it could change a sign.
     """
     limits, most = condition.limits, condition.most
-    values = [float(condition.measure(*member)) for member in ensemble.members]
-    fewer = [condition.measure(*(case.thinned for case in member)) for member in ensemble.members]
-    stated = [max(stated_error(case, condition.error) for case in member) for member in ensemble.members]
+    values, fewer = (
+        [float(condition.measure(*member)) for member in on.members] for on in (ensemble, at_fewer_loads)
+    )
+    stated = [max(stated_error(case, limits.error) for case in member) for member in ensemble.members]
     checks = [
         limits.check(value, abs(value - other) + error)
         for value, other, error in zip(values, fewer, stated, strict=True)
     ]
     value = float(np.median(values)) if most else max(values, key=lambda value: limits.sign * value)
-    limit = f"{limits.word} {written(limits.nominal, condition.unit)}"
-    outcome = _outcome(checks, most, ensemble.complete)
-    decides = condition.decides and ensemble.decides
-    words = condition.text, condition.quantity, condition.unit, ensemble.name, limit
-    return Finding(*words, limits.met, limits.missed, limits.sign, value, values, checks, outcome, decides)
+    return Finding(condition, ensemble, value, values, checks, _outcome(checks, most, ensemble.complete))
 
 
-def stated_error(case: CaseRow, quantity: str) -> float:
+def stated_error(case: Case, quantity: str) -> float:
     """Return the median stated error of the most accurate numerical curve (h in g_0, R relative); 0 without one."""
     if not quantity:
         return 0.0
-    method = case.numerical_method
+    method = curves.numerical_method(case)
     error, values = (curves.curve(case, name, method) for name in (f"{quantity}_error", quantity))
     if error is None or values is None:
         return 0.0

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 
-from weier.api.rows import BOUNDS
 from weier.data import curves
 from weier.methods.registry import find_method
 from weier.pipeline.claims import measures
@@ -14,6 +13,7 @@ from weier.pipeline.claims.claim import (
     MIN_FRACTION,
     MIN_MEMBERS,
     OPEN_FACTOR,
+    Case,
     Cases,
     Claim,
     Condition,
@@ -21,6 +21,7 @@ from weier.pipeline.claims.claim import (
     at_least,
     at_most,
     negative,
+    not_negative,
     positive,
 )
 from weier.pipeline.claims.measures import (
@@ -32,7 +33,6 @@ from weier.pipeline.claims.measures import (
     describe,
     need,
 )
-from weier.pipeline.claims.rows import CaseRow
 from weier.surface.profile import PARAMETERS
 
 # Limits that quantify words of the paper.
@@ -111,7 +111,7 @@ def series(cases: Cases, varied: str) -> list[Ensemble]:
 
 def _rows(cases: Cases, varied: str) -> list[Cases]:
     """Return rows of cases, one per value of a parameter; each row has the phases of a case of the last value."""
-    by_value: dict[float, list[tuple[tuple[float, ...], CaseRow]]] = {}
+    by_value: dict[float, list[tuple[tuple[float, ...], Case]]] = {}
     for case in cases:
         phases = case["phases"]
         own = tuple(phases[np.isfinite(phases)].round(PHASE_DIGITS).tolist())
@@ -152,8 +152,7 @@ def _growth(method: str) -> Condition:
         f"growth of the largest error of {label}, of full contact",
         "%",
         partial(measures.growth_of_error, method),
-        positive(0.0),
-        error="compliance",
+        positive("compliance"),
         most=True,
     )
 
@@ -223,8 +222,7 @@ CLAIMS = {
             "least excess of Archard's compliance over that from first contact",
             "g_0",
             lambda case: measures.least_excess_from_first_contact(case, "archard"),
-            at_least(0, factor=1),
-            error="compliance",
+            not_negative("compliance"),
             decides=False,
         ),
     ),
@@ -236,8 +234,7 @@ CLAIMS = {
             "largest excess of Demelio's compliance at low loads",
             "g_0",
             lambda case: float(measures.excess_at_low_loads(case, "demelio").max()),
-            negative(0.0),
-            error="compliance",
+            negative("compliance"),
         ),
     ),
     "layer_close": Claim(
@@ -249,8 +246,7 @@ CLAIMS = {
             "mean excess of the layer's compliance at high loads",
             "g_0",
             lambda case: measures.mean_excess_at_high_loads(case, "layer"),
-            negative(0.0),
-            error="compliance",
+            negative("compliance"),
             most=True,
         ),
         Condition(
@@ -284,8 +280,7 @@ CLAIMS = {
             "largest overestimate of the layer's resistance less its largest underestimate",
             "%",
             lambda case: sum(measures.resistance_range(case, "layer")),
-            positive(0.0),
-            error="resistance",
+            positive("resistance"),
             most=True,
         ),
         Condition(
@@ -293,8 +288,7 @@ CLAIMS = {
             "root mean square error of the layer's resistance less that of the better of the others",
             "%",
             measures.layer_behind_others,
-            negative(0.0),
-            error="resistance",
+            negative("resistance"),
             most=True,
         ),
         Condition(
@@ -302,8 +296,7 @@ CLAIMS = {
             "the same over the logarithm of the load, from the first load on",
             "%",
             partial(measures.layer_behind_others, lightest=True),
-            negative(0.0),
-            error="resistance",
+            negative("resistance"),
             most=True,
             decides=False,
         ),
@@ -312,8 +305,7 @@ CLAIMS = {
             "mean relative error of Archard's resistance at high loads",
             "%",
             lambda case: measures.mean_resistance_error_at_high_loads(case, "archard"),
-            negative(0.0),
-            error="resistance",
+            negative("resistance"),
             most=True,
         ),
         Condition(
@@ -321,8 +313,7 @@ CLAIMS = {
             "least relative error of Demelio's resistance",
             "%",
             lambda case: measures.resistance_range(case, "demelio")[0],
-            at_least(0, factor=1),
-            error="resistance",
+            not_negative("resistance"),
         ),
         Condition(
             f"Demelio's errors are at most about {DEMELIO_ERROR:.0%}",
@@ -353,7 +344,6 @@ CLAIMS = {
             measures.width_of_bounds,
             at_least(1),
         ),
-        uses=BOUNDS,
     ),
     "rises_further": Claim(
         "For D = 1.5 the curves continue to rise through larger values of the load (5.3).",
@@ -473,7 +463,6 @@ CLAIMS = {
             measures.factor_of_independent_contacts,
             at_most(1 - DEMELIO_ERROR, factor=1),
         ),
-        uses=("patch_count",),
     ),
     "one_wave_bounds": Claim(
         "The bounds from Westergaard's solution for the first wave are so loose as to include the predictions of all "

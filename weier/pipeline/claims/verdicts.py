@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -33,11 +32,6 @@ def to_dataset(judged: Mapping[str, Judgement]) -> xr.Dataset:
             [decisive_line(one) for one in judged.values()],
             "what decides whether it holds, and its limit",
         ),
-        "claim_missing": ([one.missing for one in judged.values()], "what the studies lack to measure it"),
-        "claim_conditions": (
-            [json.dumps([finding._asdict() for finding in one.findings]) for one in judged.values()],
-            "parts of the statement, each with its limit and its values on all profiles, as JSON",
-        ),
         "claim_holds": (
             np.array([one.outcome for one in judged.values()], "i1"),
             "whether it fits what is measured here",
@@ -56,7 +50,8 @@ def decisive_cells(judged: Judgement) -> tuple[str, str, str]:
     if judged.missing:
         return f"Not measured: {judged.missing}.", "", ""
     finding = judged.decisive
-    text = f"{finding.quantity[:1].upper()}{finding.quantity[1:]}: {written(finding.value, finding.unit)}"
+    quantity = finding.condition.quantity
+    text = f"{quantity[:1].upper()}{quantity[1:]}: {written(finding.value, finding.condition.unit)}"
     return text, finding.limit, finding.votes
 
 
@@ -68,15 +63,18 @@ def decisive_line(judged: Judgement) -> str:
 
 def details(finding: Finding) -> list[str]:
     """Return a row of DETAILS."""
-    low, high = (written(end(finding.values), finding.unit) for end in (min, max))
+    condition = finding.condition
+    value, low, high = (
+        written(value, condition.unit) for value in (finding.value, min(finding.values), max(finding.values))
+    )
     return [
-        f"{finding.statement}: {finding.quantity}",
-        finding.ensemble,
-        written(finding.value, finding.unit),
+        f"{condition.text}: {condition.quantity}",
+        finding.ensemble.name,
+        value,
         f"{low} and {high}" if len(finding.values) > 1 else "",
         finding.limit,
         finding.votes,
-        Check(finding.outcome).text,
+        finding.outcome.text,
     ]
 
 
