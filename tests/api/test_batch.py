@@ -14,8 +14,6 @@ from weier.api.fields import fields
 from weier.api.interface import Interface
 from weier.api.solve import solve
 from weier.methods import registry
-from weier.methods.errors import ConvergenceError
-from weier.methods.patches import solver
 from weier.methods.registry import find_method
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
@@ -85,24 +83,3 @@ def test_the_choice_is_stored_with_its_curves(tmp_path):
     assert data["chosen_method"].values.tolist() == ["bem", "patches"]  # terms of the second are left out
     assert data["chosen_terms"].values.tolist() == [2, 3]
     assert np.all(data["compliance_error"].values <= 0.1)
-
-
-@pytest.mark.second_attempt
-@pytest.mark.parametrize("methods", ["patches", "auto", "patches, layer"])
-def test_second_attempts_are_counted_in_the_log(tmp_path, monkeypatch, methods):
-    """The first attempt of the load 1 fails in both curves; none does without that."""
-    scene = f"{{title: t, tolerance: 1.0e-7, loads: [0.1, 1], methods: [{methods}], studies: {{one: "
-    loaded = scene_in(tmp_path, scene + "{product: {D: 1.25, gamma: 2, m: 2, seed: [1, 2]}}}}")
-    solve, said = solver.solve_in_stages, []
-
-    def failing(surface, guess, tolerance, accepted):
-        if guess.load == 1.0 and tolerance == accepted:
-            raise ConvergenceError("the first attempt fails")
-        return solve(surface, guess, tolerance, accepted)
-
-    usual = batch.solve_batch(loaded.distinct, loaded.loads, done=said.append)
-    assert said == []
-    monkeypatch.setattr(solver, "solve_in_stages", failing)
-    again = batch.solve_batch(loaded.distinct, loaded.loads, done=said.append)
-    assert said == [f"2 of {4 * (1 + methods.count(','))} loads took a second attempt"]
-    np.testing.assert_allclose(again["compliance"], usual["compliance"], rtol=1e-10)

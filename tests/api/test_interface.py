@@ -92,13 +92,6 @@ def test_what_cannot_be_solved_is_refused_in_a_sentence():
         BODIES.solve([LINE, None], 1e7)
 
 
-def test_processes_side_by_side_give_the_same_bits():
-    """Each surface has loads of its own; other methods are in the tests of workers."""
-    surfaces = [LINE, SERIES, weier.Trace(2 * HEIGHTS[:150], 0.75, x_unit="mm", height_unit="um", source="other")]
-    alone, both = (SCALED.solve(surfaces, [1e6, 1e7], "bem", workers=count).drop_vars("seconds") for count in (1, 2))
-    xr.testing.assert_identical(alone, both)
-
-
 def test_pressures_may_have_a_unit():
     found = BODIES.solve(LINE, xr.DataArray([10.0], attrs={"units": "MPa"}))
     assert (found.mean_pressure.values.tolist(), found.mean_pressure.units) == ([10.0], "MPa")
@@ -121,10 +114,8 @@ def test_the_pressure_of_a_curve_comes_back_within_its_error(surface):
         SCALED.find_pressure(surface, resistance=curve.compliance)
     with pytest.raises(ValueError, match="give one of resistance, compliance, contact_fraction, got none"):
         SCALED.find_pressure(surface)
-    with pytest.raises(ValueError, match=r"resistance, compliance, contact_fraction, got 'resistanc': did you mean"):
-        SCALED.find_pressure(surface, resistanc=1e-10)
     with pytest.raises(
-        ValueError, match=r"resistance must lie between 0, .* Pa on, and .* ohm m\^2, .* got -1 ohm m\^2$"
+        ValueError, match=r"resistance must lie between 0 ohm m\^2, under .* Pa, and .* got -1 ohm m\^2$"
     ):
         SCALED.find_pressure(surface, resistance=-1.0)
     perfect = weier.Interface(**STEEL | {"rho_1": 0.0, "rho_2": 0.0}, lambda_0=1e-3, g_0=1e-6)

@@ -1,4 +1,4 @@
-"""How far a solve is: said for each load that is done, and on a terminal alone by commands of one profile."""
+"""Progress over the loads, a limit of the time, and what a stopped solution keeps."""
 
 import io
 import sys
@@ -6,14 +6,14 @@ import sys
 import numpy as np
 import pytest
 
+import weier
 from weier.api import progress
-from weier.api.progress import ERASE, Loads, Progress, waiting
+from weier.api.progress import ERASE, Progress, showing
 from weier.methods.load_progress import count_load, reporting_to
 from weier.methods.registry import find_method
-from weier.surface.profile import Profile
 
-LOADS = np.array([0.1, 0.3, 1.0])
-TWO_WAVES = Profile(D=1.25, gamma=2, m=2)
+PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
+LOADS = np.geomspace(1e-2, 1, 20)
 
 
 @pytest.mark.parametrize(
@@ -28,8 +28,8 @@ def test_each_load_counts_once(name, settings):
     """Not what a load starts from, either, and not what bounds the truncated terms."""
     counted = []
     with reporting_to(lambda: counted.append(1)):
-        find_method(name).solve(TWO_WAVES, LOADS, **settings)
-    assert len(counted) == LOADS.size
+        find_method(name).solve(PROFILE, LOADS[::8], **settings)
+    assert len(counted) == 3
 
 
 def test_loads_of_another_solution_are_not_counted():
@@ -43,26 +43,103 @@ def test_loads_of_another_solution_are_not_counted():
 
 
 def test_progress_has_the_loads_and_the_remaining_time(monkeypatch):
-    said, clock = [], iter(range(0, 100, 4))
+    said, clock = [], iter([0, 0, 4, 6, 20, 40])
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
-    loads = Loads(10, Progress(30, 3.0, said.append).add)
-    loads()
-    loads.end_curve()  # of a method that counts not all
-    for _ in range(12):
-        loads()
-    loads.end_curve()
-    loads.end_curve()
-    assert said[:2] == ["1 of 30 loads, about 116 s left", "10 of 30 loads, about 16 s left"]
-    assert said[-1] == "20 of 30 loads, about 26 s left"  # and nothing at the end
+    counter = Progress(30, 3.0, said.append)
+    counter()
+    counter()
+    counter.reach(10)  # of a method that counts not all
+    counter.reach(30)
+    assert said == ["1 of 30 loads, about 116 s left", "10 of 30 loads, about 40 s left"]
 
 
-@pytest.mark.parametrize(
-    ("terminal", "said"), [(True, f"{ERASE}solving by bem{ERASE}solving by bem: 2 of 40 loads{ERASE}"), (False, "")]
-)
-def test_a_terminal_shows_what_is_computed_and_how_far_it_is_and_a_log_does_not(monkeypatch, terminal, said):
+@pytest.mark.parametrize(("terminal", "start", "end"), [(True, ERASE, ERASE), (False, "", "\n")])
+def test_a_search_shows_its_progress_in_one_line_of_a_terminal_or_in_lines(monkeypatch, terminal, start, end):
     screen = io.StringIO()
     screen.isatty = lambda: terminal
     monkeypatch.setattr(sys, "stderr", screen)
-    with waiting("solving by bem") as show:
-        show("2 of 40 loads")
-    assert screen.getvalue() == said
+    for pause in ("LONG", "TERMINAL_SECONDS"):
+        monkeypatch.setattr(progress, pause, 0.0)
+    weier.events(PROFILE, 1e-3, 1.0)
+    first, *others = screen.getvalue().removeprefix(start).removesuffix(end).split(start or end)
+    assert first.startswith("weier.events: ")
+    share = [int(line.split()[1]) for line in (first, *others)]
+    assert share == sorted(share)
+    assert 0 <= share[0] < 50 < share[-1]
+
+
+def test_a_short_solution_says_nothing(capsys):
+    with showing("weier.solve", 3) as counter:
+        counter()
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_limit_ends_a_solution_with_a_sentence(workers):
+    message = r"max_seconds = 1e-06 ended the solution after \d+ of \d+ loads: raise it"
+    with pytest.raises(TimeoutError, match=message):
+        weier.solve([PROFILE] * 3, LOADS, "patches", max_seconds=1e-6, workers=workers)
+    with pytest.raises(TimeoutError, match=message):
+        weier.solve(PROFILE, LOADS, "patches", max_seconds=1e-6)
+    for limit in (0, "10"):
+        with pytest.raises(ValueError, match="max_seconds must be positive"):
+            weier.solve(PROFILE, LOADS, "demelio", max_seconds=limit)
+
+
+class Stop:
+    """A listener that raises an exception after some loads, as Ctrl-C and a time limit do."""
+
+    def __init__(self, loads, error):
+        self.left, self.error = loads, error
+
+    def __call__(self):
+        """Count one load."""
+        self.left -= 1
+        if self.left == 0:
+            raise self.error("enough")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, TimeoutError])
+@pytest.mark.parametrize(
+    ("method", "settings", "solved"),
+    [
+        ("patches", {}, slice(0, 5)),
+        ("bem", {}, slice(15, 20)),
+        ("auto", {"tolerance": 1e-8}, slice(0, 5)),
+        ("auto", {"tolerance": 1e-2}, slice(15, 20)),
+    ],
+)
+def test_a_stopped_solution_keeps_the_loads_that_are_solved(error, method, settings, solved):
+    """The same bits as those of the whole curve, in p_0* and in Pa."""
+    bodies = {"E_1": 210e9, "E_2": 210e9, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1.4e-7, "rho_2": 1.4e-7}
+    steel = weier.Interface(**bodies, lambda_0=1e-3, g_0=1e-6)
+    for solve, loads in ((weier.solve, LOADS), (steel.solve, steel.pressure(LOADS))):
+        whole = solve(PROFILE, loads[::-1], method, **settings).isel(mean_pressure=slice(None, None, -1))
+        with pytest.raises(error) as stopped, reporting_to(Stop(5, error)):
+            solve(PROFILE, loads[::-1], method, **settings)
+        curve = stopped.value.curve
+        assert curve.mean_pressure.equals(whole.mean_pressure[solved])
+        for name in ("compliance", "resistance", "compliance_error"):
+            np.testing.assert_array_equal(curve[name], whole[name][solved])
+        assert np.array_equal(curve.phases, PROFILE.phase)
+
+
+def test_a_stopped_list_keeps_its_cases():
+    series = [weier.Profile(D=1.25, gamma=5, m=2, seed=seed) for seed in range(4)]
+    whole = weier.solve(series, LOADS, ["demelio", "patches"])
+    with pytest.raises(TimeoutError) as stopped, reporting_to(Stop(43, TimeoutError)):
+        weier.solve(series, LOADS, ["demelio", "patches"])
+    curves = stopped.value.curve
+    assert curves["case"].values.tolist() == whole["case"].values[:3].tolist()
+    for name in ("compliance", "resistance", "compliance_lower"):
+        expected = whole[name].values[:3].copy()
+        expected[2, 1, 3:] = np.nan
+        np.testing.assert_array_equal(curves[name].values[:2], expected[:2])
+        if name != "compliance_lower":  # which more loads make tighter
+            np.testing.assert_array_equal(curves[name].values[2], expected[2])
+
+
+def test_a_stopped_search_has_no_curve_of_what_was_solved_for_it():
+    with pytest.raises(TimeoutError) as stopped, reporting_to(Stop(1, TimeoutError)):
+        weier.find_load(PROFILE, resistance=1.0)
+    assert stopped.value.curve is None

@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier.api.progress import LOG_SECONDS
+from weier.api.progress import showing
 from weier.api.rows import BOUNDS, curve_row, surface_row
-from weier.api.task import CurveTask, Known
+from weier.api.task import CurveTask, Known, distinct
 from weier.api.workers import solve_curves
 from weier.data import dataset
-from weier.data.variables import LOADS, VARIABLES
+from weier.data.variables import CASE, LOADS, VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
 from weier.methods.load_progress import keeping
@@ -29,52 +29,25 @@ from weier.surface.loads import LoadsOf
 from weier.units import NORMALISED_PRESSURE, PASCAL
 
 Arrays = Mapping[str, NDArray[Any]]
-Report = Callable[[str], None]
 
 
 def _report(message: str) -> None:
     print(message, file=sys.stderr)
 
 
-class Layout(NamedTuple):
-    """The sizes and variables of the arrays for some cases.
-
-    methods : of all cases, in order of appearance
-    terms : of the longest finite series
-    edges : the most edges of contact, two for each of the finest waves in a period; 0 if they are not kept
-    optional : variables that not all files have: those that the methods return, and the labels of traces
-    """
-
-    methods: tuple[str, ...]
-    terms: int
-    edges: int
-    optional: frozenset[str] = frozenset()
-
-
-def layout_of(cases: Collection[Case], contact_edges: bool) -> Layout:
-    """Return the sizes and variables of the arrays for these cases."""
-    methods = dict.fromkeys(method for case in cases for method in case.methods)
-    finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
-    resolved = filter(resolvable, finite) if contact_edges else ()
-    edges = max((2 * profile.waves_per_period[-1] for profile in resolved), default=0)
-    returned = [*returned_by(methods), *(BOUNDS if any(find_method(name).numerical for name in methods) else ())]
-    optional = frozenset(returned).union(*(profile.labels for profile in finite))
-    terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
-    return Layout(tuple(methods), terms, edges, optional)
-
-
 def solve_batch(
     cases: Iterable[Case],
     mean_pressure: ArrayLike,
     contact_edges: bool = False,
-    done: Report = _report,
-    failed: Report = _report,
-    pause: float = LOG_SECONDS,
+    failed: Callable[[str], None] = _report,
     workers: int = 1,
     loads_of: LoadsOf | None = None,
     known: Mapping[str, Known] | None = None,
+    max_seconds: float | None = None,
 ) -> xr.Dataset:
-    """Solve cases under common loads, and report the progress every few seconds.
+    """Solve cases under common loads, and show the progress.
+
+    Curves that do not depend on the phases are solved once for all cases that differ only in these.
 
     Parameters
     ----------
@@ -84,17 +57,16 @@ def solve_batch(
         Increasing loads, in p_0*, or in Pa with `loads_of`.
     contact_edges : bool
         Whether to keep the edges of contact.
-    done, failed : callable
-        `done` is called with a line of progress every `pause` seconds and with the number of second attempts,
-        `failed` with the reason why a method has no curve.
-    pause : float
-        Seconds between two lines of progress.
+    failed : callable
+        Called with the reason why a method has no curve.
     workers : int
         Number of processes.
     loads_of : callable, optional
         From a surface to its loads in p_0*, for loads in Pa.
     known : mapping, optional
         Of a single case: the curves that are known under some of the loads, by method.
+    max_seconds : float, optional
+        Limit of the time.
 
     Returns
     -------
@@ -108,64 +80,68 @@ def solve_batch(
         If the solution is stopped: `curve` is the result so far, up to the case that was being solved, or None.
     """
     cases, loads = list(cases), np.asarray(mean_pressure, float)
-    methods, terms, edges, optional = layout_of(cases, contact_edges)
-    unit = NORMALISED_PRESSURE if loads_of is None else PASCAL
-    data = dataset.blank(len(cases), methods, loads, terms, edges, optional | {"seconds"}, unit)
-    rows = arrays(data)
-    own = [loads if loads_of is None else loads_of(case.profile) for case in cases]
+    data = _blank(cases, loads, NORMALISED_PRESSURE if loads_of is None else PASCAL, contact_edges)
+    rows, methods = arrays(data), data["solution_method"].values.tolist()
+    own_loads = [loads if loads_of is None else loads_of(case.profile) for case in cases]
     curves = [
-        CurveTask(case.profile, name, case.settings.get(name, {}), loads, (known or {}).get(name))
-        for case, loads in zip(cases, own, strict=True)
+        (number, CurveTask(case.profile, name, case.settings.get(name, {}), own, (known or {}).get(name)))
+        for number, (case, own) in enumerate(zip(cases, own_loads, strict=True))
         for name in case.methods
     ]
-    outcomes, position, again = iter(solve_curves(curves, workers, pause, done)), iter(curves), 0
-    number, curve = 0, curves[0]
+
+    def store(number: int, curve: CurveTask, row: Mapping[str, Any], solved: Array | None = None) -> None:
+        """Write a curve with its settings into its row, or a part of it, at the solved loads."""
+        settings = json.dumps(all_settings(find_method(curve.method), curve.settings), sort_keys=True)
+        position = {CASE: number, "solution_method": methods.index(curve.method)}
+        at = slice(None) if solved is None else np.searchsorted(curve.loads, solved)
+        _store(rows, {**position, LOADS: at}, {**row, "settings": settings})
+
+    def store_part(number: int, curve: CurveTask, solved: Array, solution: Curve) -> None:
+        store(number, curve, curve_row(curve._replace(loads=solved), (solution, math.nan)), solved)
 
     def begun(part: tuple[Array, Curve] | None) -> xr.Dataset | None:
         """Return the solved curves and the solved part of the current one."""
         if part is not None:
-            _store_curve(rows, number, methods, curve, _row_of_part(curve, part))
+            store_part(number, curve, *part)
         found = data.isel(case=slice(number + 1))
         return found if np.isfinite(found["compliance"]).any() else None
 
-    for one in curves:
-        if one.known is not None:
-            _store_curve(rows, number, methods, one, _row_of_part(one, one.known[:2]))
-    with keeping(begun):
-        for number, case in enumerate(cases):
-            describe_case(rows, number, case, loads)
-            for name in case.methods:
-                curve = next(position)
-                outcome = next(outcomes)
-                if isinstance(outcome, Exception):
-                    failed(f"{case.profile.describe()}, {name}: {outcome}")
-                found = curve_row(curve, outcome)
-                _store_curve(rows, number, methods, curve, found)
-                again += found.get("second_attempts", 0)
-    if again > 0:
-        done(f"{again} of {sum(curve.loads.size for curve in curves)} loads took a second attempt")
+    for number, curve in curves:
+        if curve.known is not None:
+            store_part(number, curve, curve.known.loads, curve.known.curve)
+    to_solve = distinct(curve for _, curve in curves)
+    outcomes: dict[object, Any] = {}
+    with (
+        showing("weier.solve", loads.size * len(to_solve), max_seconds=max_seconds) as progress,
+        keeping(begun),
+    ):
+        new = solve_curves(to_solve, workers, progress)
+        for number, curve in curves:
+            describe_case(rows, number, cases[number], loads)
+            outcome = outcomes[curve.series] if curve.series in outcomes else next(new)
+            if curve.series is not None:
+                outcomes[curve.series] = outcome
+            if isinstance(outcome, Exception):
+                failed(f"{curve.profile.describe()}, {curve.method}: {outcome}")
+            store(number, curve, curve_row(curve, outcome))
     return data
 
 
-def _store_curve(
-    rows: Arrays, number: int, methods: Sequence[str], curve: CurveTask, found: Mapping[str, Any]
-) -> None:
-    """Write one curve with its settings into its row."""
-    settings = json.dumps(all_settings(find_method(curve.method), curve.settings), sort_keys=True)
-    position = {"case": number, "solution_method": methods.index(curve.method)}
-    _store(rows, position, {**found, "settings": settings})
+def _blank(cases: Collection[Case], loads: Array, unit: str, contact_edges: bool) -> xr.Dataset:
+    """Return a dataset without values for these cases.
 
-
-def _row_of_part(curve: CurveTask, part: tuple[Array, Curve]) -> dict[str, Any]:
-    """Return an interrupted curve, with NaN at unsolved loads."""
-    solved, solution = part
-    found = curve_row(curve._replace(loads=solved), (solution, math.nan))
-    for name, value in found.items():
-        if name in VARIABLES and LOADS in VARIABLES[name].dims and np.ndim(value):
-            whole = np.full((curve.loads.size, *np.shape(value)[1:]), np.nan)
-            whole[np.searchsorted(curve.loads, solved)] = value
-            found[name] = whole
-    return found
+    It has room for the terms of the longest finite series and for two contact edges for each of the finest waves in a
+    period. Its optional variables are those that the methods return, and the labels of traces.
+    """
+    methods = list(dict.fromkeys(method for case in cases for method in case.methods))
+    finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
+    resolved = filter(resolvable, finite) if contact_edges else ()
+    edges = max((2 * profile.waves_per_period[-1] for profile in resolved), default=0)
+    returned = {"seconds", *returned_by(methods)}.union(*(profile.labels for profile in finite))
+    if any(find_method(name).numerical for name in methods):
+        returned |= {*BOUNDS}
+    terms = max((2 if len(finite) < len(cases) else 1, *(profile.listed_terms for profile in finite)))
+    return dataset.blank(len(cases), methods, loads, terms, edges, returned, unit)
 
 
 def arrays(data: xr.Dataset) -> Arrays:
@@ -175,10 +151,10 @@ def arrays(data: xr.Dataset) -> Arrays:
 
 def describe_case(values_of: Arrays, number: int, case: Case, loads: Array) -> None:
     """Fill in the coordinates of a case."""
-    _store(values_of, {"case": number}, surface_row(case.profile) | {"key": case.key(loads)})
+    _store(values_of, {CASE: number}, surface_row(case.profile) | {"key": case.key(loads)})
 
 
-def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any]) -> None:
+def _store(curves: Arrays, position: Mapping[str, Any], values: Mapping[str, Any]) -> None:
     """Write one case, or one curve, into its row of each array.
 
     All values returned by a method are stored if they are in the table of variables, arrays over the loads as well as
@@ -186,13 +162,8 @@ def _store(curves: Arrays, position: Mapping[str, int], values: Mapping[str, Any
     """
     for name, value in values.items():
         if name in curves and np.size(value):  # a method may return no edges
-            # The last method overwrites the edges of a case, and may find fewer contacts than the one before.
-            if "edge" in VARIABLES[name].dims:
-                curves[name][_row(name, position)] = np.nan
-            curves[name][_row(name, position, np.shape(value))] = value
-
-
-def _row(name: str, position: Mapping[str, int], shape: tuple[int, ...] = ()) -> tuple[int | slice, ...]:
-    """Return the index of values of this shape in the array of a variable, for a case and method."""
-    sizes = iter(shape)
-    return tuple(position[dim] if dim in position else slice(next(sizes, None)) for dim in VARIABLES[name].dims)
+            dims = VARIABLES[name].dims
+            if "edge" in dims:  # the method before may have found more contacts
+                curves[name][tuple(position.get(dim, slice(None)) for dim in dims)] = np.nan
+            width = slice(np.shape(value)[-1] if np.ndim(value) else None)  # of terms and edges
+            curves[name][tuple(position.get(dim, width) for dim in dims)] = value

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.api.progress import searching
+from weier.api.progress import showing
 from weier.checks import checked_numbers, shown
 from weier.data import variables
 from weier.data.provenance import NORMALISED
@@ -151,8 +151,6 @@ def _checked_limits(name: str, limits: ArrayLike | None, unit: str) -> Array | N
 def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     """Find the mean pressures at which contacts are born or merge.
 
-    A search of more than some ten seconds says beforehand how long it takes; Ctrl-C ends it.
-
     Parameters
     ----------
     profile : Profile or Trace
@@ -192,9 +190,8 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    expected = patches.METHOD.seconds(profile, np.empty(patches.expected_loads(profile, low, high)))
-    with searching("weier.events", expected) as report:
-        found = patches.events(profile, low, high, report=report)._asdict()
+    with showing("weier.events", 100, "% of the contact") as progress:
+        found = patches.events(profile, low, high, report=lambda share: progress.reach(100 * share))._asdict()
     return _dataset(profile, {"event": found | {"birth": found["birth"].astype(bool)}})
 
 

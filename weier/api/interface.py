@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.api.inverse import Wanted, checked_wanted, loads_for
+from weier.api.inverse import loads_for, wanted_quantity
 from weier.api.solve import in_order, solve_under
 from weier.checks import checked_numbers, shown
 from weier.data.bodies import Bodies, to_normalised
@@ -137,16 +137,22 @@ class Interface(Bodies):
         """Return the function from a surface to its loads in p_0* under pressures in Pa."""
         return lambda surface: self.at(surface).normalised_pressure(pressures)
 
-    def find_pressure(self, surface: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
-        """Return mean pressure in Pa at which one quantity has a given value.
+    def find_pressure(
+        self,
+        surface: Waves,
+        *,
+        resistance: ArrayLike | None = None,
+        compliance: ArrayLike | None = None,
+        contact_fraction: ArrayLike | None = None,
+    ) -> xr.Dataset:
+        """Return the mean pressure in Pa at which one quantity has a given value.
 
         Parameters
         ----------
         surface : Profile or Trace
             A series needs lambda_0 and g_0 of this interface; a trace has its own.
-        **wanted : array_like
-            One of resistance, in ohm m^2 or K m^2/W, compliance, in m, and contact_fraction: the wanted value, or
-            several.
+        resistance, compliance, contact_fraction : array_like
+            One of these, in ohm m^2 or K m^2/W, in m, or as a fraction: one or several values.
 
         Returns
         -------
@@ -167,6 +173,6 @@ class Interface(Bodies):
         >>> print(f"{found.mean_pressure.item():.4g} {found.mean_pressure.units}")
         4.305e+07 Pa
         """
-        own, (name, value) = self.at(surface), checked_wanted(wanted)
+        own, (name, value) = self.at(surface), wanted_quantity(resistance, compliance, contact_fraction)
         normalised = to_normalised(own, name, VARIABLES[name].unit, value)
         return own.in_si(loads_for(surface, name, normalised, own.scales))

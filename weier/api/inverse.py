@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
@@ -19,15 +19,13 @@ from numpy.typing import ArrayLike
 
 from weier.api.solve import solve
 from weier.api.task import CurveTask
-from weier.checks import checked_numbers, checked_word
+from weier.checks import checked_numbers
 from weier.data import variables
 from weier.data.si import marked
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
-from weier.methods.errors import ConvergenceError
 from weier.methods.load_progress import converting
 from weier.methods.registry import EXACT
-from weier.methods.settings import TOLERANCE
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -37,31 +35,10 @@ ERROR = "mean_pressure_error"
 # tolerance of Brent's method in ln p, a few units of rounding
 LOG_ACCURACY = 1e-14
 FIRST_DECADES = 1.0  # width of the first bracket, doubled at each step
+ABOVE = 1 + 1e-12  # full contact has no gap left by rounding at this multiple of its least load
 WIDER = 10.0  # growth factor of the distance to a load that is certainly on one side
-# on failure, the tolerance of contact patches grows by LOOSER up to MAX_TOLERANCE
-LOOSER, MAX_TOLERANCE = 100.0, 1e-4
 JUMP = 1e-6  # relative difference from the target above which the quantity jumps past it
-
-
-class Wanted(TypedDict, total=False):
-    """The target value of one quantity."""
-
-    resistance: ArrayLike
-    compliance: ArrayLike
-    contact_fraction: ArrayLike
-
-
-QUANTITIES = tuple(Wanted.__annotations__)
-
-
-def checked_wanted(wanted: Mapping[str, Any]) -> tuple[str, ArrayLike]:
-    """Return the name and the checked target value of the quantity."""
-    for name in wanted:
-        checked_word("the quantity", name, QUANTITIES)
-    if len(wanted) != 1:
-        raise ValueError(f"give one of {', '.join(QUANTITIES)}, got {' and '.join(wanted) or 'none'}")
-    ((name, value),) = wanted.items()
-    return name, value
+QUANTITIES = ("resistance", "compliance", "contact_fraction")
 
 
 class Value(NamedTuple):
@@ -71,15 +48,30 @@ class Value(NamedTuple):
     error: float
 
 
-def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
+def wanted_quantity(*wanted: ArrayLike | None) -> tuple[str, ArrayLike]:
+    """Return the name and the values of the only quantity that is given, in the order of `QUANTITIES`."""
+    given = [(name, values) for name, values in zip(QUANTITIES, wanted, strict=True) if values is not None]
+    if len(given) != 1:
+        names = " and ".join(name for name, _ in given) or "none"
+        raise ValueError(f"give one of {', '.join(QUANTITIES)}, got {names}")
+    return given[0]
+
+
+def find_load(
+    profile: Waves,
+    *,
+    resistance: ArrayLike | None = None,
+    compliance: ArrayLike | None = None,
+    contact_fraction: ArrayLike | None = None,
+) -> xr.Dataset:
     """Find the mean pressure at which a quantity has a given value.
 
     Parameters
     ----------
     profile : Profile or Trace
         A surface with a finite number of terms.
-    **wanted : array_like
-        One of resistance, in g_0/p_0*, compliance, in g_0, and contact_fraction: one or several values.
+    resistance, compliance, contact_fraction : array_like
+        One of these, in g_0/p_0*, in g_0, or as a fraction: one or several values.
 
     Returns
     -------
@@ -106,7 +98,7 @@ def find_load(profile: Waves, **wanted: Unpack[Wanted]) -> xr.Dataset:
     >>> print(found.mean_pressure.values.round(6), found.resistance.values.round(6))
     [0.199413] [1.5]
     """
-    return loads_for(profile, *checked_wanted(wanted))
+    return loads_for(profile, *wanted_quantity(resistance, compliance, contact_fraction))
 
 
 def loads_for(
@@ -124,7 +116,7 @@ def loads_for(
     with converting(lambda curve: None):  # a curve of the search, not of the caller
         found = [search.load(float(value)) for value in targets]
     loads, errors = np.array(found).T
-    curve = solve(profile, loads, EXACT.name, tolerance=search.tolerance)
+    curve = solve(profile, loads, EXACT.name)
     attributes = variables.attributes(ERROR)
     dropped = np.flatnonzero(np.abs(curve[name].values - targets) > JUMP * targets)
     if name == "resistance" and dropped.size:
@@ -141,39 +133,34 @@ class _Search:
 
     def __init__(self, profile: Waves, name: str, scales: Mapping[str, tuple[Array, str]]) -> None:
         self.profile, self.name, self.scales = profile, name, scales
-        self.falls = name == "resistance"
+        self.sign = -1 if name == "resistance" else 1  # of the slope over the load
         # Compliance is compared as indentation, which is accurate under light loads.
         self.offset = first_contact(profile) if name == "compliance" else 0.0
-        self.full = float(profile.full_contact_load)
+        self.least, self.full = math.log(EXACT.least_load), math.log(ABOVE * profile.full_contact_load)
         self.known = dict[float, Value]()
-        self.tolerance = EXACT.settings[TOLERANCE].default
 
     def load(self, target: float) -> tuple[float, float]:
         """Return the load, and its error, in p_0*."""
-        self._check(target)
         value = target - self.offset
+        self._check(value)
 
         def rising(log_load: float) -> float:
             """Return a function that increases with the load and vanishes at the target."""
-            return (value - self.at(log_load).value) if self.falls else self.at(log_load).value - value
+            return self.sign * (self.at(log_load).value - value)
 
-        high = math.log(self.full)
-        low, width = high, FIRST_DECADES * math.log(10)
-        least = math.log(EXACT.least_load)
+        low = high = self.full
+        width = FIRST_DECADES * math.log(10)
         while rising(low) > 0:
-            if low == least:
-                raise ValueError(self._limits(target))
-            high, low, width = low, max(low - width, least), 2 * width
-        root = float(scipy.optimize.brentq(rising, low, high, xtol=LOG_ACCURACY)) if low < high else low
-        load = math.exp(root)
+            high, low, width = low, max(low - width, self.least), 2 * width
+        root = float(scipy.optimize.brentq(rising, low, high, xtol=LOG_ACCURACY))
         off = max(self._distance(root, rising, side) for side in (-1, 1))
-        return load, load * math.expm1(off)
+        return math.exp(root), math.exp(root) * math.expm1(off)
 
     def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
         """Return the distance from the root, in ln p, beyond which the side of the target is certain."""
         distance = LOG_ACCURACY
         while side * rising(root + side * distance) <= self.at(root + side * distance).error:
-            if root + side * distance >= math.log(self.full):
+            if root + side * distance >= self.full:
                 break
             distance *= WIDER
         return distance
@@ -181,41 +168,22 @@ class _Search:
     def at(self, log_load: float) -> Value:
         """Return the quantity under one load."""
         if log_load not in self.known:
-            found = self._curve(min(math.exp(log_load), self.full))
+            found: Any = CurveTask(self.profile, EXACT.name, {}, np.array([math.exp(log_load)])).solve()[0]
             value = found.indentation if self.name == "compliance" else getattr(found, self.name)
             self.known[log_load] = Value(float(value[0]), float(getattr(found, f"{self.name}_error")[0]))
         return self.known[log_load]
 
-    def _curve(self, load: float) -> Any:
-        """Return the solution under one load, at the tightest tolerance that can be met."""
-        while True:
-            curve = CurveTask(self.profile, EXACT.name, {"tolerance": self.tolerance}, np.array([load]))
-            try:
-                return curve.solve()[0]
-            except ConvergenceError:
-                self.tolerance *= LOOSER
-                if self.tolerance > MAX_TOLERANCE:
-                    raise
-
-    def _check(self, target: float) -> None:
+    def _check(self, value: float) -> None:
         """Refuse a value that is attained at no load, or at all loads beyond full contact."""
-        top = float(self.profile.total_amplitude)
-        low, high = {"resistance": (0.0, math.inf), "compliance": (self.offset, top)}.get(self.name, (0.0, 1.0))
-        if not low < target < high:
-            raise ValueError(self._limits(target))
-
-    def _limits(self, target: float) -> str:
-        unit, pressure = VARIABLES[self.name].unit, NORMALISED_PRESSURE
-        full = f"full contact under {self._shown(self.full, pressure)}"
-        first = self._shown(self.at(math.log(EXACT.least_load)).value + self.offset, unit)
-        low, top = (self._shown(height, unit) for height in (self.offset, float(self.profile.total_amplitude)))
-        limits = {
-            "resistance": f"between 0, from {full} on, and {first}, under the lightest load of "
-            f"{self._shown(EXACT.least_load, pressure)}",
-            "compliance": f"between {low}, at first contact, and {top}, at {full}",
-            "contact_fraction": f"between 0, at first contact, and 1, at {full}",
-        }
-        return f"{self.name} must lie {limits[self.name]}, got {self._shown(target, unit)}"
+        (low, at_low), (high, at_high) = sorted((self.at(load).value, load) for load in (self.least, self.full))
+        if not low < value < high:
+            unit = VARIABLES[self.name].unit
+            ends = (
+                f"{self._shown(end + self.offset, unit)}, under {self._shown(math.exp(load), NORMALISED_PRESSURE)}"
+                for end, load in ((low, at_low), (high, at_high))
+            )
+            got = self._shown(value + self.offset, unit)
+            raise ValueError(f"{self.name} must lie between {', and '.join(ends)}, got {got}")
 
     def _shown(self, value: float, unit: str) -> str:
         """Return a value with its unit, in SI if the scales have one for it."""

@@ -7,18 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from weier.api.task import CurveTask
+from weier.api.task import CurveTask, Outcome
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve
-from weier.methods.errors import ConvergenceError, NotApplicableError
+from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
 from weier.surface.limits import resolvable
 from weier.surface.waves import Waves
 from weier.theory.bounds import first_contact, infinite_series_bounds
 
-# The solution of a method and the seconds that it took, or the error.
-Outcome = tuple[Curve, float] | NotApplicableError | ConvergenceError
 RMS = "rms_height", "rms_slope", "rms_curvature"
 BOUNDS = tuple(f"{quantity}_{side}" for quantity in ("compliance", "resistance") for side in ("lower", "upper"))
 

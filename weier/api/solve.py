@@ -10,16 +10,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import watching
+from weier.api.progress import showing
 from weier.api.rows import derived
-from weier.api.task import CurveTask, distinct
+from weier.api.task import CurveTask
 from weier.checks import checked_flag, checked_number, checked_workers, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
 from weier.data.variables import LOADS, attributes
 from weier.kernels.arrays import Array, Indices
 from weier.methods.curve import Curve
-from weier.methods.load_progress import converting
+from weier.methods.load_progress import converting, reporting_to
 from weier.methods.registry import METHODS, default_method, find_method
 from weier.methods.settings import TOLERANCE, all_settings, checked_settings, described, with_tolerance
 from weier.surface.loads import LoadsOf, listed_loads, unit_doubt
@@ -54,10 +54,9 @@ def solve(
     workers : int
         Number of processes for lists of curves; -1 for one per core. Results do not depend on it. A process starts in
         about three seconds. A script must call `solve` below `if __name__ == "__main__":`, since each process imports
-        it. Processes of a `multiprocessing.Pool` cannot start others and solve their lists alone.
+        it.
     max_seconds : float, optional
-        Time limit. A solution of more than ten seconds is announced once on standard error; a terminal shows its
-        progress.
+        Time limit. Standard error shows the progress, every ten seconds unless it is a terminal.
     **settings
         Settings of the method; with a list of methods, under the name of each, as `layer={"points": 48}`. A common
         `tolerance`, the accepted error of the compliance in g_0, applies to all methods that take one. Settings and
@@ -149,19 +148,14 @@ def solve_under(
         if several
         else {methods[0]: checked_settings(find_method(methods[0]), settings)}
     )
-    curves = [
-        CurveTask(surface, name, checked.get(name, {}), own)
-        for surface, own in zip(profiles, own_loads, strict=True)
-        for name in methods
-    ]
-    applying = [curve for curve in curves if find_method(curve.method).takes(curve.profile)]
-    for curve in applying:  # before anything is announced or solved
-        find_method(curve.method).check(curve.profile, **curve.settings)
-    expected = sum(curve.expected_seconds for curve in distinct(applying))
-    with watching(loads.size * len(applying), expected / min(workers, max(len(applying), 1)), max_seconds):
-        if several:
-            return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers)
-        return _solve_one(curves[0], edges, loads if loads_of else None)
+    for surface in profiles:  # before anything is solved
+        for name in methods:
+            if (applied := find_method(name)).takes(surface):
+                applied.check(surface, **checked.get(name, {}))
+    if several:
+        return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers, max_seconds)
+    curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
+    return _solve_one(curve, edges, loads if loads_of else None, max_seconds)
 
 
 def _list(name: str, given: Any) -> list[Any]:
@@ -171,7 +165,7 @@ def _list(name: str, given: Any) -> list[Any]:
     return listed
 
 
-def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dataset:
+def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_seconds: float | None) -> xr.Dataset:
     """Return one curve with its labels and settings, over mean_pressure, or over the same pressures in Pa."""
 
     def labelled(loads: Array, solution: Curve, **others: Any) -> xr.Dataset:
@@ -185,7 +179,11 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None) -> xr.Dat
         exact = pressures[np.searchsorted(curve.loads, loads)]
         return data.assign_coords({LOADS: (LOADS, exact, attributes(LOADS, unit=PASCAL))})
 
-    with converting(lambda solved: labelled(*solved)):
+    with (
+        converting(lambda solved: labelled(*solved)),
+        showing("weier.solve", curve.loads.size, max_seconds=max_seconds) as progress,
+        reporting_to(progress),
+    ):
         solution, seconds = curve.solve()
     return labelled(curve.loads, solution, seconds=seconds)
 
@@ -198,6 +196,7 @@ def _solve_all(
     settings: Mapping[str, Mapping[str, Any]],
     edges: bool,
     workers: int,
+    max_seconds: float | None,
 ) -> xr.Dataset:
     from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
     from weier.scene.case import Case
@@ -210,9 +209,7 @@ def _solve_all(
         return name_cases(data.assign_attrs(provenance.result_attributes(title)))
 
     with converting(named):
-        data = solve_batch(
-            cases, loads, edges, lambda line: None, failures.append, workers=workers, loads_of=loads_of
-        )
+        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, max_seconds=max_seconds)
     for failure in failures:
         warnings.warn(failure, stacklevel=4)  # points to the call of `solve`
     return named(data)

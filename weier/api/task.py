@@ -11,10 +11,14 @@ import numpy as np
 from weier.api.progress import clock
 from weier.kernels.arrays import Array
 from weier.methods.curve import Curve, joined
+from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.methods.load_progress import keeping
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS, Profile
 from weier.surface.waves import Waves
+
+# The solution of a method and the seconds that it took, or the error.
+Outcome = tuple[Curve, float] | NotApplicableError | ConvergenceError
 
 
 class Known(NamedTuple):
@@ -45,11 +49,6 @@ class CurveTask(NamedTuple):
         parameters = (getattr(self.profile, name) for name in PARAMETERS)
         return self.method, *parameters, json.dumps(self.settings, sort_keys=True), self.loads.tobytes()
 
-    @property
-    def expected_seconds(self) -> float:
-        """The expected seconds on one core."""
-        return find_method(self.method).seconds(self.profile, self.loads, **self.settings)
-
     def solve(self) -> tuple[Curve, float]:
         """Return the solution and its seconds without compiling; raises what the method raises."""
         method = find_method(self.method)
@@ -69,6 +68,13 @@ class CurveTask(NamedTuple):
         with keeping(whole):
             solved = method.solve(self.profile, lacking, **self.settings)
         return whole((lacking, solved))[1], seconds + clock() - start
+
+    def outcome(self) -> Outcome:
+        """Return the solution and its seconds, or the error of the method."""
+        try:
+            return self.solve()
+        except (NotApplicableError, ConvergenceError) as error:
+            return error.with_traceback(None)  # the traceback would keep the solver's arrays alive
 
 
 def distinct(curves: Iterable[CurveTask]) -> list[CurveTask]:

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from weier.api.progress import Progress
-from weier.api.rows import Outcome, curve_row, surface_row
+from weier.api.rows import curve_row, surface_row
 from weier.api.task import CurveTask
 from weier.digests import numerics
-from weier.methods.errors import ConvergenceError, NotApplicableError
 from weier.pipeline.needed_curves import SURFACE, Kind, Part
 from weier.pipeline.store import Store
 from weier.scene.case import Case
@@ -58,7 +57,7 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
         try:
             for key, position in zip(part.keys, part.positions.tolist(), strict=True):
                 rows[key] = _row(part.kind, part.product.case(position), say)
-                progress.add(1)
+                progress()
                 if monotonic() - saved > APPEND_SECONDS or len(rows) == MAX_ROWS:
                     append(part.kind)
                     saved = monotonic()
@@ -81,11 +80,7 @@ def _row(kind: Kind, case: Case, say: Callable[[str], None]) -> dict[str, Any]:
             row |= {name: column[0] for name, column in fits.items()}
         return row
     curve = CurveTask(case.profile, kind.method, kind.settings, kind.loads_for(case.profile))
-    outcome: Outcome
-    try:
-        outcome = curve.solve()
-    except (NotApplicableError, ConvergenceError) as error:
-        say(f"{case.profile.describe()}, {kind.method}: {error}")
-        outcome = error.with_traceback(None)  # the traceback would keep the solver's arrays alive
+    if isinstance(outcome := curve.outcome(), Exception):
+        say(f"{case.profile.describe()}, {kind.method}: {outcome}")
     row = curve_row(curve, outcome)
     return {name: value for name, value in row.items() if kind.contact_edges or np.ndim(value) < 2}

@@ -12,7 +12,6 @@ import numpy as np
 import xarray as xr
 
 from weier.api.batch import solve_batch
-from weier.api.progress import TERMINAL_SECONDS, Watch, waiting
 from weier.api.solve import settings_by_method
 from weier.api.task import Known
 from weier.checks import readable
@@ -20,7 +19,7 @@ from weier.data.variables import Status, attributes
 from weier.digests import numerics
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.load_progress import converting, reporting_to
+from weier.methods.load_progress import converting
 from weier.methods.registry import default_method, find_method
 from weier.pipeline.forecast import forecast
 from weier.scene import Case
@@ -90,11 +89,8 @@ def solve_one(
     def part(data: xr.Dataset) -> xr.Dataset:
         return _described(data.isel(mean_pressure=np.isfinite(data["compliance"].values).any(axis=(0, 1))), case)
 
-    watch = Watch(loads.size, 0.0, max_seconds, silent=True)
-    with waiting(f"solving by {', '.join(case.methods)}") as show, reporting_to(watch), converting(part):
-        data = solve_batch(
-            [case], loads, False, show, failures.append, TERMINAL_SECONDS, workers=workers, known=known
-        )
+    with converting(part):
+        data = solve_batch([case], loads, False, failures.append, workers, known=known, max_seconds=max_seconds)
     missing = data["status"].values[0] != Status.solved
     if missing.all() or known.keys() & {*data["solution_method"].values[missing].tolist()}:
         error = (ConvergenceError if Status.not_converged in data["status"] else ValueError)("; ".join(failures))

@@ -137,19 +137,6 @@ def test_a_bump_has_the_events_of_its_ripples():
         np.testing.assert_array_equal(np.append(counts[0], events.patch_count)[last], counts)
 
 
-@pytest.mark.parametrize(
-    "surface", [THREE_WAVES, Profile(1.25, "31/30", 2, 1.0), Cosines(np.array([1.0, 1e-6]), [1, 40])]
-)
-def test_the_expected_number_of_loads_is_about_that_of_a_search(surface, monkeypatch):
-    solved, low, high = [], 1e-3, surface.full_contact_load
-    for module, name in ((event_search, "solve_state"), (event_search.stages, "follow_contacts")):
-        whole = getattr(module, name)
-        monkeypatch.setattr(module, name, lambda *a, whole=whole: solved.append(1) or whole(*a))
-    patches.events(surface, low, high)
-    assert 0.5 < event_search.expected_loads(surface, low, high) / len(solved) < 2
-    assert event_search.expected_loads(surface, high, 2 * high) == 0
-
-
 @pytest.mark.parametrize("below", [1e-8, 1e-9])
 def test_contacts_at_the_lightest_load_are_counted_with_their_thin_gaps(below):
     """Just below a merger, whose gap is a crack; the counts after the events are those of the curve."""

@@ -9,7 +9,7 @@ interface.
 """
 
 from weier.methods.patches.contact_patches import METHOD
-from weier.methods.patches.event_search import Events, events, expected_loads
+from weier.methods.patches.event_search import Events, events
 from weier.methods.patches.solver import Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import TOLERANCE
 
@@ -20,7 +20,6 @@ __all__ = [
     "Solution",
     "curve",
     "events",
-    "expected_loads",
     "solve_load",
     "solve_loads",
 ]

@@ -21,7 +21,7 @@ from weier.methods.patches.inequalities import find_negative_intervals, minima_o
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pressure_and_gap import density_integrals, residuals_one_by_one, values_on_segments
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.solver import MIN_LOAD, check_loads, curve, solve_state
+from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
     CosineSeries,
@@ -30,7 +30,6 @@ from weier.methods.patches.surface import (
     evaluate_at,
     intervals_between,
     nearest_crests,
-    surface_of,
 )
 from weier.surface.waves import Waves
 
@@ -53,9 +52,6 @@ MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are
 MAX_VIOLATION = 1e-7
 # divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
-# loads solved up to full contact, for each of the finest waves and for each crest of height or tension: 1.0 to 1.1 of
-# those of five surfaces of 9 to 40 waves, 1.4 of those of beats, up to 2.4 of those of symmetric ones
-LOADS_PER_WAVE, LOADS_PER_CREST = 5, 2
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
 # minimum is located: `ZOOMS` times, each in 2/13 of the last interval, so that a parabola is exact to 1e-12
 SAMPLES, ZOOMS = 12, 4
@@ -89,17 +85,6 @@ class _Event(NamedTuple):
     left: float
     right: float
     load_per_advance: tuple[float, float] = (0.0, 0.0)
-
-
-def expected_loads(profile: Waves, low: float, high: float) -> int:
-    """Return the expected number of loads to solve for the events between two mean pressures.
-
-    It is proportional to the length that comes into contact.
-    """
-    surface = surface_of(profile)
-    light, heavy = curve(profile, [max(low, MIN_LOAD), high]).values()["contact_fraction"]
-    crests = surface.heights.crest_position.size + surface.tensions.crest_position.size
-    return int((heavy - light) * (LOADS_PER_WAVE * profile.waves_per_period[-1] + LOADS_PER_CREST * crests))
 
 
 @one_thread
