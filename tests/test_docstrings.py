@@ -4,12 +4,9 @@ import doctest
 import pkgutil
 from importlib import import_module
 
-import numpy as np
 import pytest
 
 import weier
-from weier.cli import result
-from weier.pipeline import single
 
 MODULES = [module.name for module in pkgutil.walk_packages(weier.__path__, "weier.") if "__main__" not in module.name]
 FINDER = doctest.DocTestFinder(exclude_empty=True)
@@ -29,8 +26,7 @@ def test_the_public_interface_has_examples(name):
 @pytest.mark.parametrize("name", WITH_EXAMPLES)
 def test_examples_are_true(name, tmp_path):
     path = tmp_path / "contact.nc"
-    parameters = {"D": 1.25, "gamma": 5, "m": 2, "phases": 1.0}
-    result.write(single.solve_one(single.case_of(parameters, ["demelio"], {}), np.array([0.1, 1.0])), path)
+    weier.solve([weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)], [0.1, 1.0], "demelio").to_netcdf(path)
     done = doctest.testmod(import_module(name), extraglobs={"path": path})
     assert done.attempted > 0
     assert done.failed == 0

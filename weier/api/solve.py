@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from weier.api.progress import showing
 from weier.api.rows import derived
-from weier.api.task import CurveTask
+from weier.api.task import CurveTask, Known
 from weier.checks import checked_flag, checked_number, checked_workers, shown
 from weier.data import dataset, provenance
 from weier.data.selection import name_cases
@@ -126,11 +126,13 @@ def solve_under(
     contact_edges: bool = False,
     workers: int = 1,
     max_seconds: float | None = None,
+    known: Mapping[str, Known] | None = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which converts them for a surface to p_0*.
 
-    The other arguments are those of `solve`.
+    `known` has the curves of a list of one surface under some of the loads, by method. The other arguments are those
+    of `solve`.
     """
     edges, workers = checked_flag("contact_edges", contact_edges), checked_workers(workers)
     profiles = _list("profile", profile)
@@ -153,7 +155,7 @@ def solve_under(
             if (applied := find_method(name)).takes(surface):
                 applied.check(surface, **checked.get(name, {}))
     if several:
-        return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers, max_seconds)
+        return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers, known, max_seconds)
     curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
     return _solve_one(curve, edges, loads if loads_of else None, max_seconds)
 
@@ -196,6 +198,7 @@ def _solve_all(
     settings: Mapping[str, Mapping[str, Any]],
     edges: bool,
     workers: int,
+    known: Mapping[str, Known] | None,
     max_seconds: float | None,
 ) -> xr.Dataset:
     from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
@@ -209,7 +212,7 @@ def _solve_all(
         return name_cases(data.assign_attrs(provenance.result_attributes(title)))
 
     with converting(named):
-        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, max_seconds=max_seconds)
+        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known, max_seconds)
     for failure in failures:
         warnings.warn(failure, stacklevel=4)  # points to the call of `solve`
     return named(data)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
 
@@ -15,26 +14,23 @@ from weier.data.files import check_target
 from weier.kernels.arrays import Array
 from weier.methods.method import TOLERANCES
 from weier.methods.registry import EXACT, METHODS, PLOTTED, WITHIN_TOLERANCE, infinite_names, names
-from weier.methods.settings import defaults, described
+from weier.methods.settings import described
 from weier.scene.trace_keys import TRACE_KEYS, TraceKey
 from weier.scene.yaml import number_or_word, parse_yaml
 from weier.surface.loads import positive_loads
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
+Pressures = tuple[Array, str]  # in Pa, and the first unit in which they were given, empty if there was none
 
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
 MIN_LOADS = 2  # A line needs two points.
-STDOUT = "-"  # A path of "-" stands for standard output, as in other programs.
 
 
 def parse_phases(text: str) -> float | list[float]:
     """Return phases from "1", the phase of every wave but the first, or "0,1,2", the phases of all waves."""
-    try:
-        phases = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f'phases must read "1" or "0,1,2", got {text!r:.80}') from None
+    phases = [float(part) for part in text.split(",")]
     return phases if len(phases) > 1 else phases[0]
 
 
@@ -44,25 +40,10 @@ def check_free(path: Path, force: bool) -> None:
         raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
 
 
-class Pressures(NamedTuple):
-    """Mean pressures in Pa, and the first unit in which they were given; empty if there was none."""
-
-    values: Array
-    unit: str
-
-
 def parse_pressures(text: str) -> Pressures:
-    """Return positive pressures from a text such as "1,10MPa"."""
-    given = listed_in_si("pressures", text, units.PASCAL)
-    return Pressures(checked_numbers("pressures", given, "be positive", lambda p: p > 0), units.unit_in(text))
-
-
-def listed_in_si(name: str, text: str, unit: str) -> list[float]:
-    """Return numbers in an SI unit from the text of an option; report the assumed unit if the text has none."""
-    values = units.listed(name, text, unit)
-    if not units.unit_in(text):
-        click.echo(f"--{name} {text}: taken in {unit}, since no unit is given", err=True)
-    return values
+    """Return positive pressures in Pa from a text such as "1,10MPa", and their unit."""
+    given = units.listed("pressures", text, units.PASCAL)
+    return checked_numbers("pressures", given, "be positive", lambda p: p > 0), units.unit_in(text)
 
 
 def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -73,10 +54,7 @@ def parse_settings(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
         method, _, setting = name.partition(".")
         if not (method and setting and value):
             raise ValueError(f'a setting must read "method.name=value", such as layer.points=48, got {text!r:.80}')
-        try:
-            settings.setdefault(method, {})[setting] = parse_yaml(value)
-        except ValueError:
-            raise ValueError(f"the value of a setting must be a number or a word, got {value!r:.80}") from None
+        settings.setdefault(method, {})[setting] = parse_yaml(value)
     return settings
 
 
@@ -96,14 +74,11 @@ def writable(*suffixes: str) -> Callable[[click.Context, click.Parameter, Path |
     """Return a callback that checks, before anything is computed, that a file can be written."""
 
     def callback(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:
-        if path is None or str(path) == STDOUT:
-            return path
+        if path is None:
+            return None
         check_target(path)
         if suffixes and path.suffix not in suffixes:
-            known = ", ".join(filter(None, suffixes))
-            raise click.BadParameter(f"the name must end in one of {known}, got {path.name}")
-        if suffixes and not path.parent.exists():  # Unlike the pipeline, commands create no folders.
-            raise click.BadParameter(f"there is no folder {path.parent}: make it first, or name another one")
+            raise click.BadParameter(f"the name must end in one of {', '.join(suffixes)}, got {path.name}")
         return path
 
     return callback
@@ -119,20 +94,11 @@ SI = (
 )
 MAX_SECONDS = click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
 FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist.")
-INTO = click.option(
-    "-o",
-    "--output",
-    type=FILE,
-    callback=writable(".nc", ".json", ".csv"),
-    help="Write here: netCDF as .nc, or .json or .csv.",
-)
 
 
-def output(name: str, *suffixes: str, default: str | None = None, required: bool = True) -> Option:
+def output(name: str, *suffixes: str, required: bool = True) -> Option:
     """Return an argument for an output file, with one of these suffixes if any are given."""
-    return click.argument(
-        name, type=FILE, default=default, required=required and default is None, callback=writable(*suffixes)
-    )
+    return click.argument(name, type=FILE, required=required, callback=writable(*suffixes))
 
 
 SERIES_OPTIONS = (
@@ -150,7 +116,6 @@ SERIES_OPTIONS = (
 )
 
 
-SETTINGS = [f"{method.name}.{setting}=" for method in METHODS for setting in defaults(method)]
 SOLUTION_OPTIONS = (
     click.Option(
         ["--method", "methods"],
@@ -170,7 +135,6 @@ SOLUTION_OPTIONS = (
         ["--set", "settings"],
         multiple=True,
         metavar="METHOD.NAME=VALUE",
-        shell_complete=lambda context, option, text: [name for name in SETTINGS if name.startswith(text)],
         callback=_read(parse_settings),
         help="Setting of a method, such as bem.points_per_wave=32; repeatable.",
     ),
@@ -188,17 +152,6 @@ SOLUTION_OPTIONS = (
 class SolvingCommand(click.Command):
     """A command with settings of methods, which its help lists below the options."""
 
-    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
-        """Refuse an option that is given twice; click would silently use the last value."""
-        _, _, given = self.make_parser(context).parse_args(list(args))
-        for option, count in Counter(given).items():
-            if count > 1 and isinstance(option, click.Option) and not (option.multiple or option.is_flag):
-                raise click.UsageError(
-                    f"{option.opts[0]} must be given once, got {count} of it: a list of weier.solve, or a scene, "
-                    "takes several surfaces"
-                )
-        return super().parse_args(context, args)
-
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Write each setting with its default and meaning."""
         with formatter.section("Settings with their defaults, for --set"):
@@ -206,23 +159,20 @@ class SolvingCommand(click.Command):
 
 
 def _trace_option(name: str, key: TraceKey) -> click.Option:
-    """Return the option of a key of measured heights; several numbers are separated by commas."""
-    numbers = key.several and key.kind in (int, float)
+    """Return the option of a key of measured heights; several numbers of columns are separated by commas."""
+    columns, repeatable = key.kind is int and key.several, key.several and key.kind in (str, object)
 
-    def read(text: Any) -> Any:
-        if not numbers:
-            return [number_or_word(one) for one in text] if key.kind is object and key.several else text
-        try:
-            return [key.kind(one) for one in text.split(",")]
-        except ValueError:
-            raise ValueError(f"{name} must be numbers, as in 0,2, got {text!r:.80}") from None
+    def read(given: Any) -> Any:
+        if columns:
+            return [int(one) for one in given.split(",")]
+        return [number_or_word(one) for one in given] if key.kind is object and key.several else given
 
     return click.Option(
         [f"--{name.replace('_', '-')}"],
-        type=click.Choice(key.kind) if isinstance(key.kind, tuple) else str if numbers else KINDS[key.kind],
-        multiple=key.several and not numbers,
+        type=click.Choice(key.kind) if isinstance(key.kind, tuple) else KINDS[str if columns else key.kind],
+        multiple=repeatable,
         callback=_read(read),
-        help=f"{key.says} Repeatable." if key.several and not numbers else key.says,
+        help=f"{key.says} Repeatable." if repeatable else key.says.partition(" Several")[0],
     )
 
 
@@ -260,22 +210,3 @@ def one_profile_options(default_loads: str) -> list[click.Parameter]:
         help='Mean pressures in p_0*: "0.1,1", or first:last:count in equal ratios.',
     )
     return [*SERIES_OPTIONS, *TRACE_OPTIONS, loads, *BODIES_OPTIONS, *SOLUTION_OPTIONS]
-
-
-def profile_or_trace(trace_file: Path | None, **options: Any) -> dict[str, Any]:
-    """Return the parameters of a profile or a trace, as in a scene, from the options of a command."""
-    given = {name: value for name, value in options.items() if value not in (None, (), [])}
-    series = {name: given.pop(name) for name in SERIES if name in given}
-    if trace_file is not None:
-        if "across" in given and "line" not in given:
-            raise click.UsageError("--across names the axis of a line: give its number by --line")
-        if series:
-            raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
-        return {"trace": {"file": str(trace_file), **given}}
-    if given:
-        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
-    if missing := [option for option, name in NEEDED.items() if name not in series]:
-        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
-    if {"phases", "seed"} <= series.keys():
-        raise click.UsageError("a profile takes --phases or --seed, got both")
-    return series | {"m": int(series["m"]) if series["m"].is_integer() else series["m"]}

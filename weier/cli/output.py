@@ -2,77 +2,115 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 import numpy as np
 import xarray as xr
 
+from weier import units
 from weier.api.task import Known
-from weier.cli import result
+from weier.cli.call import Call, solved_loads
 from weier.data import dataset
 from weier.data.files import check_target
+from weier.data.variables import LOADS, VARIABLES
+from weier.digests import numerics
+from weier.kernels.arrays import Array
+from weier.methods.curve import QUANTITIES, Curve
 from weier.methods.load_progress import curve_so_far
-from weier.pipeline import resume
-from weier.pipeline.jobs import APPEND_SECONDS
-from weier.scene.case import Case
-from weier.units import unit_of
+from weier.methods.registry import find_method
 
-if TYPE_CHECKING:
-    from weier.cli.one_profile import Request
+SAVE_SECONDS = 10.0  # of work are lost when the process is killed
+PROBLEM = "problem"  # attribute of a file, which identifies what is solved
+OTHERWISE = "name another file, or solve anew by --force"
 
 
 class Output:
     """The output file of `weier solve`, and a partial file with the loads solved so far.
 
-    The partial file, such as curve.part.nc for curve.csv, is written every `APPEND_SECONDS`, and removed at the end.
-
-    goes_on : whether a further run goes on from it
-    owned : whether it has been read, or written by this run
+    The partial file, such as curve.part.nc for curve.nc, is written every `SAVE_SECONDS`, and removed at the end.
+    Both state the problem: the surface, the methods with their settings, the bodies and the code.
     """
 
-    def __init__(self, path: Path, request: Request, case: Case) -> None:
-        self.path, self.part, self.request = path, path.with_name(f"{path.stem}.part.nc"), request
-        bodies = request.bodies and request.bodies.at(case.profile)
-        self.goes_on, self.owned = bool(resume.continued(case, bodies)), False
-        self.saved = monotonic()
+    def __init__(self, path: Path, call: Call) -> None:
+        self.path, self.part, self.call, self.saved = path, path.with_name(f"{path.stem}.part.nc"), call, monotonic()
+        (self.surface,) = call.surfaces
+        self.bodies = call.bodies and call.bodies.at(self.surface)
+        given = {"methods": sorted(call.methods), "settings": call.settings}
+        bodies = self.bodies and {name: value for name, value in vars(self.bodies).items() if value is not None}
+        parts = {"surface": self.surface.parameters, **given, "bodies": bodies, "code": numerics()}
+        self.problem = {name: json.dumps(part, sort_keys=True) for name, part in parts.items()}
         check_target(self.part)
 
-    def known(self, case: Case) -> dict[str, Known]:
-        """Return the curves of the files, whose loads replace those of the request that differ by rounding."""
-        bodies, known = self.request.bodies, dict[str, Known]()
+    def known(self) -> dict[str, Known]:
+        """Return the solved curves of the files; ValueError for another problem, and loads that are not asked for."""
+        found, loads = dict[str, Known](), self.call.distinct_loads
         for path in filter(Path.exists, (self.path, self.part)):
-            loads, known = resume.read(path, case, bodies and bodies.at(case.profile))
-            same = np.isclose(self.request.loads[:, None], loads, 1e-15, 0.0)
-            if (others := ~same.any(axis=0)).any():
-                pressure = dataset.read(path)["mean_pressure"]
+            data = self._read(path)
+            unit = units.unit_of(data[LOADS])
+            pressures = data[LOADS].values * (1.0 if self.bodies is None else units.factor(LOADS, unit, units.PASCAL))
+            at = np.abs(loads[:, None] - pressures).argmin(axis=0)
+            if (others := ~np.isclose(loads[at], pressures, 1e-12, 0.0)).any():
                 raise ValueError(
                     f"{path} exists, with {others.sum()} loads that are not asked for, such as "
-                    f"{pressure.values[others][0]:.6g} {unit_of(pressure)}: add them, or {resume.OTHERWISE}"
+                    f"{data[LOADS].values[others][0]:.6g} {unit}: add them, or {OTHERWISE}"
                 )
-            own = np.where(same.any(axis=1), loads[same.argmax(axis=1)], self.request.loads)
-            self.request = self.request._replace(loads=own)
-            self.owned |= path == self.part
-            if self.goes_on:
-                click.echo(f"{path} has {loads.size} of {np.unique(own).size} loads", err=True)
-        return known
+            click.echo(f"{path} has {pressures.size} of {loads.size} loads", err=True)
+            found |= self._curves(data.isel(case=0), self.call.own_loads(self.surface)[at])
+        return found
+
+    def _read(self, path: Path) -> xr.Dataset:
+        """Return the content of a file of this problem."""
+        try:
+            data = dataset.read(path)
+            theirs = json.loads(data.attrs[PROBLEM])
+        except (ValueError, KeyError):
+            raise ValueError(f"{path} exists, and is not of `weier solve`: {OTHERWISE}") from None
+        for name, ours in self.problem.items():
+            if theirs.get(name) != ours:
+                raise ValueError(f"{path} exists, of other {name}: {theirs.get(name)}, not {ours}: {OTHERWISE}")
+        return data
+
+    def _curves(self, data: xr.Dataset, loads: Array) -> dict[str, Known]:
+        """Return the solved curves of a file under these loads, in normalised units.
+
+        There are none in SI units between perfect conductors, since these leave no R to convert back.
+        """
+        scales = {} if self.bodies is None else {name: float(one) for name, (one, _) in self.bodies.scales.items()}
+        found = dict[str, Known]()
+        for method in data["solution_method"].values.tolist() if all(scales.values()) else ():
+            run, values = data.sel(solution_method=method), dict[str, Any]()
+            solved = np.isfinite(run["compliance"].values)
+            for name in {*QUANTITIES, *find_method(method).returns} & {*map(str, run.data_vars)}:
+                value = run[name].values
+                if LOADS in run[name].dims:
+                    values[name] = value[solved] / scales.get(VARIABLES[name].unit, 1.0)
+                elif value.dtype.kind in "UO" or np.isfinite(value):
+                    values[name] = value.item()
+            if solved.any():
+                found[method] = Known(loads[solved], Curve(**values), float(run.get("seconds", np.nan)))
+        return found
 
     def __call__(self) -> None:
         """Write the loads solved so far, every few seconds."""
-        if monotonic() - self.saved > APPEND_SECONDS and (data := curve_so_far()) is not None:
-            self.save(data)
+        if monotonic() - self.saved > SAVE_SECONDS and (curves := curve_so_far()) is not None:
+            self.save(solved_loads(curves))
 
-    def save(self, data: xr.Dataset) -> None:
+    def save(self, curves: xr.Dataset) -> None:
         """Write the solved loads to the partial file."""
         with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
-            result.write(self.request.with_units(data), self.part)
-        self.saved, self.owned = monotonic(), True
+            self._write(curves, self.part)
+        self.saved = monotonic()
 
-    def finish(self, data: xr.Dataset, in_order: xr.Dataset) -> None:
-        """Write the output file; text formats keep the given order of loads."""
-        result.write(in_order if self.path.suffix in result.TEXTS else self.request.with_units(data), self.path)
-        if self.owned:
-            self.part.unlink(missing_ok=True)
+    def finish(self, curves: xr.Dataset) -> None:
+        """Write the output file."""
+        self._write(curves, self.path)
+        self.part.unlink(missing_ok=True)
+
+    def _write(self, curves: xr.Dataset, path: Path) -> None:
+        data = self.call.in_units(curves).drop_vars("case").assign_attrs({PROBLEM: json.dumps(self.problem)})
+        dataset.write(data, path, str(self.surface.describe()), "solved")

@@ -1,23 +1,26 @@
-"""Output of `weier solve` and `weier plot`: JSON, comma-separated values or netCDF."""
+"""The texts of curves on the command line: JSON, and tables with units in their headings."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
+import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from weier import units
-from weier.cli.bodies_file import table_of
-from weier.data import dataset
-from weier.data.files import write_text
+from weier.data.curves import CONTACT_PRESSURE
+from weier.data.ensembles import PERCENTILES
 from weier.data.provenance import NORMALISED
 from weier.data.si import INTERFACE_ATTRIBUTES
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
+from weier.methods.curve import QUANTITIES
 from weier.methods.registry import find_method
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # The numbers that describe a profile.
 PROFILE = tuple(
@@ -30,36 +33,23 @@ WHY = {
     Status.not_applicable: "does not apply",
     Status.not_converged: "missed its tolerance",
 }
+# end of a column name that follows the name of a quantity
+STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
 
 
-def write(data: xr.Dataset, path: Path) -> None:
-    """Write the curves as netCDF, or as JSON or CSV if the file name ends in .json or .csv."""
-    if path.suffix in TEXTS:
-        write_text(path, TEXTS[path.suffix](data) + "\n")
-    else:
-        dataset.write(data, path, data.attrs["title"], "solved", data.attrs["scene"])
-
-
-def as_csv(data: xr.Dataset) -> str:
-    """Return the curves as comma-separated values, one row for each method and load; missing values are empty."""
-    return str(table_of(data).to_csv(index=False)).rstrip("\n")
-
-
-def as_json(data: xr.Dataset) -> str:
+def as_json(data: xr.Dataset, title: str) -> str:
     """Return the curves of one case as JSON, by method; null is a missing number or minus infinity."""
     case = data.isel(case=0)
-    parameters = {name: _plain(case[name].values) for name in PROFILE}
-    parameters |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
-    curves = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
-    loads = case["mean_pressure"].values.tolist()
-    measured = {name: values for name, values in data.items() if values.dtype.kind == "f"}
-    own = {str(name): units.unit_of(values) or units.NONE for name, values in measured.items()}
-    bodies = {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}
-    header = {"title": data.attrs["title"]} | ({"interface": bodies} if bodies else {"normalisation": NORMALISED})
-    header |= {"units": own, **parameters, "mean_pressure": loads}
-    if "mean_pressure_error" in case:
-        header["mean_pressure_error"] = _plain(case["mean_pressure_error"].values)
-    return json.dumps(header | {"methods": curves}, indent=1, allow_nan=False)
+    header: dict[str, Any] = {"title": title, "normalisation": NORMALISED}
+    if bodies := {name: data.attrs[name] for name in INTERFACE_ATTRIBUTES if name in data.attrs}:
+        header = {"title": title, "interface": bodies}
+    numbers = {str(name): values for name, values in data.items() if values.dtype.kind == "f"}
+    header["units"] = {name: units.unit_of(values) or units.NONE for name, values in numbers.items()}
+    header |= {name: _plain(case[name].values) for name in PROFILE}
+    header |= {str(name): case[name].item() for name in case.coords if str(name).startswith("trace")}
+    methods = {method: _curves(case, method) for method in case["solution_method"].values.tolist()}
+    header |= {"mean_pressure": case["mean_pressure"].values.tolist(), "methods": methods}
+    return json.dumps(header, indent=1, allow_nan=False)
 
 
 def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
@@ -95,4 +85,12 @@ def check_solved(data: xr.Dataset) -> None:
         )
 
 
-TEXTS = {".json": as_json, ".csv": as_csv}  # The text formats by the suffix of a file.
+def table_of(data: xr.Dataset, ensemble: bool = False) -> pd.DataFrame:
+    """Return the table of curves, or of their ensembles, with units in headings, and errors called numerical."""
+    table = data.weier.ensemble() if ensemble else data.weier.table()
+    table = table.rename(columns={f"{name}_error": f"{name}_numerical_error" for name in QUANTITIES})
+    known = {str(name): units.unit_of(values) for name, values in data.variables.items()}
+    known[CONTACT_PRESSURE] = known["mean_pressure"]
+    named = {name: known.get(name) or known.get(STATISTIC_SUFFIX.sub("", name)) or units.NONE for name in table}
+    headings = {name: f"{name} ({unit})" for name, unit in named.items() if unit not in units.WITHOUT}
+    return table.rename(columns=headings)

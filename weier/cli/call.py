@@ -1,0 +1,159 @@
+"""The call of `weier.solve` or `weier.Interface.solve` that stands for the options of a command."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+import numpy as np
+import xarray as xr
+
+from weier.api.interface import Interface
+from weier.api.solve import solve_under
+from weier.api.task import Known
+from weier.checks import readable
+from weier.cli.options import NEEDED, SERIES, Pressures
+from weier.data.si import with_pressures_in
+from weier.data.variables import LOADS, Status
+from weier.kernels.arrays import Array
+from weier.methods.load_progress import INTERRUPTIONS
+from weier.methods.registry import default_method
+from weier.methods.settings import TOLERANCE
+from weier.scene import BY_DEFAULT, Figure, Grouping
+from weier.scene.yaml import parse_yaml
+from weier.surface.measured.trace import Trace
+from weier.surface.profile import Profile
+from weier.surface.waves import Waves
+
+INTERFACE = "interface"  # key of a scene that holds the bodies
+
+
+class Call(NamedTuple):
+    """Surfaces, their loads and the methods.
+
+    loads : in the order given, in p_0*, or in Pa if there are bodies
+    unit : the unit in which pressures were given; empty if there was none
+    """
+
+    surfaces: list[Waves]
+    loads: Array
+    methods: list[str]
+    settings: Mapping[str, Any]
+    bodies: Interface | None = None
+    unit: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        surfaces: Sequence[Waves],
+        loads: Array,
+        bodies: Path | None,
+        pressures: Pressures | None,
+        methods: Sequence[str] = (),
+        tolerance: float | None = None,
+        settings: Mapping[str, Any] | None = None,
+    ) -> Call:
+        """Return the call for the options of a command; pressures take precedence over loads."""
+        if pressures is not None and bodies is None:
+            raise click.UsageError("--pressures are in Pa: name the two bodies by --si, or take --loads, in p_0*")
+        both, unit = None if bodies is None else read_bodies(bodies), ""
+        if pressures is not None:
+            loads, unit = pressures
+        elif both is not None:
+            loads = both.at(surfaces[0]).pressure(loads)
+        listed = list(methods) or [default_method(*surfaces, within_tolerance=tolerance is not None)]
+        given = {**(settings or {})} | ({} if tolerance is None else {TOLERANCE: tolerance})
+        return cls(list(surfaces), loads, listed, given, both, unit)
+
+    @property
+    def distinct_loads(self) -> Array:
+        """The loads, increasing and each once."""
+        return np.unique(self.loads)
+
+    def own_loads(self, surface: Waves) -> Array:
+        """Return these loads in p_0* for a surface."""
+        loads = self.distinct_loads
+        return loads if self.bodies is None else self.bodies.loads_of(loads)(surface)
+
+    def solve(
+        self, workers: int, max_seconds: float | None = None, known: Mapping[str, Known] | None = None
+    ) -> tuple[xr.Dataset, BaseException | None]:
+        """Return the curves over distinct loads in normalised units, and what has stopped their solution, or None.
+
+        Ctrl-C and the limit of the time stop it; values that are not solved are then NaN.
+        """
+        options: dict[str, Any] = {"workers": workers, "max_seconds": max_seconds, "known": known, **self.settings}
+        loads_of = None if self.bodies is None else self.own_loads
+        stopped: BaseException | None = None
+        try:
+            curves = solve_under(self.surfaces, self.distinct_loads, loads_of, self.methods, **options)
+        except INTERRUPTIONS as stop:
+            if getattr(stop, "curve", None) is None:
+                raise
+            curves, stopped = vars(stop)["curve"], stop
+        if (curves["status"] != Status.solved).all():
+            raise ValueError("no curve could be solved, for the reasons above")
+        return curves, stopped
+
+    def in_units(self, curves: xr.Dataset) -> xr.Dataset:
+        """Return curves in SI units if there are bodies, with pressures in the unit given."""
+        return curves if self.bodies is None else with_pressures_in(self.bodies.in_si(curves), self.unit)
+
+    def in_order(self, curves: xr.Dataset) -> xr.Dataset:
+        """Return curves under the distinct loads, or the first or last of these, in the order given."""
+        pressures = curves[LOADS].values
+        return curves.isel({LOADS: np.searchsorted(pressures, self.loads[np.isin(self.loads, pressures)])})
+
+    def draw(self, curves: xr.Dataset, path: Path, quantity: str, grouping: Grouping = BY_DEFAULT) -> None:
+        """Draw a quantity of curves in normalised units."""
+        from weier.figures import draw  # matplotlib takes half a second, and only some commands need it
+
+        figure = Figure(quantity, grouping=grouping, interface=self.bodies)
+        draw(figure, [with_pressures_in(curves, self.unit)], path, [path.suffix[1:]])
+
+
+def solved_loads(curves: xr.Dataset) -> xr.Dataset:
+    """Return curves without the loads that none of them has."""
+    return curves.isel({LOADS: np.isfinite(curves["compliance"].values).any(axis=(0, 1))})
+
+
+def read_bodies(path: Path) -> Interface:
+    """Return the bodies of a YAML file, or of the key `interface` of a scene; values may have units."""
+    given = parse_yaml(path.read_text(encoding="utf-8"))
+    given = given if isinstance(given, dict) else {}
+    try:
+        return Interface.from_texts(given.get(INTERFACE, given))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def surface_of(trace_file: Path | None, **options: Any) -> Waves:
+    """Return the series or the trace of the options of a command."""
+    given = {name: value for name, value in options.items() if value not in (None, (), [])}
+    series = {name: given.pop(name) for name in SERIES if name in given}
+    if trace_file is not None:
+        if series:
+            raise click.UsageError(f"a trace has no {', '.join(series)}: take --trace or a series")
+        if len(lines := lines_of(trace_file, **given)) > 1:
+            raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
+        return lines[0]
+    if given:
+        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
+    if missing := [option for option, name in NEEDED.items() if name not in series]:
+        raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
+    return Profile(**series)
+
+
+def lines_of(file: Path, against: str | None = None, **options: Any) -> list[Trace]:
+    """Return the lines of a file, or the gaps between these and the line of the file of another body."""
+    try:
+        found = Trace.read(file, source=readable(file.name), **options)
+    except ValueError as error:
+        raise ValueError(f"{readable(str(file))}: {error}") from None
+    lines = found if isinstance(found, list) else [found]
+    if against is None:
+        return lines
+    (other,) = lines_of(Path(against), **options)
+    return [Trace.between(line, other) for line in lines]
