@@ -9,8 +9,7 @@ import click
 import numpy as np
 
 from weier.accuracy.page import Page, measurement
-from weier.accuracy.runner import run
-from weier.accuracy.variants import by_default
+from weier.accuracy.runner import by_default, run
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface.profile import Profile

@@ -14,8 +14,7 @@ import numpy as np
 
 from weier import ConvergenceError, Profile, Trace, random_phases
 from weier.accuracy.page import Page, measurement
-from weier.accuracy.runner import run
-from weier.accuracy.variants import Variant
+from weier.accuracy.runner import Variant, run
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, find_method

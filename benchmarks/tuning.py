@@ -38,8 +38,7 @@ SOLVE = """
 import json
 import numpy as np
 from weier import Profile
-from weier.accuracy.runner import run
-from weier.accuracy.variants import Variant, by_default
+from weier.accuracy.runner import Variant, by_default, run
 
 MANY, series = np.geomspace(1e-3, 2, 12), lambda m: Profile(1.25, 5, m, [0.0] + [1.0] * (m - 1))
 {}

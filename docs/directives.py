@@ -94,15 +94,11 @@ class FigureKinds(SphinxDirective):
 
     def run(self):
         """A table with a row for each."""
-        rows = [[f"`{name}`", *self.cells(kind)] for name, kind in KINDS.items()]
-        head = ["draw", "what it shows", "takes parameters", "drawn from"]
+        rows = [
+            [f"`{name}`", markdown.plain(kind.caption), "yes" if kind.grouped else ""] for name, kind in KINDS.items()
+        ]
+        head = ["draw", "what it shows", "takes parameters"]
         return self.parse_text_to_nodes(markdown.table(head, rows))
-
-    def cells(self, kind):
-        """Its cells after the name, as Markdown."""
-        text = kind.caption
-        file = f"the file of `python -m weier.accuracy {kind.command}`" if kind.command else "studies"
-        return markdown.plain(text), "yes" if kind.grouped else "", file
 
 
 def before_napoleon(app, what, name, obj, options, lines):

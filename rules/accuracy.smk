@@ -1,84 +1,53 @@
-# Measurements of the methods, each with a figure: snakemake --cores 2 tradeoff, convergence or extremes
-FIGURES = {
-    "tradeoff": "work_precision",
-    "convergence": "convergence",
-    "extremes": "extremes",
-}
+# Measurements of the methods, each with a page and a figure: snakemake --cores 2 tradeoff, convergence or extremes
 SETTINGS = {
-    "tradeoff": "accuracy/tradeoff.yaml",
-    "convergence": "accuracy/infinite.yaml",
+    "tradeoff": ["accuracy/tradeoff.yaml"],
+    "convergence": ["accuracy/infinite.yaml"],
+    "extremes": [],
 }
 
 
 rule tradeoff:
     input:
-        expand("results/tradeoff/work_precision.{kind}", kind=["png", "pdf", "svg"]),
+        "results/tradeoff/tradeoff.md",
 
 
 rule convergence:
     input:
-        expand("results/convergence/convergence.{kind}", kind=["png", "pdf", "svg"]),
+        "results/convergence/convergence.md",
 
 
 rule extremes:
     input:
-        expand("results/extremes/extremes.{kind}", kind=["png", "pdf", "svg"]),
+        "results/extremes/extremes.md",
 
 
 # The trade takes all cores, since other jobs would disturb the measured times.
 rule measure:
     input:
-        settings=lambda wildcards: [
-            configured(path)
-            for name, path in SETTINGS.items()
-            if name == wildcards.study
-        ],
+        settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
     output:
-        data="results/{study}/{study}.nc",
         page="results/{study}/{study}.md",
+        pdf="results/{study}/{study}.pdf",
+        svg="results/{study}/{study}.svg",
+        csv="results/{study}/{study}.csv",
+        png=report(
+            "results/{study}/{study}.png", category="methods", subcategory="{study}"
+        ),
     log:
         "results/logs/{study}/measure.log",
     wildcard_constraints:
-        study="|".join(FIGURES),
+        study="|".join(SETTINGS),
     conda:
         "environment.yaml"
     threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
     params:
         run=command,
-        code=digest_of_modules("accuracy"),
+        code=digest_of_modules("accuracy", "figures"),
         numerics=plan.numerics,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
         "--output {output.page:q} 2>&1 | tee -i {log:q}"
-
-
-rule draw:
-    input:
-        "results/{study}/{study}.nc",
-    output:
-        pdf="results/{study}/{figure}.pdf",
-        svg="results/{study}/{figure}.svg",
-        png=report(
-            "results/{study}/{figure}.png",
-            category="methods",
-            subcategory="{study}",
-            labels=lambda wildcards: {
-                "figure": wildcards.figure,
-                "caption": KINDS[wildcards.figure].caption,
-            },
-        ),
-    log:
-        "results/logs/{study}/{figure}.log",
-    wildcard_constraints:
-        study="|".join(FIGURES),
-    conda:
-        "environment.yaml"
-    params:
-        run=command,
-        code=digest_of_modules("figures"),
-    shell:
-        "{params.run} draw {wildcards.figure:q} {output.png:q} {input:q} 2>&1 | tee -i {log:q}"
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

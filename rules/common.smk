@@ -5,7 +5,6 @@ from functools import partial
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import DeploymentMethod
 
-from weier.figures import KINDS
 from weier.figures.captions import caption
 from weier.figures.scene_checks import load_by_name
 from weier.digests import digest_of_modules

@@ -14,8 +14,6 @@ import xarray as xr
 
 from tests.conventions import check, complaints
 from tests.scenes import scene_in, solve_scene
-from tests.trade import small_trade
-from weier.accuracy.convergence import measure_convergence
 from weier.data import dataset, provenance, variables
 from weier.methods import demelio
 from weier.pipeline import claims
@@ -34,14 +32,6 @@ claims:
   one_wave_bounds: [waves]
 """
 METHODS = ["westergaard", "demelio", "bem", "patches", "auto"]
-
-TRADE = """
-title: Speed against accuracy
-loads: [0.01, 1.0]
-methods: [patches]
-studies:
-  wave: {product: {D: 1.25, gamma: 5, m: 1}}
-"""
 
 # A mechanics dataset has no place on Earth and no time, was made by a program and by people who give no address, and
 # its keywords are free words. weier does not know who creates and publishes a file. What has no dimension has no
@@ -76,10 +66,6 @@ def folder(tmp_path_factory):
     loaded = scene_in(folder, SCENE)
     solutions = solve_scene(loaded, folder / "curves")
     claims.write(solutions, folder / "contact.nc", folder / "claims.md")
-    profiles = [case.profile for case in loaded.studies["waves"]]
-    infinite = measure_convergence([profile for profile in profiles if math.isinf(profile.m)], loaded.loads, 2)
-    dataset.write(infinite, folder / "convergence.nc", loaded.title, "solved", loaded.text)
-    dataset.write(small_trade(folder, TRADE, 100), folder / "tradeoff.nc", loaded.title, "measured", loaded.text)
     return folder
 
 
@@ -109,7 +95,7 @@ def answers(files, bad):
 
 
 def test_cf_strict_finds_nothing(files, answers):
-    assert len(files) == 3  # those of the scene and of two measurements
+    assert len(files) == 1
     answers = {str(path): answers[CF][str(path)] for path in files}
     assert {name: complaints(answer) for name, answer in answers.items()} == {str(path): [] for path in files}
     assert all(answer["scored_points"] == answer["possible_points"] > 50 for answer in answers.values())

@@ -238,7 +238,6 @@ def test_all_that_is_public_is_described(site):
     text = interface(site)
     public = {f"weier.{name}" for name in weier.__all__ if not name.startswith("_")}
     public |= {
-        "weier.accuracy.convergence.measure_convergence",
         "weier.methods.method.Method",
         "weier.methods.auto.Choice",
         "weier.scene.Scene",

@@ -229,7 +229,7 @@ def test_the_workflow_runs_from_any_folder(finished, tmp_path):
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout + done.stderr
 
-    assert "results/extremes/extremes.nc" in said("--dry-run", "extremes")
+    assert "results/extremes/extremes.md" in said("--dry-run", "extremes")
     (tmp_path / "config/scenes").mkdir(parents=True)
     (tmp_path / "config/scenes/own.yaml").write_text(SCENE.replace("demelio, bem", "demelio"))
     said("--config", "scenes=own", "--", "results/own/figures/one.png")

@@ -7,7 +7,7 @@ import pytest
 from weier.digests import PACKAGE
 from weier.methods.registry import names
 
-ROOMS = ("kernels", "surface", "theory", "methods", "data", "scene", "api", "pipeline", "accuracy", "figures", "cli")
+ROOMS = ("kernels", "surface", "theory", "methods", "data", "scene", "api", "pipeline", "figures", "accuracy", "cli")
 # the modules beside the rooms at their places: each module imports only from those before its own
 ORDER = ("digests", "kernels", "units", "checks", *ROOMS[1:])
 LIBRARY = ORDER[: ORDER.index("methods") + 1]  # could be taken away and used alone

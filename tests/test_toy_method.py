@@ -1,6 +1,6 @@
 """A method defined here, outside the package, and listed: everything else follows from its one object.
 
-tests/test_toy_comparison.py drives it through the trade between speed and accuracy and through the extremes.
+tests/accuracy drives it through the trade between speed and accuracy and through the extremes.
 """
 
 from dataclasses import replace

@@ -3,97 +3,60 @@
 import numpy as np
 import pytest
 
-from weier import Profile, figures, random_phases
-from weier.accuracy import convergence as study
-from weier.accuracy.metrics import by_resolved_terms
-from weier.figures import convergence as convergence_figure
+from weier import Profile, random_phases
+from weier.accuracy import convergence
 from weier.methods import bem
-from weier.scene import Figure
 
 LOADS = np.geomspace(3e-3, 3, 7)
 PROFILE = Profile(1.25, 2, np.inf, random_phases(2))
 
 
 @pytest.fixture(scope="module")
-def measured():
-    return study.measure_convergence([PROFILE], LOADS, 6)
+def resolved():
+    return convergence.measure(PROFILE, LOADS, 6)
 
 
-@pytest.fixture
-def convergence(measured):
-    return measured.isel(case=0)
-
-
-def test_estimates_lie_within_all_bounds_and_close_in(convergence):
-    h = convergence["compliance"].values
-    low, high = convergence["compliance_lower"].values, convergence["compliance_upper"].values
+def test_estimates_lie_within_all_bounds_and_close_in(resolved):
+    assert [one.terms for one in resolved] == [1, 2, 3, 4, 5, 6]
+    last = resolved[-1].estimate
     mesh = np.pi**2 / 2 / 32**2  # dx^2/8 times the curvature of one wave, on the grid of the estimate, in g_0
-    assert np.all((low - mesh <= h) & (h <= high + mesh))
-    # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
-    assert np.all((low - mesh <= h[-1]) & (h[-1] <= high + mesh))
-    deviation = np.abs(h[:-1] - h[-1]).max(axis=1)
+    for one in resolved:
+        # The last estimate lies within the bounds of every shorter series: they are about the same infinite one.
+        assert np.all((one.low - mesh <= last) & (last <= one.high + mesh))
+        assert np.all(one.high <= PROFILE.total_amplitude)
+    deviation = [np.abs(one.estimate - last).max() for one in resolved[:-1]]
     assert deviation[-1] < deviation[0] / 3
     # Far better than the certificate, which is half as wide as the bounds.
-    assert np.all(deviation < 0.75 * (high - low)[:-1].max(axis=1) / 2)
+    assert all(own < 0.75 * (one.high - one.low).max() / 2 for own, one in zip(deviation, resolved, strict=False))
 
 
-def test_terms_that_take_too_many_points_have_a_status(monkeypatch, tmp_path):
+def test_terms_that_take_too_many_points_are_left_out(monkeypatch, capsys):
     monkeypatch.setattr(bem.stated_errors, "MAX_POINTS", 2000)
-    data = study.measure_convergence([Profile(1.25, 5, np.inf, 1.0)], LOADS[::2], 5)
-    found = data.isel(case=0)
-    assert np.isfinite(found["compliance"].values).all(axis=1).tolist() == [True, True, True, True, False]
-    assert found["status"].values.tolist() == [0, 0, 0, 0, 2]
-    low, high = (found[f"compliance_{side}"].values[:4] for side in ("lower", "upper"))
-    assert np.all(low.max(axis=0) <= high.min(axis=0))
-    assert np.all(high <= float(found["total_amplitude"]))
-    figures.draw(Figure("convergence"), [data], tmp_path / "figure.png")
+    found = convergence.measure(Profile(1.25, 5, np.inf, 1.0), LOADS[::3], 5)
+    assert [one.terms for one in found] == [1, 2, 3, 4]
+    assert "5 terms resolved: " in capsys.readouterr().err
 
 
-def test_the_file_counts_resolved_terms(convergence):
-    assert convergence["resolved_terms"].values.tolist() == [1, 2, 3, 4, 5, 6]
-    assert (np.diff(convergence["points"].values) > 0).all()
-    assert "long_name" in convergence["resolved_terms"].attrs
-
-
-def test_bounds_are_seen_in_the_figure_and_never_beyond_full_contact(convergence):
-    bounds_of_one, _ = convergence_figure.draw([convergence.expand_dims("case")], "").axes
-    names = [text.get_text() for text in bounds_of_one.get_legend().get_texts()]
-    assert names == [*(f"bounds, $k={k}$" for k in (1, 2, 4, 6)), "estimate, $k=6$"]
-    bands = [band.get_paths()[0].vertices for band in bounds_of_one.collections]
-    widths = [np.ptp(band[np.isclose(band[:, 0], LOADS[0]), 1]) for band in bands]  # at the first load
-    assert np.all(np.diff(widths) < 0)
-    assert max(band[:, 1].max() for band in bands) <= PROFILE.total_amplitude
-    assert np.ptp(bounds_of_one.get_ylim()) < 1.5 * np.ptp(bands[0][:, 1])
-
-
-def test_the_figure_is_written_in_all_formats_and_needs_several_estimates(convergence, tmp_path):
-    figures.draw(Figure("convergence"), [convergence.expand_dims("case")], tmp_path / "figure.png")
-    assert {path.suffix for path in tmp_path.iterdir()} == {".png", ".pdf", ".svg"}
-    shortest = convergence.isel(resolved_terms=[0])
-    with pytest.raises(ValueError, match="no cases with several estimates"):
-        figures.draw(Figure("convergence"), [shortest.expand_dims("case")], tmp_path / "one.png")
-
-
-def test_the_table_has_the_errors_of_each_number_of_terms(measured, convergence):
-    text = study.table_of(measured)
-    assert text.startswith("| series | resolved terms |")
-    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| D = 1.25, gamma = 2")]
-    h, low, high = (convergence[f"compliance{part}"].values for part in ("", "_lower", "_upper"))
-    nodes = convergence["points"].values
-    assert [row[1:3] for row in rows] == [[str(k), f"{nodes[k - 1]:.0f}"] for k in range(1, 7)]
-    widths = [float(np.max(high[k] - low[k])) / 2 for k in range(6)]
+def test_the_table_has_the_errors_of_each_number_of_terms(resolved):
+    lines = convergence.table_of({PROFILE: resolved}).splitlines()
+    assert lines[0].startswith("| series | resolved terms |")
+    rows = [line.strip("| ").split(" | ") for line in lines[2:]]
+    assert [row[:3] for row in rows] == [
+        ["D = 1.25, gamma = 2, m = inf, seed = 2", str(one.terms), f"{one.nodes:.0f}"] for one in resolved
+    ]
+    widths = [np.max(one.high - one.low) / 2 for one in resolved]
     assert [float(row[3]) for row in rows] == pytest.approx(widths, rel=0.05)
-    distances = [float(np.max(np.abs(h[k] - h[5]))) for k in range(5)]
+    distances = [np.max(np.abs(one.estimate - resolved[-1].estimate)) for one in resolved[:-1]]
     assert [float(row[4]) for row in rows[:-1]] == pytest.approx(distances, rel=0.05)
     assert len(rows[-1]) == 4  # the error of the last estimate is not known
 
 
-def test_errors_of_estimates_are_from_the_last_one(convergence):
-    cut = convergence.copy(deep=True)
-    cut["compliance"].values[4:] = np.nan
-    width, error = by_resolved_terms(cut)
-    assert np.isfinite(width).all()
-    assert error[2] == np.abs(cut["compliance"].values[2] - cut["compliance"].values[3]).max()
-    assert np.isfinite(error).tolist() == [True] * 3 + [False] * 3
-    cut["compliance"].values[:], cut["compliance_lower"].values[:] = np.nan, np.nan
-    assert np.isnan(by_resolved_terms(cut)).all()
+def test_bounds_are_seen_in_the_figure_and_never_beyond_full_contact(resolved):
+    bounds, errors = convergence.draw(LOADS, {PROFILE: resolved}).axes
+    names = [text.get_text() for text in bounds.get_legend().get_texts()]
+    assert names == [*(f"bounds, $k={k}$" for k in (1, 2, 4, 6)), "estimate, $k=6$"]
+    bands = [band.get_paths()[0].vertices for band in bounds.collections]
+    widths = [np.ptp(band[np.isclose(band[:, 0], LOADS[0]), 1]) for band in bands]  # at the first load
+    assert np.all(np.diff(widths) < 0)
+    assert max(band[:, 1].max() for band in bands) <= PROFILE.total_amplitude
+    assert [line.get_xdata().size for line in errors.get_lines()] == [6, 5]

@@ -10,7 +10,7 @@ from weier import Profile
 from weier.accuracy import coverage, families, runner
 from weier.accuracy.families import FAMILIES, LOADS, MAX_WAVES, VARIANTS
 from weier.accuracy.reference import contact_reference
-from weier.accuracy.variants import MAX_POINTS, Variant
+from weier.accuracy.runner import MAX_POINTS, Variant
 from weier.methods import bem
 from weier.methods.errors import ConvergenceError
 
@@ -30,7 +30,7 @@ def reference(monkeypatch):
     def replace(**parts):
         def changed(profile, loads):
             right = contact_reference(profile, loads)
-            return right._replace(**{name: change(np.array(getattr(right, name))) for name, change in parts.items()})
+            return right._replace(**{name: change(getattr(right, name)) for name, change in parts.items()})
 
         monkeypatch.setattr(coverage, "contact_reference", changed)
 
@@ -59,13 +59,13 @@ def test_an_error_beyond_what_is_stated_is_found(one_draw, reference):
         assert not np.any(judged.ratio > 1)
     assert list(coverage.exceeded([(one_draw, right)])) == []
     off = 10 * right["bem"].stated[0, 1]
-    reference(compliance=lambda exact: exact + np.array([0, off]))
+    reference(values=lambda exact: exact + np.array([[0, off], [0, 0]]))
     judged = coverage.judge_all(one_draw, ["bem"])
     (ratio, where), *others = coverage.exceeded([(one_draw, judged)])
     assert others == []
     assert ratio == pytest.approx(10, abs=1)
     assert f"h by bem is off by {judged['bem'].error[0, 1]:.2e}" in where
-    assert 'Profile(1.3, "2", 2, [0.0, 1.0]) at 0.3' in where
+    assert f"{one_draw.profile!r} at 0.3" in where
 
 
 def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw, reference):
@@ -94,12 +94,12 @@ def test_refused_loads_are_counted_and_told(one_draw):
     assert h.startswith("0 of 1,")
     assert R.startswith("0 of 1,")
     *_, told = coverage.tables(found, ["bem"], 20)
-    assert "Profile(1.3" in told
+    assert repr(one_draw.profile) in told
     assert "too light" in told
 
 
 def test_unknown_numbers_are_not_counted(one_draw, reference):
-    reference(compliance=lambda exact: np.full(exact.size, np.nan), uncertainty=lambda known: np.full((2, 2), np.nan))
+    reference(values=lambda exact: np.full((2, 2), np.nan), uncertainty=lambda known: known * np.nan)
     _, _, h, _, refused = coverage.row("usual", [(one_draw, coverage.judge_all(one_draw, ["bem"]))], ["bem"])
     assert h.startswith("0 of 0,")
     assert refused == "0"

@@ -8,15 +8,16 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
-import xarray as xr
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 import benchmarks
 from benchmarks.__main__ import NAMES as BENCHMARKS
 from weier import accuracy
 from weier.accuracy.__main__ import NAMES, main
 from weier.accuracy.page import Measurements, Page, measurement, number
-from weier.data import dataset, provenance
+from weier.data import provenance
+from weier.figures.values import line
 
 
 def test_what_is_unknown_leaves_its_cell_empty():
@@ -32,8 +33,15 @@ def toy(count: int, seed: int) -> Page:
 
     In a second paragraph.
     """
-    data = xr.Dataset({"lines": ("line", np.ones(count), {"long_name": "lines"})})
-    return Page([f"{count} of {seed}", "| a table |"], data, "title: scene")
+
+    def draw():
+        figure = Figure()
+        axes = figure.subplots()
+        axes.set(xlabel="x", ylabel="y")
+        line(axes, "lines", [0.0], [count])
+        return figure
+
+    return Page([f"{count} of {seed}", "| a table |"], draw)
 
 
 def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(tmp_path, monkeypatch):
@@ -47,9 +55,8 @@ def test_a_page_has_what_explains_it_its_tables_and_how_it_was_made(tmp_path, mo
     assert made.startswith("Made by `accuracy --count 4 --seed 7` on 1970-01-01T00:00:00")
     assert f"weier {provenance.VERSION}, python 3." in made
     assert f"numpy {np.__version__}" in made
-    data = dataset.read(tmp_path / "new" / "page.nc")
-    assert data["lines"].size == 4
-    assert data.attrs["scene"] == "title: scene"
+    assert {file.suffix for file in (tmp_path / "new").iterdir()} == {".md", ".png", ".pdf", ".svg", ".csv"}
+    assert (tmp_path / "new" / "page.csv").read_text().endswith(",lines,0.0,4.0\n")
     assert "In a second paragraph." in CliRunner().invoke(toy, ["--help"]).output
 
 

@@ -1,4 +1,4 @@
-"""The measured trade: errors against the exact contact, who takes part, what is written."""
+"""The measured trade: errors against the exact contact, who takes part, what is written and drawn."""
 
 import re
 from dataclasses import replace
@@ -6,101 +6,112 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.trade import small_trade
-from weier import Profile, figures
+from tests.toy_method import TOY
+from weier import Profile
 from weier.accuracy import tradeoff
-from weier.accuracy.metrics import MEASURED, STATED, seconds_per_load, worst_over_loads
-from weier.data import dataset
-from weier.data.variables import Status
+from weier.accuracy.runner import Variant
+from weier.accuracy.tradeoff import Measured
 from weier.methods import bem, registry
-from weier.methods.curve import QUANTITIES
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
 from weier.methods.settings import check_names
-from weier.scene import Figure
 
 ROUNDING = 1e-15  # g_0: of heights of the order of 1
+LOADS = np.array([0.01, 0.1, 2.0])
+ONE, TWO = Profile(1.25, 5, 1), Profile(1.5, 3, 2, (0.0, 1.0))
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory):
-    return small_trade(tmp_path_factory.mktemp("scene"))
-
-
-def error(measured, name, case=1, quantity="compliance", kind=MEASURED):
-    return worst_over_loads(measured, quantity, kind)[case, measured["variant"].values.tolist().index(name)]
+def measured():
+    """By profile and variant, on grids of at most 800 points."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tradeoff, "MAX_POINTS", 800)
+        patch.setattr(tradeoff, "REPEAT", 1)
+        patch.setattr(registry, "METHODS", (*registry.METHODS, TOY))
+        return {(one.profile, one.variant.name): one for one in tradeoff.measure([ONE, TWO], LOADS)}
 
 
 @pytest.mark.parametrize("name", ["bem", "patches"])
 def test_errors_and_what_is_stated_of_them_are_within_the_tolerance(measured, name):
-    variants = [variant for variant in measured["variant"].values.tolist() if re.fullmatch(f"{name} 1e.*", variant)]
-    run = [variant for variant in variants if np.isfinite(error(measured, variant))]
+    run = [measured[key] for key in measured if key[0] == TWO and re.fullmatch(f"{name} 1e.*", key[1])]
     assert len(run) >= {"bem": 4, "patches": 11}[name]  # a grid of 800 points is the finest here
-    for variant in run:
-        assert error(measured, variant, kind=STATED) <= float(variant.split()[1])
-        for quantity in QUANTITIES:
-            assert error(measured, variant, quantity=quantity) <= error(measured, variant, 1, quantity, STATED)
+    for one in run:
+        assert one.stated[0].max() <= one.variant.settings["tolerance"]
+        assert np.all(one.error.max(axis=1) <= one.stated.max(axis=1))
     # Contact patches are at rounding at any tolerance, since their moves square the error.
-    assert error(measured, run[-1]) < max(1e-2 * error(measured, run[0]), ROUNDING)
+    assert run[-1].error[0].max() < max(1e-2 * run[0].error[0].max(), ROUNDING)
 
 
-def test_methods_that_state_no_error_have_none(measured):
-    """Nor is an estimate as accurate as the grid of the paper, with its staircase."""
-    for name in ("archard", "demelio", "layer 24"):
-        assert np.isnan(error(measured, name, kind=STATED))
-        assert error(measured, name) > 10 * error(measured, "bem kept 12")
-
-
-def test_contact_patches_have_an_error_of_their_own(measured):
-    """The reference is of the same profile shifted along x: no variant is right by construction."""
-    assert 0 < error(measured, "patches 1e-11") < 1e-11
-    assert error(measured, "patches 1e-11", quantity="resistance") < 1e-11
+def test_errors_are_those_of_independent_profiles(measured):
+    for name in ("archard", "demelio", "layer 24"):  # less accurate than the grid of the paper, with its staircase
+        assert np.isnan(measured[TWO, name].stated).all()
+        assert measured[TWO, name].error[0].max() > 10 * measured[TWO, "bem kept 12"].error[0].max()
+    # The reference is of the same profile shifted along x: no variant is right by construction.
+    exact = measured[TWO, "patches 1e-11"].error
+    assert 0 < exact[0].max() < 1e-11
+    assert exact[1].max() < 1e-11
     # One wave is Westergaard's in closed form.
-    assert error(measured, "archard", case=0) < 1e-13
-    assert error(measured, "patches 1e-11", case=0) < 1e-13
+    assert measured[ONE, "archard"].error.max() < 1e-13
 
 
-def test_a_grid_too_fine_for_a_profile_is_left_out(measured):
-    run = np.isfinite(seconds_per_load(measured))
-    names = measured["variant"].values.tolist()
-    assert run[:, names.index("bem 1e-05")].tolist() == [True, False]
-    assert run[:, names.index("bem 1e-04")].all()
-    assert np.isnan(error(measured, "bem 1e-05"))
+def test_a_method_that_is_only_listed_takes_part_where_it_applies(measured):
+    exact = find_method("patches").solve(TWO, LOADS).compliance
+    assert measured[TWO, "toy"].error[0] == pytest.approx(np.abs(0.5 * LOADS - exact), abs=1e-9)
+    assert (ONE, "toy") not in measured
+    assert "| toy | 1 |" in tradeoff.table_of(list(measured.values()))
 
 
-def test_every_variant_is_a_method_with_its_settings():
-    for variant in tradeoff.variants(Profile(1.25, 5, 2)):
+def test_a_grid_too_fine_for_a_profile_and_a_solver_that_stops_are_left_out(measured, monkeypatch, capsys):
+    assert (ONE, "bem 1e-05") in measured
+    assert (TWO, "bem 1e-05") not in measured
+
+    def stop(profile, loads, **settings):
+        raise ConvergenceError("stopped")
+
+    monkeypatch.setattr(registry, "METHODS", (replace(bem.METHOD, solve=stop), registry.METHODS[1]))
+    assert [one.variant.method for one in tradeoff.measure([ONE], LOADS)] == ["archard"]
+    assert "bem 1e-02: stopped" in capsys.readouterr().err
+
+
+def test_every_variant_is_a_method_with_its_settings_and_a_name_of_its_own():
+    found = tradeoff.variants(Profile(1.25, 5, 2))
+    for variant in found:
         check_names(find_method(variant.method), variant.settings)
-        assert len(variant.name) <= 16
-
-
-def test_an_infinite_series_is_refused():
+    assert len({variant.name for variant in found}) == len(found)
     with pytest.raises(ValueError, match=r"m must be finite .* leave the case out"):
         tradeoff.variants(Profile(1.25, 5, np.inf))
 
 
-def test_the_table_and_the_figure_are_made_from_the_file(measured, tmp_path):
-    dataset.write(measured, tmp_path / "tradeoff.nc", "Small")
-    again = dataset.read(tmp_path / "tradeoff.nc")
-    assert again["seconds"].values == pytest.approx(measured["seconds"].values, nan_ok=True)
-    assert again["phases"].values[1, 1] == 1.0
-    text = tradeoff.table_of(again)
-    assert text.startswith("| method and setting |")
-    assert text.count("\n| bem ") == sum(method == "bem" for method in measured["solution_method"].values)
-    figures.draw(Figure("work_precision"), [again], tmp_path / "figure.png")
-    assert (tmp_path / "figure.svg").exists()
-    with pytest.raises(ValueError, match="no times"):
-        figures.draw(Figure("work_precision"), [again.assign(seconds=again["seconds"] * np.nan)], tmp_path / "no.png")
+def small():
+    """Two profiles of two waves, and one of three, by a closed form and two methods with a tolerance."""
+    kinds = [Variant("demelio", "demelio", {}), Variant("kept", "bem", {"points_per_wave": 24, "staircase": "kept"})]
+    kinds += [Variant(f"bem {value}", "bem", {"tolerance": value}) for value in (0.1, 1e-3)]
+    kinds += [Variant(f"patches {value}", "patches", {"tolerance": value}) for value in (0.1, 1e-3)]
+    h = [[0.2, 2e-2, 1e-2, 1e-4, 1e-4, 1e-12], [0.3, 3e-2, 2e-2, 2e-4, 2e-4, 0], [0.2, 1, 1, np.nan, 0, 0]]
+    milliseconds = [[1, 5, 10, 50, 40, 60], [3, 5, 30, 150, 120, 180], [1, 5, 10, 0, 20, 30]]
+    profiles = Profile(1.25, 5, 2), Profile(1.5, 5, 2), Profile(1.5, 3, 3)
+    return [
+        Measured(profile, variant, time, np.array([[error, error / 2]] * 2), np.full((2, 2), 2 * error))
+        for profile, errors, times in zip(profiles, h, milliseconds, strict=True)
+        for variant, error, time in zip(kinds, errors, times, strict=True)
+        if np.isfinite(error)
+    ]
 
 
-def test_a_solver_that_misses_its_tolerance_has_a_status(monkeypatch, tmp_path):
-    def stop(profile, loads, **settings):
-        raise ConvergenceError("stopped")
+def test_the_table_has_medians_and_quantiles_over_all_loads():
+    rows = [line.strip("| ").split(" | ") for line in tradeoff.table_of(small()).splitlines()[2:]]
+    assert [row[:2] for row in rows[:4]] == [["demelio", "3"], ["kept", "3"], ["bem 0.1", "3"], ["bem 0.001", "2"]]
+    assert rows[3][2:7] == ["1e+02", "1e-04", "2e-04", "2e-04", "3e-04"]
 
-    stopping = [replace(method, solve=stop) if method is bem.METHOD else method for method in registry.METHODS]
-    monkeypatch.setattr(registry, "METHODS", tuple(stopping))
-    data = small_trade(tmp_path, max_points=50)
-    stopped = (data["solution_method"] == "bem").values
-    assert np.isin(data["status"].values[:, stopped], [Status.not_converged, Status.not_requested]).all()
-    assert np.isnan(data["seconds"].values[:, stopped]).all()
-    assert (data["status"].sel(variant="demelio") == Status.solved).all()
+
+def test_a_line_joins_the_tolerances_that_all_profiles_have():
+    """Milliseconds a load are the mean over the profiles, errors the largest; what is 0 stands at the end."""
+    figure = tradeoff.draw(small())
+    figure.draw_without_rendering()
+    assert [axes.get_title() for axes in figure.axes[:2]] == [r"$\gamma=5$,  $m=2$", r"$\gamma=3$,  $m=3$"]
+    two_waves, three_waves = ([line.get_xydata() for line in axes.get_lines()] for axes in figure.axes[:2])
+    assert [line.shape[0] for line in two_waves] == [1, 1, 2, 2, 2, 2]  # what is stated, and the error, by method
+    np.testing.assert_allclose(two_waves[3], [[20, 2e-2], [100, 2e-4]])
+    np.testing.assert_allclose(two_waves[2][:, 1], [4e-2, 4e-4])
+    assert three_waves[3].tolist() == [[10, 1]]
+    assert three_waves[5][:, 1].tolist() == [tradeoff.FLOOR] * 2

@@ -5,11 +5,9 @@ import signal
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from weier import scene
-from weier.data import dataset
 from weier.digests import numerics
 from weier.pipeline.needed_curves import CLOSED, Curves
 from weier.pipeline.products import made_of
@@ -110,25 +108,3 @@ def test_a_bad_scene_is_one_sentence(scene_file, tmp_path, text):
     assert done.stderr.startswith(f"weier: {scene_file}")
     assert done.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["test.yaml"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code", "message"),
-    [
-        (["draw", "work_precision", "x.png"], 1, "drawn from the file of `python -m weier.accuracy tradeoff`"),
-        (
-            ["draw", "work_precision", "x.png", "DATA"],
-            1,
-            "drawn from the file of `python -m weier.accuracy tradeoff`",
-        ),
-        (["draw", "extremes", "x.png", "DATA"], 1, "drawn from the file of `python -m weier.accuracy extremes`"),
-        (["draw", "../x", "x.png", "DATA"], 1, "there is no figure '../x': choose from"),
-    ],
-)
-def test_a_file_of_another_kind_is_one_sentence(run, tmp_path, monkeypatch, arguments, code, message):
-    monkeypatch.chdir(tmp_path)
-    dataset.write(dataset.blank(1, ["bem"], np.array([1.0]), 1), data := tmp_path / "data.nc", "test")
-    stopped, out, err = run(*(data if argument == "DATA" else argument for argument in arguments))
-    assert (stopped, out) == (code, "")
-    assert message in err.splitlines()[-1]
-    assert {path.name for path in tmp_path.iterdir()} == {"data.nc"}

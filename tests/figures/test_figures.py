@@ -35,7 +35,7 @@ studies:
     product: {D: 1.5, gamma: "5/2", m: 2, phases: 1.0}
 """
 FORMATS = ("pdf", "svg", "png")
-STUDY_KINDS = [name for name, kind in figures.KINDS.items() if not kind.command]
+KINDS = [*figures.KINDS]
 
 
 @pytest.fixture(scope="module")
@@ -97,14 +97,14 @@ def test_same_data_same_bytes_in_each_format(studies: dict[str, xr.Dataset], tmp
     assert b"dc:date" not in svg
 
 
-@pytest.mark.parametrize("kind", STUDY_KINDS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_curves_of_several_studies_stand_in_one_figure(kind: str, studies: dict[str, xr.Dataset]) -> None:
     figure = sketch(kind, list(studies.values()))
     figure.draw_without_rendering()
     assert figure.axes
 
 
-@pytest.mark.parametrize("kind", STUDY_KINDS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(kind: str) -> None:
     if figures.KINDS[kind].grouped:
         with pytest.raises(ValueError, match="m varies among the curves and nothing shows it"):
@@ -113,7 +113,7 @@ def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(k
         sketch(kind, [many_cases()])
 
 
-@pytest.mark.parametrize("kind", [kind for kind in STUDY_KINDS if kind not in ("borodich_galanov", "profiles")])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("borodich_galanov", "profiles")])
 def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_path: Path) -> None:
     empty = blank(2, ["archard", "bem"], np.array([0.1, 1.0]), 2)
     with pytest.raises(ValueError, match="there are no "):

@@ -6,7 +6,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from tests.figures.test_figures import STUDY_KINDS, many_cases
+from tests.figures.test_figures import many_cases
 from tests.figures.test_figures import studies as studies  # a fixture
 from weier import Interface, figures
 from weier.data.bodies import Bodies
@@ -54,7 +54,7 @@ def test_a_band_has_its_two_ends():
 
 
 # The message needs contact fractions of several terms, which its own test has.
-@pytest.mark.parametrize("kind", [kind for kind in STUDY_KINDS if kind != "message"])
+@pytest.mark.parametrize("kind", [kind for kind in figures.KINDS if kind != "message"])
 def test_every_figure_has_values_in_plain_text(studies, kind):
     rows = table(Figure(kind), [studies["terms"]])
     assert rows

@@ -10,14 +10,11 @@ import click
 import numpy as np
 
 from weier.accuracy.families import FAMILIES, VARIANTS, Draw, draws
-from weier.accuracy.metrics import deviation
 from weier.accuracy.page import Page, measurement
-from weier.accuracy.reference import contact_reference
-from weier.accuracy.runner import attempt
-from weier.accuracy.variants import Variant
+from weier.accuracy.reference import contact_reference, deviation
+from weier.accuracy.runner import Variant, attempt
 from weier.data import markdown
 from weier.kernels.arrays import Array
-from weier.surface.profile import Profile
 
 
 class Judged(NamedTuple):
@@ -42,8 +39,7 @@ def judge(draw: Draw, variant: Variant) -> Judged:
     """Compare a variant with the exact curve, load by load if it refuses the curve; NaN at loads that it refuses."""
     found = attempt(variant, draw.profile, draw.loads)
     right = contact_reference(draw.profile, tuple(draw.loads.tolist()))
-    error = np.stack([deviation(found.compliance, right.compliance), deviation(found.resistance, right.resistance)])
-    stated = np.stack([found.compliance_error, found.resistance_error])
+    error, stated = deviation(found.values, right.values), found.stated
     # The reference must be ten times as accurate as the stated or the measured error.
     is_known = 10 * right.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -85,7 +81,7 @@ def tables(found: Found, names: Iterable[str], worst: int) -> Iterator[str]:
     for draw, by_name in found:
         for variant in draw.variants:
             if variant.name in by_name and np.isnan(by_name[variant.name].stated[0]).any():
-                yield f"{_text(draw)} by {variant.name}, {variant.settings}: {by_name[variant.name].message}"
+                yield f"{draw.profile!r} by {variant.name}, {variant.settings}: {by_name[variant.name].message}"
 
 
 def exceeded(found: Found) -> Iterator[tuple[float, str]]:
@@ -98,16 +94,8 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
                 yield (
                     float(judged.ratio[quantity, load]),
                     f"{'hR'[quantity]} by {variant.name} is off by {error}, stated {stated} ({draw.family}): "
-                    f"{_text(draw)} at {draw.loads[load]}, {variant.settings}",
+                    f"{draw.profile!r} at {draw.loads[load]}, {variant.settings}",
                 )
-
-
-def _text(draw: Draw) -> str:
-    """Return the Python expression of a surface."""
-    profile = draw.profile
-    if not isinstance(profile, Profile):
-        return repr(profile)
-    return f'Profile({profile.D}, "{profile.gamma}", {profile.m}, {profile.phase.tolist()})'
 
 
 @measurement("Coverage of stated errors")

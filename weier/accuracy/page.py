@@ -11,12 +11,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
+import matplotlib.style
 import numpy as np
-import xarray as xr
 from click.core import ParameterSource
+from matplotlib.figure import Figure
 
-from weier.data import dataset, provenance
+from weier.data import provenance
 from weier.data.files import check_target, write_text
+from weier.figures import METADATA, VALUES, save
+from weier.figures.style import SHEET
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 
@@ -30,7 +33,7 @@ class Measurements(click.Group):
         """Take the package, and the names and purposes of its measurements."""
         explanation = (
             f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it. "
-            "Data of which a figure is drawn are written beside it as netCDF."
+            "A figure is drawn beside it, with its values as CSV."
         )
         commands = {name: import_module(f"{package}.{name}").main for name in names}
         super().__init__(f"python -m {package}", commands, help=explanation, context_settings=CONTEXT)
@@ -47,13 +50,11 @@ class Page(NamedTuple):
     """The findings of a measurement.
 
     parts : headings, paragraphs and tables of Markdown
-    data : the dataset from which a figure is drawn, if any
-    scene : the scene that was measured, as text
+    draw : function that draws its figure, if any
     """
 
     parts: Sequence[str]
-    data: xr.Dataset | None = None
-    scene: str = ""
+    draw: Callable[[], Figure] | None = None
 
 
 def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
@@ -79,8 +80,9 @@ def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
             with one_thread:
                 page = measure(**options)
             text = "\n\n".join([f"# {title}", explanation, *page.parts, _made_by(context)])
-            if page.data is not None:
-                dataset.write(page.data, output.with_suffix(".nc"), title, "measured", page.scene)
+            if page.draw:
+                with matplotlib.style.context(SHEET, after_reset=True):
+                    save(page.draw(), output, (*METADATA, VALUES))
             write_text(output, f"{text}\n")
             click.echo(text)
 

@@ -18,8 +18,7 @@ import numpy as np
 
 from weier.accuracy import multiprecision
 from weier.accuracy.cosines import shifted
-from weier.accuracy.runner import Outcome, Run, attempt
-from weier.accuracy.variants import Variant
+from weier.accuracy.runner import Outcome, Run, Variant, attempt
 from weier.kernels.arrays import Array
 from weier.methods import layer, patches
 from weier.methods.errors import ConvergenceError
@@ -34,25 +33,45 @@ from weier.surface.waves import Waves
 TOLERANCES = (1e-12, 1e-11, 1e-10)
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
 ROUNDING, SLOPE_ROUNDING = 1e-15, 1e-11  # smallest uncertainty of h/G and of R
+MAX_DIGITS = 16.0  # digits of a double, returned for an error of 0
+TINY = float(np.finfo(float).tiny)  # Smaller values may underflow to 0.
 
 
 class Reference(NamedTuple):
-    """Reference values of compliance and resistance, shape (loads,), floats or numbers of mpmath, and their source.
+    """Reference values of compliance and resistance and their errors, in g_0 and g_0/p_0*, each of shape (2, loads).
 
-    uncertainty : their errors, in g_0 and g_0/p_0*, shape (2, loads) or 0
+    The values are floats or numbers of mpmath, NaN where nothing is known.
     """
 
-    compliance: Any
-    resistance: Any
-    source: str
+    values: Any
     uncertainty: Any = 0.0
+
+
+def deviation(values: Array, right: Any) -> Array:
+    """Return the distance of each value from its reference; NaN if either is unknown."""
+    with np.errstate(invalid="ignore"):  # numpy warns of NaN among objects
+        return np.asarray(np.abs(values.astype(object) - right), np.float64)
+
+
+def digits(values: Array, right: Any) -> Array:
+    """Return the correct digits, -log10 of the relative error, from 0 to 16; NaN where unknown."""
+    return np.vectorize(_digits, otypes=[float])(values.astype(object), right)
+
+
+def _digits(value: float, right: Any) -> float:
+    if not math.isfinite(value) or mp.isnan(right):
+        return math.nan
+    with mp.workdps(multiprecision.DIGITS):
+        if abs(right) < TINY:
+            return MAX_DIGITS if abs(value) <= TINY else 0.0
+        error = abs(mp.mpf(value) / right - 1)
+        return min(max(float(-mp.log10(error)), 0.0), MAX_DIGITS) if error else MAX_DIGITS
 
 
 def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Array) -> Reference:
     """Return the sums that define an estimate, in many digits."""
     series = profile.D, float(profile.gamma), profile.m
-    pairs = [terms(float(p), *series) for p in loads]
-    return Reference([h for h, _ in pairs], [R for _, R in pairs], "mpmath")
+    return Reference(np.array([terms(float(p), *series) for p in loads], object).T)
 
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
@@ -60,7 +79,7 @@ def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
     if 10 < profile.m < math.inf:  # at this accuracy, more scales take minutes
         return None
     finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
-    return Reference(finer.compliance, finer.resistance, "finer layer")
+    return Reference(np.stack([finer.compliance, finer.resistance]))
 
 
 # reference of each estimate by name, which separates its numerical error from its model error
@@ -77,12 +96,11 @@ def find_reference(method: Method, profile: Profile, loads: Array, result: Run) 
     For one wave all methods are exact. Otherwise an estimate has its own reference; for numerical methods, and those
     with stated errors, it is the exact contact.
     """
-    (h, R), uncertainty = np.full((2, loads.size), mp.nan, object), np.zeros((2, loads.size))
+    values, uncertainty = np.full((2, loads.size), mp.nan, object), np.zeros((2, loads.size))
     solved = result.outcome == Outcome.finite
-    values = _look_up(method, profile, loads[solved], result) if solved.any() else None
-    if values is not None:
-        h[solved], R[solved], uncertainty[:, solved] = values.compliance, values.resistance, values.uncertainty
-    return Reference(h, R, values.source if values else "", uncertainty)
+    if solved.any() and (known := _look_up(method, profile, loads[solved], result)):
+        values[:, solved], uncertainty[:, solved] = known
+    return Reference(values, uncertainty)
 
 
 def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Reference | None:
@@ -90,7 +108,7 @@ def _look_up(method: Method, profile: Profile, loads: Array, result: Run) -> Ref
         with suppress(ConvergenceError):
             return ESTIMATE_REFERENCES[method.name](profile, loads)
         return None
-    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.compliance_error).any())
+    solves_series = profile.m == 1 or method.numerical or bool(np.isfinite(result.stated[0]).any())
     if not (solves_series and is_in_reach(profile, loads)):
         return None
     return contact_reference(profile, tuple(loads.tolist()))
@@ -110,23 +128,21 @@ def contact_reference(profile: Waves, loads: tuple[float, ...]) -> Reference:
     The uncertainty is the distance from patches on the reflected profile, shifted as well, and rounding.
     """
     if isinstance(profile, Profile) and profile.m == 1:
-        exact = _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads))
-        return exact._replace(uncertainty=_rounding(profile, np.array(exact.resistance, float)))
+        exact = _sums(lambda load, *_: multiprecision.westergaard(load), profile, np.array(loads)).values
+        return Reference(exact, _rounding(profile, exact[1]))
     found = _by_patches(shifted(profile), np.array(loads), TOLERANCES)
-    twin = _by_patches(shifted(profile, reflected=True), np.array(loads), TOLERANCES[1:])
-    uncertainty = np.abs(found - twin)
-    pairs = [(mp.mpf(float(h)), mp.mpf(float(R))) for h, R in found.T]
+    uncertainty = np.abs(found - _by_patches(shifted(profile, reflected=True), np.array(loads), TOLERANCES[1:]))
+    values = np.vectorize(mp.mpf, otypes=[object])(found)
     # Above the computed load of full contact and its rounding, contact is certainly full.
     full_contact = profile.full_contact_load * (1 + 1e-12)
     for i, load in enumerate(loads):
         if not isinstance(profile, Profile):
             break
         if load >= full_contact:
-            pairs[i], uncertainty[:, i] = (_total(profile), mp.mpf(0)), 0.0
+            values[:, i], uncertainty[:, i] = (_total(profile), mp.mpf(0)), 0.0
         elif load <= 1e-20 and _single_crest(profile):  # Hertz's formula is exact to rounding: a few p, relatively.
-            pairs[i], uncertainty[:, i] = _first_touch(profile, load), 0.0
-    h, R = zip(*pairs, strict=True)
-    return Reference(h, R, "closed forms, patches 1e-12", uncertainty + _rounding(profile, np.array(R, float)))
+            values[:, i], uncertainty[:, i] = _first_touch(profile, load), 0.0
+    return Reference(values, uncertainty + _rounding(profile, values[1]))
 
 
 def _by_patches(profile: Waves, loads: Array, tolerances: Sequence[float]) -> Array:
@@ -137,13 +153,14 @@ def _by_patches(profile: Waves, loads: Array, tolerances: Sequence[float]) -> Ar
     values = np.full((2, loads.size), np.nan)
     for tolerance in tolerances:
         if (left := np.isnan(values[0])).any():
-            found = attempt(Variant("patches", "patches", {"tolerance": tolerance}), profile, loads[left])
-            values[:, left] = found.compliance, found.resistance
+            variant = Variant("patches", "patches", {"tolerance": tolerance})
+            values[:, left] = attempt(variant, profile, loads[left]).values
     return values
 
 
-def _rounding(profile: Waves, R: Array) -> Array:
+def _rounding(profile: Waves, resistance: Any) -> Array:
     """Return the errors of rounding in compliance and resistance, shape (2, loads); near full contact R vanishes."""
+    R = np.asarray(resistance, np.float64)
     return np.stack([np.full(R.size, ROUNDING * profile.total_amplitude), ROUNDING + SLOPE_ROUNDING * R])
 
 

@@ -14,18 +14,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from weier.accuracy.variants import Variant
 from weier.api.task import CurveTask
 from weier.digests import PACKAGE
 from weier.kernels.arrays import Array
+from weier.methods.curve import QUANTITIES
 from weier.methods.errors import ConvergenceError, NotApplicableError
-from weier.methods.method import Method
+from weier.methods.method import Method, Settings
 from weier.methods.registry import find_method
 from weier.surface.waves import Waves
 
+MAX_POINTS = 100_000  # Points per period of boundary elements; a load then takes tens of milliseconds.
 MAX_REPEATED = 0.5  # seconds; longer runs average over disturbances and are not repeated
-# The names of stated errors among the results of a method.
-STATED = ("compliance_error", "resistance_error")
 # Errors that are results of a run, including faults of a method; a time limit is not one.
 FAULTS = (
     *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
@@ -33,10 +32,22 @@ FAULTS = (
 )
 
 
+class Variant(NamedTuple):
+    """One competitor in a comparison: a name, a method and its settings."""
+
+    name: str
+    method: str
+    settings: Settings
+
+
+def by_default(method: str) -> Variant:
+    """Return a method with the settings that it has by default."""
+    return Variant(method, method, {})
+
+
 class Outcome(IntEnum):
     """The outcome of the solution at a load."""
 
-    not_run = 0
     finite = 1
     clear_error = 2
     unclear_error = 3
@@ -46,9 +57,8 @@ class Outcome(IntEnum):
 class Run(NamedTuple):
     """The results of a variant for some loads.
 
-    compliance, resistance : in g_0 and g_0/p_0*, shape (loads,), NaN where there is none
-    compliance_error, resistance_error : errors stated by the method for each number, NaN where it states none
-    solution_error : largest error of the compliance according to the method, in g_0
+    values : compliance and resistance, in g_0 and g_0/p_0*, shape (2, loads), NaN where there is none
+    stated : errors of both stated by the method, shape (2, loads), NaN where it states none
     outcome : outcome at each load, shape (loads,)
     seconds : processor time
     others : further results of the method, by name
@@ -56,11 +66,8 @@ class Run(NamedTuple):
     warned : the distinct texts of warnings
     """
 
-    compliance: Array
-    resistance: Array
-    compliance_error: Array
-    resistance_error: Array
-    solution_error: float
+    values: Array
+    stated: Array
     outcome: NDArray[np.int8]
     seconds: float = np.nan
     others: Mapping[str, Any] = {}
@@ -77,13 +84,11 @@ def run(variant: Variant, profile: Waves, loads: Array, repeat: int = 1) -> Run:
         start = process_time()
         solved, _ = task.solve()
         seconds.append(process_time() - start)
-    values = solved.values()
-    h, R = values["compliance"], values["resistance"]
-    h_error, R_error = (values.get(name, np.full(loads.size, np.nan)) for name in STATED)
-    solution_error = values.get(STATED[0], 0.0)
-    outcome = np.where(np.isfinite(h) & np.isfinite(R), Outcome.finite, Outcome.not_finite).astype(np.int8)
-    median = sorted(seconds)[len(seconds) // 2]
-    return Run(h, R, h_error, R_error, float(np.max(solution_error)), outcome, median, values)
+    found = solved.values()
+    values = np.stack([found[name] for name in QUANTITIES])
+    stated = np.stack([found.get(f"{name}_error", np.full(loads.size, np.nan)) for name in QUANTITIES])
+    outcome = np.where(np.isfinite(values).all(axis=0), Outcome.finite, Outcome.not_finite).astype(np.int8)
+    return Run(values, stated, outcome, sorted(seconds)[len(seconds) // 2], found)
 
 
 def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
@@ -93,22 +98,18 @@ def attempt(variant: Variant, profile: Waves, loads: Array) -> Run:
         try:
             found = run(variant, profile, loads)
         except FAULTS as error:
-            none = np.full(loads.size, np.nan)
+            none = np.full((2, loads.size), np.nan)
             outcome = Outcome.clear_error if is_clear(error, find_method(variant.method)) else Outcome.unclear_error
-            outcomes = np.full(loads.size, outcome, np.int8)
-            found = Run(none, none, none, none, 0.0, outcomes, message=_description(error))
+            found = Run(none, none, np.full(loads.size, outcome, np.int8), message=_description(error))
             if loads.size > 1:
                 parts = [attempt(variant, profile, loads[i : i + 1]) for i in range(loads.size)]
-                found = _join(parts)._replace(message=found.message)
+                values = np.concatenate([part.values for part in parts], axis=1)
+                stated = np.concatenate([part.stated for part in parts], axis=1)
+                outcomes = np.concatenate([part.outcome for part in parts])
+                warned = sum((part.warned for part in parts), ())
+                found = Run(values, stated, outcomes, message=found.message, warned=warned)
     warned = (*(str(warning.message) for warning in caught), *found.warned)
     return found._replace(warned=tuple(dict.fromkeys(warned)))
-
-
-def _join(parts: list[Run]) -> Run:
-    """Return runs of single loads as one, without their other results."""
-    h, R, h_error, R_error, solution_error, outcome, *_, warned = zip(*parts, strict=True)
-    h, R, h_error, R_error, outcome = map(np.concatenate, (h, R, h_error, R_error, outcome))
-    return Run(h, R, h_error, R_error, max(solution_error), outcome, warned=sum(warned, ()))
 
 
 def is_clear(error: Exception, method: Method) -> bool:

@@ -4,80 +4,89 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
-import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 
-from weier.accuracy import runs
-from weier.accuracy.metrics import MEASURED, STATED, by_load, deviation, seconds_per_load
 from weier.accuracy.page import Page, measurement, number
-from weier.accuracy.reference import contact_reference
-from weier.accuracy.runner import run
-from weier.accuracy.runs import Comparison
-from weier.accuracy.variants import Variant, variants_of
+from weier.accuracy.reference import contact_reference, deviation
+from weier.accuracy.runner import MAX_POINTS, Variant, run
 from weier.data.markdown import plain, table
-from weier.data.variables import LOAD_DIMS, VARIABLES, Status, Variable
+from weier.figures import style
+from weier.figures.values import line
 from weier.kernels.arrays import Array
-from weier.methods import registry
-from weier.methods.curve import QUANTITIES
+from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
-from weier.scene import Scene, load
+from weier.methods.method import Method, Settings
+from weier.methods.settings import TOLERANCE, defaults
+from weier.scene import load
 from weier.surface.limits import check_resolvable
 from weier.surface.profile import Profile
 
 SCENE = Path("config/accuracy/tradeoff.yaml")
 # runs per median: other processes lengthen some runs, and the clock of a virtual machine may shorten others
 REPEAT = 5
-# results copied from the table of variables
-KEPT = (
-    *runs.KEPT,
-    "resistance_error",
-    "resistance_deviation",
-    "contact_fraction",
-    "patch_count",
-    "residual",
-    "work",
-    "status",
-    "seconds",
-)
-OWN = {
-    **{name: VARIABLES[name] for name in ("seconds", "compliance_deviation", "resistance_deviation")},
-    "reference_compliance": Variable(LOAD_DIMS, "compliance of the exact contact", "g_0"),
-    "reference_resistance": Variable(LOAD_DIMS, "resistance of the exact contact", "g_0/p_0*"),
+TOLERANCES = tuple(float(f"1e-{decade}") for decade in range(1, 13))  # g_0
+# settings compared in addition to tolerances, by method: the grid of the paper, meshes of half a wave
+OTHER_SETTINGS: dict[str, tuple[Settings, ...]] = {
+    "bem": ({"staircase": "kept", "points_per_wave": 12},),
+    "layer": ({"points": 6}, {"points": 24}),
 }
+ERROR_COLUMNS = ("90 %", "largest", "stated: median")
+HEADER = [
+    *("method and setting", "profiles", "ms a load"),
+    *("error of h: median", *ERROR_COLUMNS, "error of R: median", *ERROR_COLUMNS),
+]
+WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
+FLOOR, CEILING = 1e-15, 10.0  # range of the error axis; smaller errors are drawn at its lower end
+LABELS = r"error of $h/g_0$", r"error of $R$, in max$(R,\,g_0/p_0^{*})$"
+# the looks of errors and of stated errors
+SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
+OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
 
 
-def measure(scene: Scene) -> xr.Dataset:
-    """Run all variants on all cases of a scene, one after the other, on one core.
+class Measured(NamedTuple):
+    """A variant on a profile: milliseconds per load, and errors of h and R over the loads, shape (2, loads).
 
-    Parameters
-    ----------
-    scene : Scene
-        Its profiles, of finite series, and its loads; its methods are ignored.
-
-    Returns
-    -------
-    Dataset
-        As the dataset of a scene, over variants instead of methods, with `seconds` of processor time for all loads.
-        compliance_deviation and resistance_deviation are the distances from reference_compliance and
-        reference_resistance; compliance_error and resistance_error are errors stated by a method, NaN where it states
-        none. All are NaN where a variant would need too many points, or did not converge.
+    Errors of h are in g_0, and errors of R relative to the larger of R and 1 g_0/p_0*: R falls from several g_0/p_0*
+    at light loads to 0 at full contact, so that relative errors are meaningless near full contact, and absolute ones
+    at light loads. Stated errors are NaN where the method states none.
     """
-    comparisons = [
-        Comparison(case.profile.describe(), case, scene.loads, tuple(variants(case.profile)))
-        for case in scene.cases.values()
-    ]
-    data = runs.blank(comparisons, KEPT, OWN)
-    for case, compared in enumerate(comparisons):
-        print(f"reference {case + 1}/{len(comparisons)}: {compared.name}", file=sys.stderr)
-        right = contact_reference(compared.case.profile, tuple(compared.loads.tolist()))
-        data["reference_compliance"].values[case] = np.array(right.compliance, float)
-        data["reference_resistance"].values[case] = np.array(right.resistance, float)
-    runs.fill(data, comparisons, _measure)
-    return data
+
+    profile: Profile
+    variant: Variant
+    milliseconds: float
+    error: Array
+    stated: Array
+
+
+def measure(profiles: Sequence[Profile], loads: Array) -> list[Measured]:
+    """Run all variants on finite series, one after the other; those that do not converge are left out."""
+    found = []
+    for profile in profiles:
+        print(profile.describe(), file=sys.stderr)
+        right = contact_reference(profile, tuple(loads.tolist())).values
+        unit = np.stack([np.ones(loads.size), np.maximum(right[1].astype(float), 1)])
+        for variant in variants(profile):
+            try:
+                result = run(variant, profile, loads, REPEAT)
+            except ConvergenceError as error:
+                print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
+                continue
+            milliseconds = 1e3 * result.seconds / loads.size
+            found.append(
+                Measured(profile, variant, milliseconds, deviation(result.values, right) / unit, result.stated / unit)
+            )
+    return found
 
 
 def variants(profile: Profile) -> list[Variant]:
@@ -88,53 +97,92 @@ def variants(profile: Profile) -> list[Variant]:
         )
     check_resolvable(profile)
     applicable = [method for method in registry.METHODS if method.stiffness and method.takes(profile)]
-    return [variant for method in applicable for variant in variants_of(method, profile)]
+    return [variant for method in applicable for variant in _variants_of(method, profile)]
 
 
-def _measure(compared: Comparison, variant: Variant) -> dict[str, Any]:
-    profile, loads = compared.case.profile, compared.loads
-    try:
-        result = run(variant, profile, loads, REPEAT)
-    except ConvergenceError as error:
-        print(f"{profile.describe()}, {variant.name}: {error}", file=sys.stderr)
-        return {"status": Status.not_converged}
-    right = contact_reference(profile, tuple(loads.tolist()))
-    return {
-        **result.others,
-        "compliance_deviation": deviation(result.compliance, right.compliance),
-        "resistance_deviation": deviation(result.resistance, right.resistance),
-        "seconds": result.seconds,
-        "status": Status.solved,
-    }
+def _variants_of(method: Method, profile: Profile) -> Iterator[Variant]:
+    """Yield the variants of a method for a series to which it applies, from the coarsest; none for "auto"."""
+    tolerances = TOLERANCES if TOLERANCE in defaults(method) else ()
+    if tolerances and not method.numerical:
+        return
+    for settings in [*OTHER_SETTINGS.get(method.name, ()), *({TOLERANCE: value} for value in tolerances)] or [{}]:
+        with suppress(ValueError):
+            method.check(profile, **settings)
+            if method is not bem.METHOD or bem.points_of(profile, **settings) <= MAX_POINTS:
+                yield Variant(" ".join([method.name, *map(_short, settings.values())]), method.name, settings)
 
 
-ERROR_COLUMNS = ("90 %", "largest", "stated: median")
-HEADER = [
-    *("method and setting", "profiles", "ms a load"),
-    *("error of h: median", *ERROR_COLUMNS, "error of R: median", *ERROR_COLUMNS),
-]
+def _short(value: object) -> str:
+    return f"{value:.0e}" if isinstance(value, float) else str(value)
 
 
-def table_of(data: xr.Dataset) -> str:
+def by_variant(found: Sequence[Measured]) -> dict[str, list[Measured]]:
+    """Return what was measured of each variant, on all profiles."""
+    names = dict.fromkeys(one.variant.name for one in found)
+    return {name: [one for one in found if one.variant.name == name] for name in names}
+
+
+def table_of(found: Sequence[Measured]) -> str:
     """Return a row for each variant."""
-    seconds = seconds_per_load(data)
-    errors = [by_load(data, quantity, kind) for quantity in QUANTITIES for kind in (MEASURED, STATED)]
-    run = np.isfinite(seconds)
-    rows = [
-        _row(name, seconds[run[:, at], at], *(error[run[:, at], at] for error in errors))
-        for at, name in enumerate(data["variant"].values.tolist())
-        if run[:, at].any()
-    ]
-    return table(HEADER, rows)
+    return table(HEADER, [_row(name, own) for name, own in by_variant(found).items()])
 
 
-def _row(name: str, seconds: Array, *errors: Array) -> list[str]:
-    """Return the results of a variant: seconds per load on each profile, measured and stated errors of h and R."""
-    cells = [plain(name), str(seconds.size), number(1e3 * np.median(seconds), ".2g")]
-    for measured, stated in (errors[:2], errors[2:]):
-        quantiles = np.median(measured), np.quantile(measured, 0.9), measured.max(), np.median(stated)
+def _row(name: str, own: Sequence[Measured]) -> list[str]:
+    """Return the results of a variant: milliseconds per load, measured and stated errors of h and R."""
+    cells = [plain(name), str(len(own)), number(np.median([one.milliseconds for one in own]), ".2g")]
+    errors, stated = (np.stack([getattr(one, kind) for one in own], axis=1) for kind in ("error", "stated"))
+    for measured, claimed in zip(errors, stated, strict=True):
+        quantiles = np.median(measured), np.quantile(measured, 0.9), measured.max(), np.median(claimed)
         cells += map(number, quantiles)
     return cells
+
+
+def draw(found: Sequence[Measured]) -> Figure:
+    """Draw a column of panels for each number of terms: errors of the compliance above, of the resistance below."""
+    series = sorted({(one.profile.m, one.profile.gamma) for one in found})
+    # Two panels of 1.75 inches and the legend leave space for text on a page.
+    figure = Figure(figsize=(WIDTH, 1.75 * len(LABELS) + 0.4), layout="constrained")
+    axes = figure.subplots(len(LABELS), len(series), sharex=True, sharey=True, squeeze=False)
+    axes[0, 0].set(xscale="log", yscale="log", ylim=(FLOOR, CEILING))
+    for column, (m, gamma) in zip(axes.T, series, strict=True):
+        own = [one for one in found if (one.profile.m, one.profile.gamma) == (m, gamma)]
+        for quantity, panel in enumerate(column):
+            _draw_panel(panel, own, quantity)
+        column[0].set_title(rf"$\gamma={gamma}$,  $m={m:g}$")
+        column[-1].set_xlabel("milliseconds a load")
+    for row, label in zip(axes, LABELS, strict=True):
+        row[0].set_ylabel(label)
+    # More labels would overlap those of other panels.
+    axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
+    axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
+    symbols = SYMBOLS | {"color": style.GREY, "marker": "o"}
+    handles = [Line2D([], [], **_look(method)) for method in dict.fromkeys(one.variant.method for one in found)]
+    handles += [Line2D([], [], label="error", **symbols), Line2D([], [], label="stated error", **symbols | OPEN)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=7, handlelength=1.6, columnspacing=1.2)
+    return figure
+
+
+def _draw_panel(axes: Axes, found: Sequence[Measured], quantity: int) -> None:
+    """Draw a line for each method through its tolerances, or its other settings, that all profiles were run with."""
+    profiles = len({id(one.profile) for one in found})
+    for method in dict.fromkeys(one.variant.method for one in found):
+        own = [each for each in by_variant(found).values() if each[0].variant.method == method]
+        run_on_all = [each for each in own if len(each) == profiles]
+        joined = [each for each in run_on_all if TOLERANCE in each[0].variant.settings] or run_on_all
+        milliseconds = [np.mean([one.milliseconds for one in each]) for each in joined]
+        look = _look(method)
+        for kind, name, options in (
+            ("stated", f"{look['label']}, stated", OPEN | {"label": None}),
+            ("error", "", {}),
+        ):
+            worst = [np.max([np.fmax.reduce(getattr(one, kind)[quantity]) for one in each]) for each in joined]
+            line(axes, name or look["label"], milliseconds, np.maximum(worst, FLOOR), **look | options)
+
+
+def _look(method: str) -> dict[str, Any]:
+    """Return line and symbol of a method; other figures draw all numerical methods in black."""
+    look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
+    return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
 
 
 @measurement("Speed against accuracy")
@@ -155,5 +203,5 @@ def main(scene: Path) -> Page:
     grid is run on fewer profiles, so compare rows that have equally many.
     """
     loaded = load(scene)
-    data = measure(loaded)
-    return Page([table_of(data)], data, loaded.text)
+    found = measure([case.profile for case in loaded.cases.values()], loaded.loads)
+    return Page([table_of(found)], partial(draw, found))

@@ -57,7 +57,6 @@ for _command in (
     rules.adopt,
     rules.curves,
     rules.make,
-    rules.draw,
 ):
     cli.add_command(_command)
 

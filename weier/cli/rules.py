@@ -12,11 +12,10 @@ from time import perf_counter
 import click
 
 import weier
-from weier.cli.options import FILE, output
+from weier.cli.options import FILE
 from weier.data.provenance import origin
 from weier.digests import numerics
 from weier.pipeline.store import Store
-from weier.scene import Figure
 
 SCENE = click.argument("scene_file", type=FILE)
 
@@ -133,19 +132,3 @@ def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
     wanted = [Curves(weier.load_scene(path), store) for path in scenes]
     compared = adopt_curves(wanted, store, within_errors, click.echo)
     click.echo(f"{compared} kinds of curves of other code were compared with that of {store.numerics}")
-
-
-@click.command(hidden=True)
-@click.argument("kind")
-@output("path")
-@click.argument("files", nargs=-1, type=FILE)
-def draw(kind: str, path: Path, files: Sequence[Path]) -> None:
-    """Draw a kind of figure from files.
-
-    It is written as PDF, SVG and PNG next to PATH.
-    """
-    from weier.data import dataset
-    from weier.figures import draw as draw_files  # imports matplotlib, as in `weier plot`
-
-    with job("draw", kind):
-        draw_files(Figure(kind), [dataset.read(file) for file in files], path)

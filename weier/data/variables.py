@@ -48,7 +48,7 @@ class Status(IntEnum):
 
 
 class Check(IntEnum):
-    """The result of a check, of a claim of the paper or of a curve at the extremes: flags of a file.
+    """The result of a claim of the paper, and of one member of an ensemble: flags of a file.
 
     not_measured : the data lack what the check needs
     not_decided : the data are there, and do not decide the question
@@ -58,11 +58,6 @@ class Check(IntEnum):
     yes = 1
     not_measured = 2
     not_decided = 3
-
-    @classmethod
-    def from_bool(cls, holds: bool | None) -> Check:
-        """Return the check of a condition that is true, false, or not measured (None)."""
-        return cls.not_measured if holds is None else cls(holds)
 
     @property
     def text(self) -> str:
@@ -198,8 +193,6 @@ VARIABLES = {
         comment=ERROR.format(RESISTANCE_ERROR),
         optional=True,
     ),
-    "compliance_deviation": _measured(CURVE, "deviation of the compliance from the reference", "g_0"),
-    "resistance_deviation": _measured(CURVE, "deviation of the resistance from the reference", "g_0/p_0*"),
     "indentation": Variable(
         CURVE,
         "compliance, counted from first contact",

@@ -34,7 +34,6 @@ class FigureKind(NamedTuple):
 
     caption : in plain text
     drawn_by, quantity : the module that draws it, if it is not of its name, and the quantity that it is given
-    command, variable : for a figure of one file, the measurement that writes it, and a variable that it has
     needs : a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
     needs_studies : whether it shows studies
@@ -43,8 +42,6 @@ class FigureKind(NamedTuple):
     caption: str
     drawn_by: str = ""
     quantity: str = ""
-    command: str = ""
-    variable: str = ""
     needs: str = ""
     grouped: bool = False
     needs_studies: bool = True
@@ -73,19 +70,6 @@ KINDS = {
         "The profile and, below it, its contacts over mean pressure. Contacts are born as points, grow, and merge "
         "until all are one.",
         needs="contact_edges",
-    ),
-    "convergence": FigureKind(
-        "The infinite series. Bands are bounds for any phases of the unresolved terms; they narrow with the number "
-        "k of resolved terms. The line is the middle of the finest. Below: half-width of the bounds, and distance "
-        "of their middle from that with most terms.",
-        command="convergence",
-        variable="resolved_terms",
-    ),
-    "extremes": FigureKind(
-        "Correct digits of the compliance of one profile by every method over the full range of floating-point "
-        "loads.",
-        command="extremes",
-        variable="compliance_digits",
     ),
     "message": FigureKind(
         "Contact fraction and resistance against the number of terms at three loads. Lines: medians over the "
@@ -119,13 +103,6 @@ KINDS = {
         "truncation",
         "resistance",
     ),
-    "work_precision": FigureKind(
-        "The largest error over all loads against the time per load on one core: compliance above, resistance "
-        "below. A line joins the settings of a method, such as its tolerances. Filled symbols are errors, open "
-        "symbols stated errors. The background has the colour of the fastest method that reaches an error.",
-        command="tradeoff",
-        variable="reference_resistance",
-    ),
 }
 
 
@@ -157,10 +134,6 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
     if wanted.draw not in KINDS:
         raise ValueError(f"there is no figure {wanted.draw!r}: choose from {', '.join(KINDS)}")
     kind = KINDS[wanted.draw]
-    if kind.command and [kind.variable in study for study in studies] != [True]:
-        raise ValueError(
-            f"the figure {wanted.draw} is drawn from the file of `python -m weier.accuracy {kind.command}`"
-        )
     from weier.figures.style import set_axes
 
     shown = len(studies) - len(wanted.behind)

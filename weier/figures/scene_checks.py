@@ -71,12 +71,11 @@ CHECKS = check_figures, claims.check_names, check_claims
 
 def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     """Yield mistakes of a figure with their keys; the key is "" if the whole figure is wrong."""
-    known = {name: kind for name, kind in KINDS.items() if not kind.command}
-    if figure.draw not in known:
+    if figure.draw not in KINDS:
         if figure.draw:  # a missing key is reported elsewhere
-            yield "draw", unknown("a figure of studies", figure.draw, known)
+            yield "draw", unknown("a figure of studies", figure.draw, KINDS)
         return
-    kind = known[figure.draw]
+    kind = KINDS[figure.draw]
     if kind.needs_studies and not figure.studies:
         yield "studies", "Field required: the studies that the figure shows"
     if kind.needs and not getattr(loaded, kind.needs):
@@ -86,7 +85,7 @@ def _wrong_keys(figure: Figure, loaded: Scene) -> Iterator[tuple[str, str]]:
     ]
     if kind.grouped:
         yield from (("", text) for text in _hidden(figure, products))
-    others = " or ".join(name for name, kind in known.items() if kind.grouped)
+    others = " or ".join(name for name, kind in KINDS.items() if kind.grouped)
     if not kind.grouped and any("trace" in product.axes for product in products):
         yield "studies", f"{figure.draw} is of the series alone: leave out traces, or draw {others}"
     if figure.interface and not kind.grouped:

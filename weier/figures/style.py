@@ -228,10 +228,10 @@ def name_panel(axes: Axes, number: int, panels: int, label: str) -> None:
     axes.set_title(f"({chr(ord('a') + number)})  {label}" if panels > 1 else label)
 
 
-def describe(case: xr.Dataset, *names: str) -> str:
+def describe(case: Any, *names: str) -> str:
     """Return the labels of a case in the symbols of the paper: the given coordinates, or all."""
     values = {name: f"${symbol(name)}={_parameter(case, name)}$" for name in PARAMETERS}
-    phase = case["phases"].values[1:]
+    phase = np.asarray(case["phases"])[1:]
     phase = phase[np.isfinite(phase)]
     seed = float(case.get("seed", np.nan))
     if np.isfinite(seed):
@@ -247,7 +247,7 @@ def symbol(name: str) -> str:
     return letter if len(letter) == 1 else f"\\{letter}"
 
 
-def _parameter(case: xr.Dataset, name: str) -> str:
+def _parameter(case: Any, name: str) -> str:
     """Return the value of a parameter in mathtext: gamma as a ratio."""
     value = float(case[name])
     if name == "gamma":

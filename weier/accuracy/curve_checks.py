@@ -17,13 +17,6 @@ from weier.surface.profile import Profile
 from weier.theory.bounds import compliance_bounds, resistance_bounds
 
 
-class Stated(NamedTuple):
-    """Stated errors of compliance and resistance, shape (loads,); 0 if a method states none."""
-
-    compliance: Array
-    resistance: Array
-
-
 class Noise(NamedTuple):
     """Unstated errors: of heights relative to the total amplitude, and relative errors of slopes."""
 
@@ -36,9 +29,19 @@ ROUNDING = Noise()
 TABLE_NOISE = {"layer": Noise(1e-6, 1e-5)}
 
 
-def monotone(h: Array, noise: float, stated: Stated) -> bool:
-    """Return whether h never falls by more than `noise`, a height, and its stated errors."""
-    return bool(np.all(np.diff(h) >= -noise - _both_ends(stated.compliance)))
+def check(method: str, profile: Profile, p: Array, curve: Array, stated: Array) -> dict[str, bool]:
+    """Return the checks of compliance and resistance, with stated errors or 0, each of shape (2, loads), by name.
+
+    Checks of the shape of a curve need at least two loads.
+    """
+    found, noise, total = dict[str, bool](), TABLE_NOISE.get(method, ROUNDING), profile.total_amplitude
+    # Without a first contact, Persson's compliance falls without bound as ln p (docs/persson.md).
+    if p.size > 0 and method != "persson":
+        found["within_band"] = within_band(profile, p, curve, noise, stated)
+    if p.size > 1:
+        found["monotone"] = bool(np.all(np.diff(curve[0]) >= -noise.height * total - _both_ends(stated[0])))
+        found["concave"] = concave(p, curve, noise, total, stated)
+    return found
 
 
 def _both_ends(error: Array) -> Array:
@@ -46,11 +49,11 @@ def _both_ends(error: Array) -> Array:
     return np.asarray(error[:-1] + error[1:])
 
 
-def concave(p: Array, h: Array, R: Array, noise: Noise, amplitude: float, stated: Stated) -> bool:
+def concave(p: Array, curve: Array, noise: Noise, amplitude: float, stated: Array) -> bool:
     """Return whether the slope falls and every chord lies between the slopes at its ends, within the noise."""
-    R_error = stated.resistance
+    (h, R), R_error = curve, stated[1]
     with np.errstate(over="ignore", invalid="ignore"):
-        slack = (noise.height * amplitude + _both_ends(stated.compliance)) / np.diff(p)
+        slack = (noise.height * amplitude + _both_ends(stated[0])) / np.diff(p)
         chord = np.diff(h) / np.diff(p)
         steepest = R[:-1] * (1 + noise.slope) + R_error[:-1] + slack
         flattest = R[1:] * (1 - noise.slope) - R_error[1:] - slack
@@ -58,20 +61,18 @@ def concave(p: Array, h: Array, R: Array, noise: Noise, amplitude: float, stated
     return bool(np.all(falls & (chord <= steepest) & (chord >= flattest)))
 
 
-def within_band(
-    profile: Profile, p: Array, h: Array, R: Array, noise: Noise, stated: Stated, solution_error: float = 0.0
-) -> bool:
+def within_band(profile: Profile, p: Array, curve: Array, noise: Noise, stated: Array) -> bool:
     """Return whether compliance and resistance lie within the bounds of the first wave alone.
 
-    The error of the whole solution, in g_0, and the noise are added to the amplitude of the waves left out.
+    The largest stated error of the compliance and the noise are added to the amplitude of the waves left out.
     """
-    total = profile.total_amplitude
-    band = total - 1 + solution_error + noise.height * total
+    (h, R), total = curve, profile.total_amplitude
+    band = total - 1 + stated[0].max() + noise.height * total
     one = westergaard.compliance(p)
     low, high = compliance_bounds(one, band)
     within = (low <= h - total + 1) & (h - total + 1 <= high)
     low, high = resistance_bounds(p, one, band, first_contact=0.0)
-    R_error = noise.slope * R + stated.resistance
+    R_error = noise.slope * R + stated[1]
     return bool(np.all(within & (low - R_error <= R) & (R - R_error <= high)))
 
 

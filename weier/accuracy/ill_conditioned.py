@@ -5,20 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.accuracy.runs import Comparison
-from weier.accuracy.variants import Variant, by_default
+from weier.accuracy.runner import Variant, by_default
 from weier.api.fields import events
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import NotApplicableError
 from weier.methods.method import Method
-from weier.scene import Case
 from weier.surface.profile import Profile
+
+
+class Extreme(NamedTuple):
+    """A profile, its increasing loads in p_0*, and the methods and settings that are run on it."""
+
+    name: str
+    profile: Profile
+    loads: Array
+    variants: tuple[Variant, ...]
+
 
 DISTANCES = (1e-12, 1e-8, 1e-4)  # Relative distances of loads from an event.
 
@@ -30,14 +38,14 @@ USUAL = np.geomspace(1e-6, 100, 25)
 ONE_LOAD = np.array([0.1])
 
 
-def extremes() -> Iterator[Comparison]:
+def extremes() -> Iterator[Extreme]:
     """Yield all extremes with their loads and variants; loads near events are computed here."""
-    for name, case, chosen in EXTREMES:
-        loads = chosen(case) if callable(chosen) else chosen
-        yield Comparison(name, case, loads, variants(case.profile, loads))
-    for name, case, points in GRIDS:
+    for name, profile, chosen in EXTREMES:
+        loads = chosen(profile) if callable(chosen) else chosen
+        yield Extreme(name, profile, loads, variants(profile, loads))
+    for name, profile, points in GRIDS:
         variant = Variant(bem.METHOD.name, bem.METHOD.name, {"points_per_wave": points})
-        yield Comparison(name, case, USUAL, (variant,))
+        yield Extreme(name, profile, USUAL, (variant,))
 
 
 def neighbours(*loads: float) -> Array:
@@ -73,55 +81,49 @@ def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     return method.seconds(profile, loads) + load_by_load <= 60.0
 
 
-def around_events(case: Case, apart: float = 0.0) -> Array:
+def around_events(profile: Profile, apart: float = 0.0) -> Array:
     """Return the loads around the births and merges of contacts, which `weier.api.fields.events` finds.
 
     The events of symmetric profiles, where contacts are born in pairs, are computed with the last phase shifted by
     `apart`, in rad.
     """
-    profile = case.profile
     phases = *profile.phase[:-1], profile.phase[-1] + apart
     broken = Profile(profile.D, profile.gamma, profile.m, phases)
     # Every third birth or merger is examined, which bounds the time.
     return around(events(broken, 1e-3, 100.0)["mean_pressure"].values[::3])
 
 
-def _case(D: float, gamma: str, m: float, phases: list[float] | None = None) -> Case:
-    parameters: dict[str, Any] = {"D": D, "gamma": gamma, "m": m}
-    return Case(parameters if phases is None else parameters | {"phases": phases}, (), {})
-
-
-def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Case, Array]]:
+def _end_of_range(text: str, D: float, gamma: str) -> Iterator[tuple[str, Profile, Array]]:
     """Yield series with D or gamma at one end of its range; slow methods are run at a single load."""
-    long = _case(D, gamma, 1000)
-    yield f"{text}, m = 3", _case(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL
-    yield f"{text}, m = inf", _case(D, gamma, math.inf), USUAL
+    long = Profile(D, gamma, 1000)
+    yield f"{text}, m = 3", Profile(D, gamma, 3, [0.0, 1.0, 2.0]), USUAL
+    yield f"{text}, m = inf", Profile(D, gamma, math.inf), USUAL
     yield f"{text}, m = 1000", long, USUAL
     yield f"{text}, m = 1000, one load", long, ONE_LOAD
 
 
-ONE_WAVE, THREE_WAVES = _case(1.25, "5", 1), _case(1.25, "5", 3, [0.0, 1.0, 2.0])
-EXTREMES: tuple[tuple[str, Case, Array | Callable[[Case], Array]], ...] = (
+ONE_WAVE, THREE_WAVES = Profile(1.25, "5", 1), Profile(1.25, "5", 3, [0.0, 1.0, 2.0])
+EXTREMES: tuple[tuple[str, Profile, Array | Callable[[Profile], Array]], ...] = (
     ("one wave, loads 1e-300 to 1e300", ONE_WAVE, SWEEP),
     ("three waves, loads 1e-300 to 1e300", THREE_WAVES, SWEEP),
-    ("m = inf, loads 1e-300 to 1e300", _case(1.25, "5", math.inf), SWEEP),
+    ("m = inf, loads 1e-300 to 1e300", Profile(1.25, "5", math.inf), SWEEP),
     ("one wave, xi one ulp from 1", ONE_WAVE, neighbours(1.0)),
     # p_n* = 1 and 3, g_n = 1 and 1/3, and full contact at 4 are floats or round to one.
-    ("p one ulp from p_n* and full contact", _case(1.5, "9", 2, [0.0, 0.0]), neighbours(1.0, 3.0, 4.0)),
+    ("p one ulp from p_n* and full contact", Profile(1.5, "9", 2, [0.0, 0.0]), neighbours(1.0, 3.0, 4.0)),
     *_end_of_range("D = 1 + 1e-9", 1 + 1e-9, "5"),
     *_end_of_range("D = 2 - 1e-9", 2 - 1e-9, "5"),
     *_end_of_range("gamma = 1 + 1e-6", 1.5, "1000001/1000000"),
     *_end_of_range("gamma = 1e6", 1.5, "1000000"),
-    ("m = 1000, loads 1e-300 to 1e300", _case(1.5, "2", 1000), SWEEP),
-    ("m = 1000, one load", _case(1.5, "2", 1000), ONE_LOAD),
-    ("about to merge, just merged", _case(1.5, "3", 3, [0.0, 1.0, 2.0]), around_events),
-    ("phases 0, births in pairs", _case(1.5, "3", 3, [0.0, 0.0, 0.0]), partial(around_events, apart=1e-3)),
-    ("phases pi, births in pairs", _case(1.5, "3", 3, [0.0, math.pi, math.pi]), partial(around_events, apart=1e-3)),
-    ("two crests of one height", _case(1.25, "2", 2, [0.0, math.pi]), SWEEP),
-    ("two crests, 1e-15 apart in height", _case(1.25, "2", 2, [0.0, math.pi + 1e-15]), SWEEP),
-    ("a wave of 1e-3 on one of 1", _case(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL),
-    ("finer waves flat to rounding", _case(1 + 1e-9, "1000000", 1000), USUAL),
-    ("waves that cancel to 1 %", _case(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
+    ("m = 1000, loads 1e-300 to 1e300", Profile(1.5, "2", 1000), SWEEP),
+    ("m = 1000, one load", Profile(1.5, "2", 1000), ONE_LOAD),
+    ("about to merge, just merged", Profile(1.5, "3", 3, [0.0, 1.0, 2.0]), around_events),
+    ("phases 0, births in pairs", Profile(1.5, "3", 3, [0.0, 0.0, 0.0]), partial(around_events, apart=1e-3)),
+    ("phases pi, births in pairs", Profile(1.5, "3", 3, [0.0, math.pi, math.pi]), partial(around_events, apart=1e-3)),
+    ("two crests of one height", Profile(1.25, "2", 2, [0.0, math.pi]), SWEEP),
+    ("two crests, 1e-15 apart in height", Profile(1.25, "2", 2, [0.0, math.pi + 1e-15]), SWEEP),
+    ("a wave of 1e-3 on one of 1", Profile(1 + 1e-9, "1000", 2, [0.0, 1.0]), USUAL),
+    ("finer waves flat to rounding", Profile(1 + 1e-9, "1000000", 1000), USUAL),
+    ("waves that cancel to 1 %", Profile(1 + 1e-9, "101/100", 2, [0.0, math.pi]), USUAL),
 )
 # points per wave of boundary elements: the fewest, and a million nodes
 GRIDS = (
