@@ -55,7 +55,7 @@ BEM_CONSTANTS = (
 PATCHES_CONSTANTS = (
     ("punches", "NEIGHBOURS"),
     ("patches.pair_sums", "LEAF_POINTS"),
-    ("patches.pressure_and_gap", "MIN_SUM"),
+    ("patches.pair_sums", "MAX_DIRECT"),
     ("patches.start", "MANY_WAVES"),
 )
 FACTORS = (0.5, 2.0)

@@ -29,18 +29,18 @@ def test_full_contact_of_one_wave_has_the_arcsine_law():
     assert np.all(fraction_above(solve_load(WAVE, 1.5), True, limits)[1] == 0)
 
 
-@pytest.mark.parametrize("load", [1e-3, 0.3, 2.0, 3.5, 5.0])
+@pytest.mark.parametrize("load", [1e-3, 0.3, 3.5, 5.0])
 def test_moments_and_samples_of_a_series(load):
     """Contacts, gaps and full contact; the mean of a value is the integral of the fraction above it."""
     solution = solve_load(SERIES, load)
-    x = (np.arange(200_003) + 0.5) / 200_003 * SERIES.period
+    x = (np.arange(60_003) + 0.5) / 60_003 * SERIES.period
     for of_gap, mean, sampled in ((False, load, solution.pressure(x)), (True, solution.mean_gap, solution.gap(x))):
         coarse = fraction_above(solution, of_gap)[0][[0, 10, 50, 90, 99]]
         _, above = fraction_above(solution, of_gap, coarse)
-        assert above == pytest.approx((sampled[:, None] > coarse).mean(axis=0), abs=2e-4)
-        fine = np.linspace(0, sampled.max() * 1.01, 20_001)
+        assert above == pytest.approx((sampled[:, None] > coarse).mean(axis=0), abs=6e-4)
+        fine = np.linspace(0, sampled.max() * 1.01, 5_001)
         _, above = fraction_above(solution, of_gap, fine)
-        assert np.trapezoid(above, fine) == pytest.approx(mean, abs=3e-6 * sampled.max() + 1e-15)
+        assert np.trapezoid(above, fine) == pytest.approx(mean, abs=3e-5 * sampled.max() + 1e-15)
         full = solution.state is None
         covered = 1.0 if full else 2 * solution.half_width.sum() / SERIES.period
         assert above[0] == pytest.approx(1 - covered if of_gap else covered, rel=1e-12, abs=1e-15)

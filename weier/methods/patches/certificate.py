@@ -17,7 +17,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
-from weier.methods.patches.pressure_and_gap import MIN_SUM, residuals_by_sums, residuals_one_by_one
+from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, Segments, integrals, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
@@ -89,21 +89,10 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
 
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit.
-    The potentials are evaluated between the nodes by closed forms or, for many segments, by fast sums, without the
-    matrix and the collocation points of the solution. Fast sums are checked against closed forms at some points.
+    The potentials are evaluated between the nodes, without the matrix and the collocation points of the solution.
     """
-    segments, by_sums = state.segments, state.segments.centre.size >= MIN_SUM
-    first, crest, y = sample_points(segments, by_sums)
-    if not by_sums:
-        return _sizes(segments, first, residuals_one_by_one(state, series, crest, y))
-    count = np.diff(first)
-    middle, offset = np.repeat(segments.middle, count), y - np.repeat(segments.centre, count)
-    residual = residuals_by_sums(state, series, crest, y, middle, offset)
-    # The seed is fixed, so that each run checks the same points.
-    some = np.random.default_rng(y.size).choice(y.size, MIN_SUM, replace=False)
-    closed = residuals_one_by_one(state, series, crest[some], y[some])
-    residual[some] = np.where(np.abs(closed) > np.abs(residual[some]), closed, residual[some])
-    return _sizes(segments, first, residual)
+    first, crest, y = sample_points(state.segments)
+    return _sizes(state.segments, first, complementary_residuals(state, series, crest, y))
 
 
 def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, Array, Array]:
@@ -126,14 +115,13 @@ def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, A
     return largest, segments.half_width * width, roughness
 
 
-def sample_points(segments: Segments, apart: bool) -> tuple[Indices, Indices, Array]:
+def sample_points(segments: Segments) -> tuple[Indices, Indices, Array]:
     """Return the first point of each segment and, last, the number of points; their crests and distances.
 
-    They are the zeros of a Chebyshev polynomial on each segment. With `apart`, 2 K + 2 points among K nodes are as
-    far from all nodes as possible, for fast sums; otherwise there are enough for `SAMPLED_FACTOR` to hold.
+    They are the 2 K + 2 zeros of a Chebyshev polynomial on each segment, as far from its K nodes as possible, and
+    enough for `SAMPLED_FACTOR` to hold.
     """
-    nodes = segments.node_count
-    count = 2 * (nodes + 1) if apart else (3 * (nodes + 2) + 1) // 2
+    count = 2 * (segments.node_count + 1)
     first = np.append(0, np.cumsum(count))
     of = np.repeat(np.arange(count.size), count)
     angle = (np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of]

@@ -13,7 +13,7 @@ from weier.methods.patches.given_edges import (
     solve_forces_on_contacts,
     transfer_forces,
 )
-from weier.methods.patches.pressure_and_gap import residuals_by_sums, residuals_one_by_one
+from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.solver import MIN_LOAD, curve
 from weier.methods.patches.start import TOLERANCE, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import surface_of
@@ -42,9 +42,8 @@ def run_kernels() -> None:
         transfer_forces(segments, b, first, punches)
         for singular in (False, True):
             densities_on_contacts(segments.first_node, state.coefficient, first, np.zeros((1, 1)), singular)
-        _, crest, y = sample_points(state.segments, True)
-        residuals_one_by_one(state, series, crest, y)
-        residuals_by_sums(state, series, crest, y, series.crest_position[crest], y)
+        _, crest, y = sample_points(state.segments)
+        complementary_residuals(state, series, crest, y)
 
 
 METHOD = Method(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from scipy.optimize import elementwise
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.patches.pressure_and_gap import values_at
@@ -13,8 +12,8 @@ from weier.methods.patches.solver import Solution
 from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests
 
 BINS = 100  # default number of bins
-# cells of a piece, at least and per radian of the finest wave in its half-width; steps to an extremum and to a root
-MIN_CELLS, CELLS_PER_RADIAN, EXTREMUM_STEPS, ROOT_STEPS = 32, 8, 4, 16
+MIN_CELLS, CELLS_PER_RADIAN = 32, 8  # cells of a piece, at least and per radian of the finest wave in its half-width
+MAX_STEPS = 16  # of extrema and roots, which settle to rounding before
 
 
 def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None) -> tuple[Array, Array]:
@@ -49,7 +48,10 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     value = at(np.arange(piece.size), theta)
     rise = np.sign(np.diff(value))
     turn = 1 + np.flatnonzero((piece[2:] == piece[:-2]) & (rise[:-1] != 0) & (rise[:-1] != rise[1:]))
-    theta[turn] = _extrema(lambda angle: at(turn, angle), theta[turn], step[turn])
+    bracket, upward = (theta[turn - 1], theta[turn], theta[turn + 1]), rise[turn - 1]
+    theta[turn] = elementwise.find_minimum(
+        lambda x, j, sign: -sign * at(j, x), bracket, args=(turn, upward), maxiter=MAX_STEPS
+    ).x
     value[turn] = at(turn, theta[turn])
     limits = np.linspace(0.0, value.max(initial=0.0), BINS + 1) if limits is None else limits
     left = np.flatnonzero(piece[1:] == piece[:-1])
@@ -57,30 +59,9 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     whole = np.array([size[lower > limit].sum() for limit in limits])
     crossed = [left[(value[left] > limit) != (value[left + 1] > limit)] for limit in limits]
     cell, index = np.concatenate(crossed), np.repeat(np.arange(limits.size), [cells.size for cells in crossed])
-    low = cell + (value[cell] > limits[index])
-    high = 2 * cell + 1 - low
-    root = _roots(lambda angle: at(low, angle) - limits[index], theta[low], theta[high])
-    return limits, (whole + np.bincount(index, width(low, root, theta[high]), limits.size)) / series.period
-
-
-def _extrema(function: Callable[[Array], Array], theta: Array, reach: Array) -> Array:
-    """Return extrema within reach of each angle, by vertices of parabolas that become narrower."""
-    for _ in range(EXTREMUM_STEPS):
-        left, middle, right = (function(theta + shift * reach) for shift in (-1, 0, 1))
-        bend = left - 2 * middle + right
-        vertex = np.divide(0.5 * reach * (left - right), bend, out=np.zeros(theta.shape), where=bend != 0)
-        theta, reach = theta + np.clip(vertex, -reach, reach), reach / 8
-    return theta
-
-
-def _roots(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Return a root between angles at which the function is at most 0 and positive, by the Illinois method."""
-    f_low, f_high = function(low), function(high)
-    for _ in range(ROOT_STEPS):
-        fall = f_high - f_low
-        root = high - np.divide(f_high * (high - low), fall, out=np.zeros(low.shape), where=fall != 0)
-        f_root = function(root)
-        same = np.sign(f_root) == np.sign(f_high)
-        low, f_low = np.where(same, low, high), np.where(same, 0.5 * f_low, f_high)
-        high, f_high = root, f_root
-    return high
+    ends, low = (theta[cell], theta[cell + 1]), cell + (value[cell] > limits[index])
+    root = elementwise.find_root(
+        lambda x, j, limit: at(j, x) - limit, ends, args=(cell, limits[index]), maxiter=MAX_STEPS
+    ).x
+    part = width(cell, root, theta[2 * cell + 1 - low])
+    return limits, (whole + np.bincount(index, part, limits.size)) / series.period

@@ -19,7 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import EPS
-from weier.methods.patches.pressure_and_gap import density_integrals, residuals_one_by_one, values_on_segments
+from weier.methods.patches.pressure_and_gap import complementary_residuals, cotangent_integrals, values_on_segments
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
@@ -393,7 +393,7 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, 
     """
     at = np.full(y.size, origin)
     if is_gap != state.kind.is_slope:
-        return residuals_one_by_one(state, series, *_crest_coordinates(series, at, y))
+        return complementary_residuals(state, series, *_crest_coordinates(series, at, y))
     return values_on_segments(state, series.period, at, y, is_gap)[1]
 
 
@@ -402,7 +402,7 @@ def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Arr
     if state.kind.is_slope:
         return values_on_segments(state, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
-    integral = density_integrals(state, series.period, series.crest_position[crest], y, True)
+    integral = cotangent_integrals(state, series.period, series.crest_position[crest], y)
     return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
 
 

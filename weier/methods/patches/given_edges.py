@@ -16,7 +16,7 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.kind import Kind
-from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, make_tree, pair_sums, potential
+from weier.methods.patches.pair_sums import PairMatrix, make_pair_matrix, pair_sums, potential
 from weier.methods.patches.rule import (
     Rule,
     Table,
@@ -259,26 +259,9 @@ def _solve_iteratively(
 
 def force_field(punches: Punches, force: Array, x: Array) -> Array:
     """Return the effect of the forces at ascending positions: a displacement, in g_0, or a pressure, in p_0*."""
-    middle = np.repeat(punches.segments.middle, punches.segments.node_count)
-    if force.size <= MAX_DIRECT:
-        total = direct_sums(middle + punches.offset, force, x, punches.period, punches.kind.is_slope)
-    else:
-        tree = punches.matrix.tree if punches.matrix is not None else make_tree(middle, punches.offset)
-        total = potential(tree, force, make_tree(np.zeros(x.size), x), punches.period, punches.kind.is_slope)
+    middle, none = punches.at_nodes(punches.segments.middle), np.zeros(x.size)
+    total = potential(middle, punches.offset, force, none, x, punches.period, punches.kind.is_slope)
     return np.asarray(punches.kind.factor(punches.period) * total)
-
-
-@kernel
-def direct_sums(position: Array, force: Array, x: Array, period: float, dipoles: bool) -> Array:
-    """Return the sum of forces at positions times the kernel between these and each x."""
-    total, distance = np.zeros(x.size), np.empty(x.size)
-    for q in range(position.size):
-        for i in range(x.size):
-            distance[i] = x[i] - position[q]
-        replace_by_influence(distance, period, dipoles)
-        for i in range(x.size):
-            total[i] += force[q] * distance[i]
-    return total
 
 
 def expansion(punches: Punches, force: Array) -> Array:

@@ -8,7 +8,7 @@ The equations on the segments do not imply the inequalities, so that violations 
 - Off the segments, the gap between contacts or the pressure between gaps has a negative minimum where a
   segment is missing. `_minima_between` evaluates it at `_probe_points` and divides it by its power of the distances
 from both edges; `_brackets` selects the probes next to which a minimum may be negative, and `_negative_minima` finds
-it. `find_missing` uses fast sums while the set is corrected, `minima_outside` closed forms for a solution.
+it. `find_missing` uses forces at nodes while the set is corrected, `minima_outside` the densities of a solution.
 - On the segments, the pressure or the gap is negative where a segment must be cut: `find_negative_intervals`.
 Remaining violations enter the bound on the error (`certificate`).
 """

@@ -28,6 +28,7 @@ ORDER = 17
 POINT = gauss_rule(ORDER, second_kind=False).node  # the zeros of T_ORDER, -cos(theta_q)
 BARYCENTRIC = (-1.0) ** np.arange(ORDER) * np.sqrt((1 - POINT) * (1 + POINT))  # (-1)^q sin(theta_q)
 LEAF_POINTS = 40  # largest number of points of a leaf, a compromise between near and far pairs
+MAX_DIRECT = 400  # largest number of sources without a tree, whose setup takes longer than their sums
 
 
 class Tree(NamedTuple):
@@ -307,9 +308,32 @@ def pair_sums(matrix: PairMatrix, f: Array) -> Array:
     return total
 
 
-def potential(source: Tree, f: Array, target: Tree, period: float, dipoles: bool) -> Array:
-    """Return the sum of f_s times the kernel over the points s of a source, at the points x of a target."""
+def potential(
+    origin: Array, offset: Array, f: Array, at: Array, at_offset: Array, period: float, dipoles: bool
+) -> Array:
+    """Return the sum of f times the kernel over the points origin + offset, at points at + at_offset.
+
+    Both are ascending and within one period.
+    """
+    if f.size <= MAX_DIRECT:
+        return _direct_sums(origin, offset, f, at, at_offset, period, dipoles)
+    source, target = make_tree(origin, offset), make_tree(at, at_offset)
     return _potential(source, f, target, *pair_nodes(target, source, period, False), period, dipoles)
+
+
+@kernel
+def _direct_sums(
+    origin: Array, offset: Array, f: Array, at: Array, at_offset: Array, period: float, dipoles: bool
+) -> Array:
+    """Return the sums of `potential`, in the same order of differences as near pairs."""
+    total, row = np.zeros(at.size), np.empty(at.size)
+    for s in range(f.size):
+        for i in range(at.size):
+            row[i] = (origin[s] - at[i]) + (offset[s] - at_offset[i])
+        replace_by_influence(row, period, dipoles)
+        for i in range(at.size):
+            total[i] += f[s] * row[i]
+    return total
 
 
 @kernel

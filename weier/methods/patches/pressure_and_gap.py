@@ -1,9 +1,8 @@
 """Pressure and gap anywhere from the state of contact, accurate up to the edges.
 
-docs/patches.md: "Pressure and gap anywhere" and, for closed forms, "Chebyshev polynomials". `residuals_one_by_one`
-sums over the segments, by quadrature far from a segment (`_far_field`), in closed form near it (`_near_field`);
-`residuals_by_sums` uses fast sums with `_correct_near_segments`. A point is given by an origin and the distance y
-from it, so that points near a crest lose no digits.
+docs/patches.md: "Pressure and gap anywhere" and, for closed forms, "Chebyshev polynomials". Far from a segment,
+integrals over it are sums over its nodes, near it closed forms (`_near_field`). A point is given by an origin and the
+distance y from it, so that points near a crest lose no digits.
 """
 
 from __future__ import annotations
@@ -15,18 +14,12 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
 from weier.methods.patches.kind import EPS
-from weier.methods.patches.pair_sums import make_tree, potential
+from weier.methods.patches.pair_sums import potential
 from weier.methods.patches.segments import ContactState, Segments
 from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
-from weier.theory.halfplane import replace_by_influence, take_logarithms
+from weier.theory.halfplane import replace_by_influence
 
-# least number of points and of segments for fast sums; its cost is in `python -m benchmarks tuning`
-MIN_SUM = 64
 LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
-BLOCK = 64  # far points summed at once: 20 kB with 40 nodes, within the cache
-# angle between x and the centre of a segment above which it is computed from the angles of both, with a rounding
-# error of 2e-15 of it
-MIN_ANGLE = 0.1
 
 
 def _pole_free_series() -> NDArray[np.float64]:
@@ -48,11 +41,6 @@ def _local_coordinate(segment: float, centre: float, r: float, period: float, or
     """Return the coordinate t (-1..1 on a segment) of the image of origin + y nearest to its centre."""
     d = origin - segment + (y - centre)
     return (d - period * np.rint(d / period)) / r
-
-
-def density_integrals(state: ContactState, period: float, origin: Array, y: Array, is_slope: bool) -> Array:
-    """Return int rho ln|2 sin(pi (x-s)/L)| ds or, for its slope, int rho cot(pi (x-s)/L) ds at any x = origin + y."""
-    return _integrals(state.segments, state.coefficient, period, origin, y, is_slope)
 
 
 @kernel
@@ -83,75 +71,30 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
     return force
 
 
-@kernel
-def _integrals(
-    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, is_slope: bool
-) -> Array:
-    """Return int rho ln|2 sin(pi (x-s)/L)| ds or int rho cot(pi (x-s)/L) ds at any x = origin + y.
+def cotangent_integrals(state: ContactState, period: float, origin: Array, y: Array) -> Array:
+    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y."""
+    return _cotangent_integrals(state.segments, state.coefficient, period, origin, y)
 
-    Far from a segment, quadrature is used, with sin(pi (x-s)/L) by the addition theorem: from the angle between x and
-    the segment's centre if it is small, so that short distances lose no digits, otherwise from the angles of both.
-    """
+
+@kernel
+def _cotangent_integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
+    """Return the integrals of `cotangent_integrals`: quadrature far from a segment, by the addition theorem."""
     integral, factor = np.zeros(y.size), np.pi / period
-    sine_of_x, cosine_of_x = np.empty(y.size), np.empty(y.size)
-    for i in range(y.size):
-        sine_of_x[i], cosine_of_x[i] = np.sin(factor * (origin[i] + y[i])), np.cos(factor * (origin[i] + y[i]))
-    s, c, far = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int64)
     for j in range(segments.centre.size):
-        r, a, count = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]], 0
-        angle_of_c = factor * (segments.origin[j] + segments.centre[j])
-        sine_of_c, cosine_of_c = np.sin(angle_of_c), np.cos(angle_of_c)
+        r, a = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]]
         node, weight = gauss_nodes(a.size)
-        force = _forces_at(a, r, node, weight)
-        sine, cosine = np.empty(node.size), np.empty(node.size)
-        for q in range(node.size):
-            sine[q], cosine[q] = np.sin(factor * r * node[q]), np.cos(factor * r * node[q])
-        reach = far_field_from(node.size)
+        force, reach = _forces_at(a, r, node, weight), far_field_from(a.size)
+        sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
         for i in range(y.size):
             t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
             if abs(t) <= reach:
-                integral[i] += _near_field(a, node, force, r, reach, t, period, is_slope)
-            else:
-                angle = factor * r * t
-                if abs(angle) < MIN_ANGLE:
-                    s[count], c[count] = np.sin(angle), np.cos(angle)
-                else:
-                    s[count] = sine_of_x[i] * cosine_of_c - cosine_of_x[i] * sine_of_c
-                    c[count] = cosine_of_x[i] * cosine_of_c + sine_of_x[i] * sine_of_c
-                far[count] = i
-                count += 1
-            if count == BLOCK or (i == y.size - 1 and count > 0):
-                value = _far_field(force, sine, cosine, s[:count], c[:count], is_slope)
-                for k in range(count):
-                    integral[far[k]] += value[k]
-                count = 0
+                integral[i] += _near_field(a, node, force, r, reach, t, period, True)
+                continue
+            s, c = np.sin(factor * r * t), np.cos(factor * r * t)
+            for q in range(a.size):
+                u, v = cosine[q], sine[q]
+                integral[i] += force[q] * (c * u + s * v) / (s * u - c * v)
     return integral
-
-
-@kernel
-def _far_field(force: Array, sine: Array, cosine: Array, s: Array, c: Array, is_slope: bool) -> Array:
-    """Integrate over a segment by quadrature, at points with these sines and cosines of the angle from its centre.
-
-    The loops over the points have no branches, so that the compiler vectorises them.
-    """
-    n, value = s.size, np.zeros(s.size)
-    if not is_slope:
-        distance = np.empty(force.size * n)
-        for q in range(force.size):
-            row, u, v = distance[q * n : (q + 1) * n], 2 * cosine[q], 2 * sine[q]
-            for i in range(n):
-                row[i] = abs(s[i] * u - c[i] * v)
-        take_logarithms(distance)
-        for q in range(force.size):
-            row, here = distance[q * n : (q + 1) * n], force[q]
-            for i in range(n):
-                value[i] += here * row[i]
-        return value
-    for q in range(force.size):
-        here, u, v = force[q], cosine[q], sine[q]
-        for i in range(n):
-            value[i] += here * (c[i] * u + s[i] * v) / (s[i] * u - c[i] * v)
-    return value
 
 
 @kernel
@@ -239,65 +182,37 @@ def _values_on_segments(
 def complementary_residuals(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
     """Return the gap, or the pressure between gaps, which must vanish on the segments and be positive outside them.
 
-    Points are given by a crest and the distance from it.
+    Points are given by a crest and the distance from it. Far from a segment, int rho ln|2 sin(pi (x-s)/L)| ds is a
+    sum over its nodes, by Gauss's quadrature. For gaps, so is int w/sin^2(pi (x-s)/L) ds, which with the gap w is
+    -L/pi times the Cauchy integral. Near a segment, closed forms are used.
     """
-    if min(y.size, state.segments.centre.size) < MIN_SUM:
-        return residuals_one_by_one(state, series, crest, y)
+    segments, period, kind = state.segments, series.period, state.kind
+    start = 0.5 * (segments.right[-1] - period + segments.middle[0] - segments.half_width[0])  # not on a segment
     origin = series.crest_position[crest]
-    origin = origin - series.period * np.floor((origin + y) / series.period)
-    return residuals_by_sums(state, series, crest, y, origin, y)
-
-
-def residuals_one_by_one(state: ContactState, series: CosineSeries, crest: Indices, y: Array) -> Array:
-    """Return `complementary_residuals`, each from closed forms and quadrature over all segments."""
-    kind, origin = state.kind, series.crest_position[crest]
-    integral = density_integrals(state, series.period, origin, y, kind.is_slope)
-    integral *= kind.factor(series.period) * _force_factor(state, series.period)
-    return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + integral)
-
-
-def _force_factor(state: ContactState, period: float) -> float:
-    """Return the sum over dipoles on a gap, over the integral of its slope by parts; 1 for contacts."""
-    return float((-period / np.pi) ** state.kind.derivative)
-
-
-def _constant(state: ContactState, series: CosineSeries) -> float:
-    """Return the residual on the highest crest of the series without the integral."""
-    return state.kind.uniform(-state.approach) - state.kind.largest_forcing(series.maximum, state.load)
-
-
-def residuals_by_sums(
-    state: ContactState, series: CosineSeries, crest: Indices, y: Array, origin: Array, offset: Array
-) -> Array:
-    """Return `complementary_residuals`, in the time O(points + nodes): by fast sums.
-
-    Far from a segment, these replace int rho ln|2 sin(pi (x-s)/L)| ds by Gauss's quadrature or, for gaps, the Cauchy
-    integral by the quadrature of -(pi/L) int w/sin^2(pi (x-s)/L) ds, where w is the gap. Near a segment, closed forms
-    are used. Points are given by origin + offset as well: relative to the centre of a segment, distances from its
-    nodes lose no digits.
-    """
-    segments, period = state.segments, series.period
-    order = np.argsort(origin + offset, kind="stable")
-    origin, offset, value = origin[order], offset[order], np.empty(y.size)
-    kind, density = state.kind, (segments, state.coefficient)
-    at_node, force = node_forces(*density, kind.is_slope)
-    tree = make_tree(np.repeat(segments.middle, segments.node_count), at_node)
-    total, factor = potential(tree, force, make_tree(origin, offset), period, kind.is_slope), kind.factor(period)
-    near = _force_factor(state, period)
-    value[order] = _correct_near_segments(*density, kind.is_slope, near, force, origin, offset, period, total)
-    return np.asarray(_constant(state, series) - evaluate_at(series, crest, y, 0) + factor * value)
+    origin = origin - period * np.floor((origin + y - start) / period)
+    order, value = np.argsort(origin + y, kind="stable"), np.empty(y.size)
+    origin, offset = origin[order], y[order]
+    at_node, force = node_forces(segments, state.coefficient, kind.is_slope)
+    crests = np.repeat(segments.origin, segments.node_count)
+    total = potential(crests, at_node, force, origin, offset, period, kind.is_slope)
+    near = float((-period / np.pi) ** kind.derivative)  # the sum over dipoles, over the integral by parts
+    value[order] = kind.factor(period) * _correct_near_segments(
+        segments, state.coefficient, kind.is_slope, near, at_node, force, origin, offset, period, total
+    )
+    highest = kind.uniform(-state.approach) - kind.largest_forcing(series.maximum, state.load)
+    return np.asarray(highest - evaluate_at(series, crest, y, 0) + value)
 
 
 @kernel
 def node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[Array, Array]:
-    """Return the offsets of nodes from centres, and the weight in Gauss's quadrature times the density or the gap."""
+    """Return nodes from origins of segments, and the weights in Gauss's quadrature times the density or the gap."""
     offset, force = np.empty(coefficient.size), np.empty(coefficient.size)
     for j in range(segments.centre.size):
         start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
         node, weight = gauss_nodes(end - start)
         a = smooth_part(coefficient[start:end], is_gap)
         for q in range(end - start):
-            offset[start + q] = r * node[q]
+            offset[start + q] = segments.centre[j] + r * node[q]
             root = np.sqrt((1 - node[q]) * (1 + node[q]))
             force[start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
     return offset, force
@@ -309,6 +224,7 @@ def _correct_near_segments(
     coefficient: Array,
     is_slope: bool,
     factor: float,
+    at_node: Array,
     force: Array,
     origin: Array,
     offset: Array,
@@ -321,17 +237,17 @@ def _correct_near_segments(
         x[i] = origin[i] + offset[i]
     for j in range(segments.centre.size):
         first, last = segments.first_node[j], segments.first_node[j + 1]
-        centre, r = segments.origin[j] + segments.centre[j], segments.half_width[j]
+        start, centre, r = segments.origin[j], segments.centre[j], segments.half_width[j]
         a, (node, weight), at_nodes = coefficient[first:last], gauss_nodes(last - first), np.empty(last - first)
         density = _forces_at(a, r, node, weight)
         far = far_field_from(node.size)
-        reach = min(far * r, 0.5 * period)
+        reach = min(far * r + 4 * EPS * period, 0.5 * period)  # x is rounded
         for image in range(-1, 2):
-            middle = centre + image * period
+            middle = start + centre + image * period
             for i in range(first_from(x, middle - reach), first_from(x, middle + reach)):
-                t = _local_coordinate(centre, 0.0, r, period, origin[i], offset[i])
+                t = _local_coordinate(start, centre, r, period, origin[i], offset[i])
                 for q in range(node.size):  # must equal the term of the sums to the last digit
-                    at_nodes[q] = (origin[i] - centre) + (offset[i] - r * node[q])
+                    at_nodes[q] = (origin[i] - start) + (offset[i] - at_node[first + q])
                 replace_by_influence(at_nodes, period, is_slope)
                 total[i] += factor * _near_field(a, node, density, r, far, t, period, is_slope)
                 for q in range(node.size):

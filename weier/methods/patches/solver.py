@@ -169,8 +169,7 @@ def _elastic_energy(surface: Surface, state: ContactState | None) -> float:
         return full
     segments, kind, series = state.segments, state.kind, state.kind.series(surface)
     offset, force = node_forces(segments, state.coefficient, kind.is_slope)
-    y = np.repeat(segments.centre, segments.node_count) + offset
-    below = evaluate_at(series, np.repeat(segments.crest, segments.node_count), y, 0)
+    below = evaluate_at(series, np.repeat(segments.crest, segments.node_count), offset, 0)
     return kind.elastic_energy(state, series, force, below, full)
 
 
