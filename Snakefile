@@ -67,11 +67,7 @@ localrules:
     page,
 
 
-onsuccess:
-    plan.clean()
-
-
-onerror:
+onstart:
     plan.clean()
 
 

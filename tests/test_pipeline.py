@@ -109,7 +109,7 @@ def test_a_run_leaves_every_product_and_nothing_else(finished):
     left = [
         path
         for path in (finished / "results").rglob(".*")
-        if path.name not in (".made_of", ".solved", ".snakemake_timestamp")
+        if path.name not in (".made_of", ".drafts", ".solved", ".snakemake_timestamp")
     ]
     assert left == []
     assert not any(path.is_file() for path in (finished / "results/curves/.solved").rglob("*"))
@@ -181,7 +181,7 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'
     edit(module, line, fault + line)
     shutil.copytree("profiles/local", finished / "profiles/default")
-    killed = finished / "results/test/.drafts/.all.0-of-3.abc/contact.nc"
+    killed = finished / "results/test/.drafts/all.0-of-3.abc/contact.nc"
     killed.mkdir(parents=True)
     stamps = sorted((finished / "results/test/.made_of/two").iterdir())
     done = call(finished, "--latency-wait", "1", cores=("--cores", "1"))  # one job, of which the others are kept
@@ -190,7 +190,7 @@ def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     assert "weier: two cannot be made: no ink\n" in done.stdout
     assert "weier: two is not made, for the reason above\n" in done.stdout
     assert sorted((finished / "results/test/.made_of/two").iterdir()) == stamps
-    assert not (finished / "results/test/.drafts").exists()
+    assert not killed.exists()
     assert made(done.stdout) == (["one", "page.html"], 0)
     assert planned(finished) == {"make": 1, "made_of": 1, "figure": 1}
     edit(module, fault, "")

@@ -66,7 +66,7 @@ def assert_the_next_run_is_undisturbed(checkout, undisturbed):
 
 
 def leftovers(checkout):
-    known = (".made_of", ".solved", ".snakemake_timestamp")
+    known = (".made_of", ".drafts", ".solved", ".snakemake_timestamp")
     return [path for path in checkout.rglob("results/**/.*") if path.name not in known]
 
 

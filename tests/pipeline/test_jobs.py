@@ -74,6 +74,22 @@ def test_curves_are_appended_after_some_seconds_and_at_the_end(curves, monkeypat
     assert max(appended[-8:]) == 4
 
 
+def test_an_error_of_one_curve_fails_the_job_once_the_others_are_solved(curves, monkeypatch):
+    """Even one that no solver raises."""
+    row = jobs._row
+
+    def fails(kind, case, say):
+        if kind.method == "demelio" and case.parameters["D"] == 1.5:
+            raise ZeroDivisionError
+        return row(kind, case, say)
+
+    monkeypatch.setattr(jobs, "_row", fails)
+    with pytest.raises(ZeroDivisionError):
+        solve_all(curves)
+    again = curves_in(curves.scene, curves.store.folder)
+    assert {(part.kind.method, len(part.keys)) for part in lacking(again)} == {("demelio", 3)}
+
+
 SLOW = """
 import sys, time
 from weier.__main__ import run

@@ -40,9 +40,12 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
     ------
     ValueError
         If the code on disk differs from the planned code or changes meanwhile, since the store files curves by code.
+    Exception
+        The first error of a curve, once all others are solved.
     """
     work = list(parts)
     check_code(store, "the plan")
+    store.remove_leftovers()
     progress = Progress(sum(len(part.keys) for part in work), APPEND_SECONDS, say, "curves")
     rows: dict[np.uint64, Mapping[str, Any]] = {}
 
@@ -52,17 +55,22 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
             store.append(kind, rows, origin)
             rows.clear()
 
-    saved = monotonic()
+    saved, failed = monotonic(), list[Exception]()
     for part in work:
         try:
             for key, position in zip(part.keys, part.positions.tolist(), strict=True):
-                rows[key] = _row(part.kind, part.product.case(position), say)
+                try:
+                    rows[key] = _row(part.kind, part.product.case(position), say)
+                except Exception as error:
+                    failed = failed or [error]
                 progress()
                 if monotonic() - saved > APPEND_SECONDS or len(rows) == MAX_ROWS:
                     append(part.kind)
                     saved = monotonic()
         finally:  # runs on Ctrl-C and on a scheduler's SIGTERM too
             append(part.kind)
+    if failed:
+        raise failed[0]
 
 
 def check_code(store: Store, since: str) -> None:

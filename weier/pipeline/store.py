@@ -29,6 +29,7 @@ from weier.scene.identity import Keys, distinct
 
 KEY, ORIGIN = "key", "origin"  # one key per row, one origin per segment
 SUFFIX = ".npz"
+LEFTOVER_SECONDS = 24 * 3600.0
 DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solves its curves anew"
 
 
@@ -124,8 +125,9 @@ class Store:
         """Return the folder with the segments of a kind."""
         return self.folder / kind / self.numerics
 
-    def remove_leftovers(self, before: float) -> None:
-        """Remove files of jobs that were killed while writing, last changed before this time of the epoch, in s."""
+    def remove_leftovers(self) -> None:
+        """Remove files of jobs that were killed while writing, a day ago or before."""
+        before = time.time() - LEFTOVER_SECONDS
         for path in (*self.folder.glob("*/.*.*"), *self.folder.glob("*/*/.*.*")):
             with suppress(OSError):  # another run may have named or removed it
                 if path.is_file() and path.stat().st_mtime < before:

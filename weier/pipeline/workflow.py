@@ -11,7 +11,6 @@ import re
 import shutil
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, cached_property
@@ -34,7 +33,6 @@ CONFIG_KEYS = ("scenes",)  # keys that `snakemake --config` accepts
 ALL = "all"  # the curves of all products of the scenes of the configuration
 BETWEEN = "~"  # separates scene and product; neither name contains it
 DRAFTS = ".drafts"
-LEFTOVER_SECONDS = 24 * 3600.0  # a temporary file of the store that is older is that of a killed job
 # Minutes of a job in addition to the expected ones, for a busy disk; expected seconds may be wrong by this factor. A
 # job that needs more is run again with twice as many.
 BASE_MINUTES, SECONDS_FACTOR = 5, 5
@@ -69,7 +67,7 @@ class Plan:
     ) -> None:
         self.names, self.slots, self.results = names, slots, Path(results)
         self._load, self._runs, self._wants_all = cache(load), runs, False
-        self._drafts: set[tuple[str, str]] = set()  # pairs of a scene and ALL or a product
+        self._drafts: set[Path] = set()  # those that this run makes
         # Cached, since Snakemake calls them several times.
         self.curves, self.missing, self.stamp = cache(self._curves), cache(self._missing), cache(self._stamp)
 
@@ -122,9 +120,10 @@ class Plan:
             named = products.names_of(self.scene(name))
             count = min(self.slots, len(self._stale(name, named)))
             what, number = ALL, named.index(product) % count
-        self._drafts.add((name, what))
         stamps = digest(self._share(name, what, number, count))[:DIGITS]
-        return str(self.results / name / DRAFTS / f"{what}.{number}-of-{count}.{stamps}")
+        path = self.results / name / DRAFTS / f"{what}.{number}-of-{count}.{stamps}"
+        self._drafts.add(path)
+        return str(path)
 
     def drafted(self, wildcards: Any, output: Any = None) -> list[str]:
         """Return the stamps of the products that a job makes."""
@@ -143,16 +142,10 @@ class Plan:
         return self._wants_all and name in self.names
 
     def clean(self) -> None:
-        """Remove what failed and killed jobs have left, after the jobs of this run.
-
-        A run of named products keeps the drafts of other products, which another run may be making.
-        """
-        for name, what in self._drafts:
-            folder = self.results / name / DRAFTS
-            left = [folder] if what == ALL else [*folder.glob(f"{what}.0-of-1.*"), *folder.glob(f".{what}.0-of-1.*")]
-            for path in left:
-                shutil.rmtree(path, ignore_errors=True)
-        self.store.remove_leftovers(time.time() - LEFTOVER_SECONDS)
+        """Remove what failed and killed runs have left of the drafts that this run makes."""
+        for path in self._drafts:
+            for left in {*path.parent.glob(f"{path.name.partition('.')[0]}.*")} - self._drafts:
+                shutil.rmtree(left, ignore_errors=True)
 
     @property
     def new_digests(self) -> str:
