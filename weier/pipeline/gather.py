@@ -9,18 +9,16 @@ import json
 import warnings
 from collections.abc import Collection, Iterable
 from functools import cached_property
-from itertools import compress
+from itertools import chain, compress
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from weier.api.rows import BOUNDS
 from weier.data import netcdf, provenance, variables
-from weier.data.bodies import scales_of
 from weier.data.dataset import over_cases
 from weier.data.files import replacing
 from weier.data.si import marked, with_pressures_in
@@ -85,74 +83,53 @@ class Solved:
         read = (self._store.read(part.kind, part.keys[numbers], ORIGIN) for part, _, numbers in self._parts)
         return sorted({str(origin) for found in read if found is not None for origin in np.unique(found)})
 
-    def case_variable(self, name: str) -> Values:
-        """Return a variable that depends on the case only, shape (cases, ...)."""
+    def values(self, name: str) -> Values:
+        """Return a variable of the table, shape (cases, ...) or (cases, methods, ...)."""
         if name == "key":
             return np.array(short_keys(self.scene.keys_of_cases[self.cases]), object)
-        if name == "surface_key":
-            return self._joined(name, [(r, np.array(short_keys(p.keys[n]), object)) for p, r, n in self._surfaces])
-        if "edge" in VARIABLES[name].dims:  # the last method of a case provides its edges
-            return self._joined(name, [own for method in self.methods for own in self._method_parts(name, method)])
-        found = [
-            (rows, self._store.read(part.kind, part.keys[numbers], name)) for part, rows, numbers in self._surfaces
-        ]
-        return self._joined(name, [(rows, values) for rows, values in found if values is not None])
+        parts = [[own for own in self._parts if own[0].kind.method == method] for method in self.methods]
+        if "solution_method" in VARIABLES[name].dims:
+            return np.stack([self._joined(name, own) for own in parts], axis=1)
+        # the last method of a case provides its edges
+        return self._joined(name, chain(*parts) if "edge" in VARIABLES[name].dims else self._surfaces)
 
-    def method_variable(self, name: str, method: str) -> Values:
-        """Return a variable of the curves of one method, shape (cases, ...)."""
-        joined = self._joined(name, self._method_parts(name, method))
-        if name == "status":
-            joined[joined < 0] = Status.not_requested
+    def _joined(self, name: str, parts: Iterable[tuple[Part, Indices, Indices]]) -> Values:
+        """Combine the values of some parts into an array of all rows, shape (cases, ...)."""
+        found = [(rows, self._read(name, part, numbers)) for part, rows, numbers in parts]
+        solved = [(rows, values) for rows, values in found if values is not None]
+        dims, dtype = VARIABLES[name].dims, VARIABLES[name].dtype
+        sizes = {LOADS: self.loads.size, "term": 1}
+        own = [sizes.get(dim, 0) for dim in dims if dim not in (CASE, "solution_method")]
+        shape = np.max([own, *(values.shape[1:] for _, values in solved)], axis=0).astype(int)
+        text = dtype[0] in "UO"
+        nothing: Any = "" if text else np.nan if dtype[0] == "f" else Status.not_requested if name == "status" else -1
+        joined = np.full((len(self.cases), *shape), nothing, object if text else dtype)
+        for rows, values in solved:
+            within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
+            joined[within] = values
         return joined
 
-    def _method_parts(self, name: str, method: str) -> list[tuple[Indices, Values]]:
-        """Return the rows and values of each part that a method has solved."""
-        found = []
-        for part, rows, numbers in self._parts:
-            if part.kind.method != method:
-                continue
-            if name == "settings":
-                found.append((rows, np.full(len(rows), json.dumps(part.kind.settings, sort_keys=True), object)))
-            elif (values := self._store.read(part.kind, part.keys[numbers], name)) is not None:
-                values = np.searchsorted(self.origins, values) if name == ORIGIN else values
-                found.append((rows, self._at_all_loads(name, values, part)))
-        return found
-
-    def _at_all_loads(self, name: str, values: Values, part: Part) -> Values:
-        """Return values at all loads of the dataset, NaN at loads that the part does not have."""
+    def _read(self, name: str, part: Part, numbers: Indices) -> Values | None:
+        """Return a variable of some curves of a part, NaN at loads that it does not have."""
+        if name == "settings":
+            return np.full(len(numbers), json.dumps(part.kind.settings, sort_keys=True), object)
+        if name == "surface_key":
+            return np.array(short_keys(part.keys[numbers]), object)
+        values = self._store.read(part.kind, part.keys[numbers], name)
+        if values is None:
+            return None
+        if name == ORIGIN:
+            return np.searchsorted(self.origins, values)
         loads = part.product.loads
-        if "mean_pressure" not in VARIABLES[name].dims or loads.size == self.loads.size:
+        if LOADS not in VARIABLES[name].dims or loads.size == self.loads.size:
             return values
         spread = np.full((len(values), self.loads.size, *values.shape[2:]), np.nan)
         spread[:, np.searchsorted(self.loads, loads)] = values
         return spread
 
-    def _joined(self, name: str, found: Collection[tuple[Indices, Values]]) -> Values:
-        """Combine the values of some rows into an array of all rows, shape (cases, ...)."""
-        dtype = VARIABLES[name].dtype
-        sizes = {"mean_pressure": self.loads.size, "term": 1}
-        own = [sizes.get(dim, 0) for dim in VARIABLES[name].dims if dim not in (CASE, "solution_method")]
-        shape = np.max([own, *(values.shape[1:] for _, values in found)], axis=0).astype(int)
-        text, nothing = dtype[0] in "UO", np.nan if dtype[0] == "f" else -1
-        joined = np.full((len(self.cases), *shape), "" if text else nothing, object if text else dtype)
-        for rows, values in found:
-            within: tuple[Any, ...] = (rows, *map(slice, values.shape[1:]))
-            joined[within] = values
-        return joined
-
-    @property
-    def over_loads(self) -> list[str]:
-        """The variables of curves that have a value for each load."""
-        return [name for name in self.names if VARIABLES[name].dims == CURVE]
-
     def dataset(self, without: Collection[str] = ()) -> xr.Dataset:
         """Return the cases in memory, in normalised units but for the loads, without some variables."""
-        found = {}
-        for name in (name for name in self.names if name not in without):
-            if "solution_method" in VARIABLES[name].dims:
-                found[name] = np.stack([self.method_variable(name, method) for method in self.methods], axis=1)
-            else:
-                found[name] = self.case_variable(name)
+        found = {name: self.values(name) for name in self.names if name not in without}
         unit = PASCAL if self.scene.in_si else NORMALISED_PRESSURE
         return with_pressures_in(over_cases(found, self.methods, self.loads, unit), self.scene.load_unit)
 
@@ -184,34 +161,25 @@ def write(curves: Curves, path: str | Path, step: str, more: xr.Dataset) -> None
 
     Notes
     -----
-    Only one variable of one method is in memory at a time, so that a file may be larger than memory.
+    Of the variables over loads only one is in memory at a time, so that a file may be larger than memory.
     """
     scene, solved = curves.scene, Solved(curves)
-    in_memory = solved.dataset(without=solved.over_loads)
-    scales = scales_of(scene.interface, in_memory) if scene.in_si and scene.interface else {}
-    sizes = {CASE: 1, "solution_method": len(solved.methods), "mean_pressure": solved.loads.size}
-    blank = {name: variables.blank(name, sizes) for name in solved.over_loads}
-    like = marked(in_memory.isel(case=slice(1)).assign(blank))
-    described = in_units_of(scene, like).variables  # gives attributes in the units of the scene
+    over_loads = [name for name in solved.names if VARIABLES[name].dims == CURVE]
+    in_memory = solved.dataset(without=over_loads)
     about = provenance.attributes(scene.title, step, scene.text, in_si=scene.in_si)
     about |= {f"origin_{number}": text for number, text in enumerate(solved.origins)}
     data = in_units_of(scene, in_memory).merge(case_labels(scene)).merge(more).assign_attrs(about)
-    labels = " ".join(sorted(str(name) for name, values in data.coords.items() if values.dims == (CASE,)))
+    labels = in_memory[["total_amplitude"]]  # with all coordinates, which have the scales of traces
     with replacing(path) as temporary:
         netcdf.write(data, temporary)
-        with netCDF4.Dataset(temporary, "a") as file:
-            for name in solved.over_loads:
-                related = variables.ancillary(name, solved.names)
-                stored = netcdf.add_curves(file, name, described[name].attrs | related, labels)
-                factor = np.asarray(scales.get(VARIABLES[name].unit, (1.0,))[0]).reshape(-1, 1)
-                for column, method in enumerate(solved.methods):
-                    values = solved.method_variable(name, method)
-                    netcdf.fill_method(stored, column, values * factor)
+        for name in over_loads:
+            attributes = variables.attributes(name) | variables.ancillary(name, solved.names)
+            one = marked(labels.assign({name: (CURVE, solved.values(name), attributes)}))
+            netcdf.append(in_units_of(scene, one)[name], temporary, data.coords)
         if scene.in_si and scene.interface:
             judged = [name for name in ("compliance", "contact_fraction") if name in solved.names]
-            for method in solved.methods:
-                own = {name: ((CASE, LOADS), solved.method_variable(name, method)) for name in judged}
-                scene.interface.warn_of_yield(xr.Dataset(own, {LOADS: (LOADS, solved.loads, {"units": PASCAL})}))
+            own = {name: (CURVE, solved.values(name)) for name in judged}
+            scene.interface.warn_of_yield(xr.Dataset(own, {LOADS: (LOADS, solved.loads, {"units": PASCAL})}))
 
 
 def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
