@@ -18,7 +18,7 @@ from weier.figures import KINDS, style
 from weier.figures.captions import caption
 from weier.methods.registry import METHODS, PLOTTED
 from weier.methods.settings import described
-from weier.scene import keys
+from weier.scene import __main__ as keys
 
 ROOT = Path(__file__).resolve().parents[1]
 MAX_WORD = 24  # letters of a word that a cell of a table holds in one line

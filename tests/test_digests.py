@@ -123,7 +123,7 @@ def test_an_alarm_while_a_digest_is_read_or_kept_is_no_error_of_a_disk(package, 
 
 # Modules that solving curves imports and numerics leave out, each with the reason why no number changes with it.
 LEFT_OUT = {
-    **dict.fromkeys(("scene/models.py", "scene/sections.py", "scene/trace_keys.py"), "keys of a scene"),
+    **dict.fromkeys(("scene/models.py", "scene/trace_keys.py"), "keys of a scene"),
     **dict.fromkeys(("scene/mistakes.py", "scene/file.py"), "read a scene"),
     **dict.fromkeys(("scene/cases.py", "scene/figure.py"), "which cases there are, and what is drawn of them"),
     **dict.fromkeys(

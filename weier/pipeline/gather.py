@@ -200,7 +200,7 @@ def case_labels(scene: Scene) -> xr.Dataset:
     chooses the setting itself.
     """
     columns: dict[str, tuple[Values, str]] = {}
-    columns["study"] = np.array([", ".join(names) for names in scene.studies_of_cases]), "studies of the case"
+    columns["study"] = np.array(scene.studies_of_cases), "studies of the case"
     for name in scene.methods:
         method, run = find_method(name), [name in product.methods for product in scene.products]
         own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]

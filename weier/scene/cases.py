@@ -105,17 +105,13 @@ class Scene:
         return self._distinct[1][start : start + len(study)]
 
     @property
-    def studies_of_cases(self) -> list[tuple[str, ...]]:
-        """The studies that each case belongs to, in order of appearance."""
-        member = np.zeros((len(self.distinct), len(self.studies)), bool)
-        for column, name in enumerate(self.studies):
-            member[self.cases_of_study(name), column] = True
-        code: Indices = np.zeros(len(member), int)
-        for flags in member.T:  # number the sets of studies without sorting whole rows
-            code = np.unique(2 * code + flags, return_inverse=True)[1]
-        first = np.unique(code, return_index=True)[1]
-        names = [tuple(itertools.compress(self.studies, member[row])) for row in first]
-        return [names[number] for number in code.tolist()]
+    def studies_of_cases(self) -> list[str]:
+        """The studies that each case belongs to, with commas between, in order of appearance."""
+        found = np.full(len(self.distinct), "", object)
+        for name in self.studies:
+            own = np.unique(self.cases_of_study(name))
+            found[own] = np.where(found[own] == "", name, found[own] + f", {name}")
+        return found.tolist()
 
     @property
     def methods(self) -> tuple[str, ...]:

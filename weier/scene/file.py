@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from weier.methods.registry import default_method, find_method
 from weier.methods.settings import TOLERANCE, checked_settings, with_tolerance
 from weier.scene.case import trace_parameters
 from weier.scene.cases import NAME, Scene
-from weier.scene.mistakes import Keys, Mistake, Mistakes, SceneError, one_line
+from weier.scene.mistakes import Keys, Mistake, SceneError, at, one_line, scene_error
 from weier.scene.study import CaseProduct, Study, check_number
 from weier.scene.yaml import number, read_yaml
 from weier.surface.profile import PARAMETERS
@@ -36,15 +36,20 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
     path : path
         The file.
     checks : sequence of callable, optional
-        Further checks of the valid parts of the scene.
+        Further checks of a scene whose studies are valid.
 
     Raises
     ------
     SceneError
         If the file is missing, is not YAML, has unknown keys, or values out of range. The error lists all of these
-        mistakes; without any, those of files, settings, figures and claims.
+        mistakes; without any, the first one of files, settings and cases; and without any, those of the checks.
 
     """
+    # Pydantic and the models take longer to import than the rest of a scene, and Python calls need neither.
+    from pydantic import ValidationError
+
+    from weier.scene.models import SceneKeys, mistakes_of
+
     try:
         path = checked_file(path)
     except FileNotFoundError as error:
@@ -56,13 +61,16 @@ def load(path: str | Path, checks: Sequence[Check] = ()) -> Scene:
         raise
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read as a scene: {one_line(error)}") from None
-    mistakes = Mistakes()
-    if keys := _keys(document.values, mistakes):
-        scene = _scene(keys, text, path, mistakes)
-        for check in checks:
-            mistakes.add(check(scene))
+    try:
+        keys = SceneKeys.model_validate(document.values)
+        scene = _scene(keys, text, path)
+        mistakes = [*_wrong_names(keys), *chain.from_iterable(check(scene) for check in checks)]
+    except ValidationError as error:
+        mistakes = [*mistakes_of(error, document.values)]
+    except Mistake as mistake:
+        mistakes = [mistake]
     if mistakes:
-        raise mistakes.error(path, document)
+        raise scene_error(path, document, mistakes)
     return scene
 
 
@@ -72,55 +80,39 @@ def load_by_name(name: str, folder: str | Path = "config/scenes", checks: Sequen
     return load(Path(folder, f"{checked_word(f'a scene of {folder}', name, known)}.yaml"), checks)
 
 
-def _keys(raw: Any, mistakes: Mistakes) -> SceneKeys | None:
-    """Return the keys of a file; None if some are mistaken."""
-    # Pydantic and the models take longer to import than the rest of a scene, and a job that solves needs neither.
-    from pydantic import ValidationError
-
-    from weier.scene.models import SceneKeys
-    from weier.scene.sections import mistakes_of
-
-    try:
-        return SceneKeys.model_validate(raw)
-    except ValidationError as error:
-        mistakes.add(mistakes_of(error, raw))
-        return None
-
-
-def _scene(keys: SceneKeys, text: str, path: Path, mistakes: Mistakes) -> Scene:
-    """Return the scene of these keys, without the studies that have mistakes."""
-    settings = _settings(("settings",), keys.settings, mistakes)
-    read = {name: _study(name, study, keys, settings, path.parent, mistakes) for name, study in keys.studies.items()}
-    count = sum(map(len, filter(None, read.values())))
-    mistakes.attempt(("max_cases",), partial(check_number, count, keys.max_cases), None)
-    mistakes.add(_mistakes_of_scene(keys))
+def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:
+    """Return the scene of these keys."""
+    if keys.loads.in_si and not keys.interface:
+        raise Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")
+    if keys.loads.in_si and keys.claims:
+        raise Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")
+    series = any(study.product or study.cases for study in keys.studies.values())
+    if keys.interface and keys.interface.lambda_0 is None and series:
+        raise Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
+    settings = _settings(("settings",), keys.settings)
+    studies = {name: _study(name, study, keys, settings, path.parent) for name, study in keys.studies.items()}
+    with at("max_cases"):
+        check_number(sum(map(len, studies.values())), keys.max_cases)
     bodies = keys.interface if keys.loads.in_si else None
     scene = Scene(
         name=path.stem,
         title=keys.title,
         load_unit=keys.loads.unit,
-        studies={name: study for name, study in read.items() if study is not None},
+        studies=studies,
         figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
         interface=keys.interface,
-        claims={claim: tuple(studies) for claim, studies in keys.claims.items()},
+        claims={claim: tuple(names) for claim, names in keys.claims.items()},
         max_seconds=keys.max_seconds,
         contact_edges=keys.contact_edges,
         text=text,
     )
-    if not mistakes:
-        mistakes.attempt(("loads",), scene.check_loads, None)
+    with at("loads"):
+        scene.check_loads()
     return scene
 
 
-def _mistakes_of_scene(keys: SceneKeys) -> Iterator[Mistake]:
-    """Yield mistakes in combinations of keys, and unknown names of studies."""
-    if keys.loads.in_si and not keys.interface:
-        yield Mistake(("loads",), f"loads in {PASCAL} need the key interface of the scene, with the two bodies")
-    if keys.loads.in_si and keys.claims:
-        yield Mistake(("claims",), "claims are about loads in p_0*: leave them out, or the unit of the loads")
-    series = any(study.product or study.cases for study in keys.studies.values())
-    if keys.interface and keys.interface.lambda_0 is None and series:
-        yield Mistake(("interface",), "g_0 and lambda_0 must be given, the scale of the series in m")
+def _wrong_names(keys: SceneKeys) -> Iterator[Mistake]:
+    """Yield unknown names of studies in figures and claims."""
     lists: dict[Keys, list[str]] = {("claims", name): studies for name, studies in keys.claims.items()}
     for name, figure in keys.figures.items():
         lists |= {("figures", name, "studies"): figure.studies, ("figures", name, "behind"): figure.behind}
@@ -130,52 +122,44 @@ def _mistakes_of_scene(keys: SceneKeys) -> Iterator[Mistake]:
                 yield Mistake((*place, position), unknown("a study", study, keys.studies))
 
 
-def _settings(place: Keys, settings: Settings, mistakes: Mistakes) -> dict[str, dict[str, Any]]:
+def _settings(place: Keys, settings: Settings) -> dict[str, dict[str, Any]]:
     """Return the settings of methods, each checked for its range."""
-
-    def checked(method: str, name: str, value: Any) -> dict[str, Any]:
-        check = partial(checked_settings, find_method(method), {name: value})
-        return mistakes.attempt((*place, method, name), check, {})
-
-    return {
-        method: {key: found for name, value in own.items() for key, found in checked(method, name, value).items()}
-        for method, own in settings.items()
-    }
+    found: dict[str, dict[str, Any]] = {method: {} for method in settings}
+    for method, own in settings.items():
+        for name, value in own.items():
+            with at(*place, method, name):
+                found[method] |= checked_settings(find_method(method), {name: value})
+    return found
 
 
-def _study(
-    name: str, study: StudyKeys, scene: SceneKeys, settings: Settings, folder: Path, mistakes: Mistakes
-) -> Study | None:
-    """Return the cases of a study; None if it has mistakes, or if its methods do."""
+def _study(name: str, study: StudyKeys, scene: SceneKeys, settings: Settings, folder: Path) -> Study:
+    """Return the cases of a study."""
     keys: Keys = ("studies", name)
-    methods = scene.methods if study.methods is None else study.methods
+    methods = study.methods or scene.methods
     if not methods and scene.tolerance is not None:
         methods = [default_method(within_tolerance=True)]
     if not methods:
-        mistakes.add([Mistake(("methods",), "Field required, or tolerance, or methods of each study")])
-    made = [(place, _axes((*keys, *place), product, folder, mistakes)) for place, product in study.products]
+        raise Mistake(("methods",), "Field required, or tolerance, or methods of each study")
     if study.settings is not None:
-        settings = _settings((*keys, "settings"), study.settings, mistakes)
-    settings = mistakes.attempt((TOLERANCE,), partial(_with_tolerance, methods, settings, scene.tolerance), settings)
+        settings = _settings((*keys, "settings"), study.settings)
+    with at(TOLERANCE):
+        tolerance = None if scene.tolerance is None else number(TOLERANCE, scene.tolerance)
+        given = with_tolerance(methods, settings, tolerance)
+        own = {name: checked_settings(find_method(name), given[name]) for name in given if name in methods}
     loads = study.loads or scene.loads
     if loads.in_si != scene.loads.in_si:
         what = f"loads of a study must be in the unit of the scene's loads, got {loads.unit}"
-        mistakes.add([Mistake((*keys, "loads"), what)])
-    if any(mistakes.within(*part) for part in (keys, ("settings",), ("methods",), (TOLERANCE,))):
-        return None
-    own = {method: values for method, values in settings.items() if method in methods}
-    pressures = np.array(loads.values, np.float64)
-    products = [CaseProduct(axes, tuple(methods), own, pressures) for _, axes in made]
-    for (place, _), product in zip(made, products, strict=True):
-        mistakes.attempt((*keys, *place), product.check, None)
-    mistakes.attempt(keys, partial(_check_methods, products), None)
-    return None if mistakes.within(*keys) else Study(products)
-
-
-def _with_tolerance(methods: Sequence[str], settings: Settings, tolerance: Any) -> Settings:
-    """Return settings with a tolerance for all methods that take one, which is checked."""
-    given = with_tolerance(methods, settings, None if tolerance is None else number(TOLERANCE, tolerance))
-    return {name: checked_settings(find_method(name), own) for name, own in given.items()}
+        raise Mistake((*keys, "loads"), what)
+    products = []
+    for place, axes in study.products:
+        with at(*keys, *place):
+            if isinstance(axes.get("trace"), dict):
+                axes = {"trace": trace_parameters(axes["trace"], folder)}
+            products.append(CaseProduct(axes, tuple(methods), own, np.array(loads.values, np.float64)))
+            products[-1].check()
+    with at(*keys):
+        _check_methods(products)
+    return Study(products)
 
 
 def _check_methods(products: Sequence[CaseProduct]) -> None:
@@ -183,10 +167,3 @@ def _check_methods(products: Sequence[CaseProduct]) -> None:
     cases = [case for product in products for case in product.representative_cases(*PARAMETERS)]
     if not any(find_method(method).takes(case.profile) for case in cases for method in case.methods):
         find_method(cases[0].methods[0]).check_applies(cases[0].profile)
-
-
-def _axes(keys: Keys, product: Mapping[str, Any], folder: Path, mistakes: Mistakes) -> Mapping[str, list[Any]]:
-    """Return the values of each parameter; the file of a trace is read."""
-    if not isinstance(product.get("trace"), dict):
-        return product
-    return {"trace": mistakes.attempt(keys, partial(trace_parameters, product["trace"], folder), [])}
