@@ -96,16 +96,21 @@ def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) ->
     from weier.pipeline.needed_curves import Curves
 
     curves = Curves(weier.load_scene(scene_file), Store(store, numerics()))
+    unfinished = drafts.with_name(f"{drafts.name}.unfinished")  # DRAFTS appears only as a whole
+    shutil.rmtree(unfinished, ignore_errors=True)
+    unfinished.mkdir(parents=True)
     for stamp in stamps:
         name = stamp.parent.name
         try:
             with job("make", scene_file.stem, name):
-                make_product(curves, stamp, drafts / name)
+                make_product(curves, stamp, unfinished / name)
         except ValueError as error:
-            shutil.rmtree(drafts / name, ignore_errors=True)
+            shutil.rmtree(unfinished / name, ignore_errors=True)
             click.echo(f"weier: {error}", err=True)
-    if not any(drafts.glob("*")):
+    if not any(unfinished.iterdir()):
+        unfinished.rmdir()
         raise click.exceptions.Exit(1)
+    unfinished.rename(drafts)
 
 
 @click.command()
