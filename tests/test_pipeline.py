@@ -168,14 +168,6 @@ def test_what_is_named_is_made_alone_if_it_is_not_up_to_date(finished):
     assert made(run(finished)) == (["contact.nc"], 0)
 
 
-def test_a_dry_run_writes_nothing(finished):
-    (finished / "results/test/page.html").write_text("edited")
-    before = {path: path.stat().st_mtime_ns for path in (finished / "results").rglob("*")}
-    assert planned(finished) == {"make": 1, "made_of": 1, "page": 1}
-    assert {path: path.stat().st_mtime_ns for path in (finished / "results").rglob("*")} == before
-    assert made(run(finished)) == (["page.html"], 0)
-
-
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):
     module, line = finished / "weier/figures/many_curves.py", "    return figure\n"
     fault = '    if quantity == "resistance":\n        raise ValueError("no ink")\n'

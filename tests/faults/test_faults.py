@@ -4,7 +4,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -149,13 +148,6 @@ def test_nothing_works_on_after_a_kill_of_snakemake(checkout, undisturbed, tmp_p
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
 
 
-def test_a_kill_between_a_stamp_and_its_product_leaves_nothing_that_passes_as_fresh(checkout, undisturbed):
-    """The stamp is there, and a file is that of another scene, or half of one."""
-    (checkout / "results/test/claims.md").write_text("of another scene")
-    shutil.rmtree(checkout / ".snakemake")
-    assert_the_next_run_is_undisturbed(checkout, undisturbed)
-
-
 def processes_of(session):
     """The numbers of all processes of a session that have not ended."""
     states = [text.rpartition(")")[2].split() for text in all_states()]
@@ -229,20 +221,6 @@ def mounted(folder, *options):
 FULL = ("-t", "tmpfs", "-o", "size=64k", "tmpfs")
 
 
-def test_a_full_disk_is_named(tmp_path):
-    """netCDF would call it an HDF error."""
-    program = (
-        "import numpy as np; from weier.data import dataset\n"
-        f"dataset.write(dataset.blank(9, ['bem'], np.ones(99), 1), {str(tmp_path / 'a.nc')!r}, 'test')"
-    )
-    with mounted(tmp_path, *FULL):
-        said = subprocess.run(
-            [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE
-        ).stderr
-        assert list(tmp_path.iterdir()) == []
-    assert f"OSError: {tmp_path}/a.nc cannot be written: No space left on device" in said.splitlines()[-1]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("room", [0, 20, 100, 200])
 def test_a_run_that_filled_the_disk_goes_on_once_there_is_room(checkout, undisturbed, room):
@@ -270,30 +248,3 @@ def test_results_closed_to_writing_are_named_and_made_once_they_are_open(checkou
     assert planned[0] == 0, planned[1]
     assert "test: the data and the claims" in planned[1]
     assert_the_next_run_is_undisturbed(checkout, undisturbed)
-
-
-def date(folder, seconds):
-    """Everything in a folder, at so many seconds from now."""
-    for path in [folder, *folder.rglob("*")]:
-        if path.exists():
-            os.utime(path, (time.time() + seconds,) * 2)
-
-
-@pytest.mark.slow
-def test_files_from_the_future_are_taken_for_those_of_now(checkout, undisturbed):
-    forget(checkout, *PRODUCTS)
-    date(checkout / "results", 9e5)
-    date(checkout / "weier", 9e5)
-    assert_the_next_run_is_undisturbed(checkout, undisturbed)
-    assert "Nothing to be done" in run(checkout)[1]
-
-
-@pytest.mark.slow
-def test_a_clock_that_goes_back_harms_no_run(checkout, undisturbed, tmp_path):
-    """Dates of curves do not count, and the stamp of a product is written after it."""
-    forget(checkout, *PRODUCTS)
-    with paused(checkout, "contact.nc", tmp_path) as (process, _):
-        date(checkout / "results", 9e5)
-    assert process.returncode == 0, (tmp_path / "said").read_text()
-    assert_the_next_run_is_undisturbed(checkout, undisturbed)
-    assert "Nothing to be done" in run(checkout)[1]

@@ -3,8 +3,6 @@
 import subprocess
 import sys
 
-import pytest
-
 from tests.marks import compiled
 
 # In a process that has solved nothing before, and so remembers no result: a kernel is compiled if Python calls it, or
@@ -46,42 +44,6 @@ while called:
     called = set().union(*map(inside, called)) - reached
 print(len(known), *(kernel.__qualname__ for kernel in known - reached | crashing))
 """
-
-# In the process of a batch, after the job that has compiled its method.
-SOLUTION = """
-import sys
-import numpy as np
-import weier
-from weier.kernels.jit import Kernel
-from weier.methods.registry import find_method
-from weier.pipeline.compile import compile_kernels
-
-def compiled():
-    modules = [module for name, module in sys.modules.items() if name.startswith("weier.")]
-    kernels = {value for module in modules for value in vars(module).values() if isinstance(value, Kernel)}
-    return {(one.__qualname__, str(types)) for one in kernels for types in one.compiled.signatures}
-
-method, loads = find_method(sys.argv[1]), np.geomspace(1e-4, 12, 12)
-compile_kernels([method.name])
-known = compiled()
-phases, heights = np.random.default_rng(1).uniform(0, 6, 5), np.random.default_rng(2).normal(size=64)
-surfaces = [weier.Profile(1.25, gamma, m, phases[:m]) for gamma, m in ((5, 1), (2, 2), (5, 3), (5, 4), (1.5, 5))]
-for surface in (*surfaces, weier.Trace(1e-6 * heights, 1e-3, unit="m")):
-    for settings in ({}, {"staircase": "kept"}) if method.name == "bem" else ({}, {"tolerance": 1e-3}):
-        method.solve(surface, loads, **settings)
-print(len(known), *(f"{name}{types}" for name, types in compiled() - known))
-"""
-
-
-@compiled
-@pytest.mark.parametrize("method", ["bem", "patches"])
-def test_nothing_is_compiled_after_the_job_of_a_method(method):
-    """A batch that compiles would keep a core busy that the plan of a run knows nothing of."""
-    done = subprocess.run([sys.executable, "-c", SOLUTION, method], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    count, *missed = done.stdout.split(maxsplit=1)
-    assert int(count) > 2
-    assert missed == []
 
 
 @compiled

@@ -35,12 +35,6 @@ def test_status_says_why_a_curve_is_missing(waves):
     assert np.all(missing == (waves.status != Status.solved))
 
 
-def test_a_study_keeps_its_order(waves):
-    assert waves.m.values.tolist() == [1, 2, np.inf]
-    assert waves.phases.values[1].tolist() == [0, 0]
-    assert np.isnan(waves.phases.values[0, 1])
-
-
 def test_a_study_is_read_while_others_are_not_solved(tmp_path):
     """As a figure of it is drawn while their jobs run."""
     solve_scene(scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE}}), tmp_path / "curves")
@@ -51,12 +45,6 @@ def test_a_study_is_read_while_others_are_not_solved(tmp_path):
     assert read_study(curves, "one").D.values.tolist() == [1.25]
     with pytest.raises(ValueError, match=r"^1 curves by .* are not solved: run snakemake again$"):
         read_study(curves, "other")
-
-
-def test_variables_that_nobody_shows_are_not_read(solutions, waves):
-    """A figure of a hundred thousand numerical curves would take 2 GB."""
-    without = ("residual", "status", "of another method")
-    xr.testing.assert_identical(read_study(solutions, "waves", without), waves.drop_vars(without, errors="ignore"))
 
 
 def test_a_file_has_those_variables_alone_that_its_methods_return(tmp_path):

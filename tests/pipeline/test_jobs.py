@@ -51,29 +51,6 @@ def test_curves_of_jobs_are_those_of_cases_solved_one_by_one(curves, tmp_path):
     xr.testing.assert_equal(found.drop_vars("seconds"), again.drop_vars("seconds"))
 
 
-def test_curves_are_appended_after_some_seconds_and_at_the_end(curves, monkeypatch):
-    """And before rows fill memory. A job that is killed loses what it solved in ten seconds."""
-    now, appended = [0.0], []
-
-    def row(*given):
-        now[0] += 1.999
-        return {}
-
-    def append(kind, rows, origin):
-        appended.append(len(rows))
-
-    monkeypatch.setattr(jobs, "monotonic", lambda: now[0])
-    monkeypatch.setattr(jobs, "check_code", lambda *given: None)
-    monkeypatch.setattr(jobs, "_row", row)
-    monkeypatch.setattr(curves.store, "append", append)
-    solve_all(curves)
-    assert sum(appended) == 36
-    assert max(appended) == 6
-    monkeypatch.setattr(jobs, "MAX_ROWS", 4)
-    solve_all(curves)
-    assert max(appended[-8:]) == 4
-
-
 def test_an_error_of_one_curve_fails_the_job_once_the_others_are_solved(curves, monkeypatch):
     """Even one that no solver raises."""
     row = jobs._row

@@ -6,11 +6,7 @@ import xarray as xr
 
 import weier
 from tests.scenes import scene_in, solve_scene
-from weier import scene
-from weier.data import dataset
-from weier.figures.page import explorer
 from weier.pipeline import claims
-from weier.pipeline.gather import case_labels
 
 SCENE = """
 title: Grids
@@ -44,21 +40,6 @@ def test_a_file_labels_its_cases(path):
         assert {"study", "bem_points_per_wave", "seed"} <= set(data["compliance"].coords)
 
 
-@pytest.mark.parametrize(
-    ("labels", "study"),
-    [
-        ({"study": "alike"}, ["fine, alike"]),
-        ({"bem_points_per_wave": 40}, ["coarse"]),
-        ({"bem_points_per_wave": 80, "bem_staircase": "removed"}, ["between"]),
-        ({"bem_points_per_wave": [40, 80], "bem_staircase": "kept"}, ["coarse", "fine, alike"]),
-        ({"seed": 8}, ["drawn"]),
-    ],
-)
-def test_cases_are_selected_by_what_tells_them_apart(path, labels, study):
-    with weier.open_dataset(path) as data:
-        assert data.weier.cases(**labels).study.values.tolist() == study
-
-
 def test_each_case_has_a_name_that_tells_it_from_the_others(path):
     with weier.open_dataset(path) as data:
         names = [
@@ -72,22 +53,3 @@ def test_each_case_has_a_name_that_tells_it_from_the_others(path):
         series = data.compliance.sel(solution_method="demelio").to_series()
         assert series.index.names == ["case", "mean_pressure"]
         assert data.sel(case=names[1]).bem_points_per_wave == 80
-
-
-def test_the_page_offers_cases_by_their_labels(path):
-    data = dataset.read(path)
-    first, second, _, *drawn = explorer._labels(data, "case")
-    assert first == "coarse: bem_points_per_wave = 40, bem_staircase = kept"
-    assert second == "fine, alike: bem_points_per_wave = 80, bem_staircase = kept"
-    assert drawn == ["drawn", "drawn"]
-    assert [label.partition(":")[0] for label in explorer._labels(data, "phase")[3:]] == ["seed 7", "seed 8"]
-    assert (
-        explorer._labels(data.drop_vars(["study", "bem_points_per_wave", "bem_staircase", "seed"]), "case")
-        == ["case"] * 5
-    )
-
-
-def test_labels_come_from_the_scene_alone(path):
-    """So a file of ten thousand cases gets them in no time, and no batch is solved again for a new name."""
-    labels = case_labels(scene.load(path.parent / "scene.yaml"))
-    assert list(labels.coords) == ["study", "bem_points_per_wave", "bem_staircase"]

@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.scenes import curves_in, scene_in, solve_scene
-from weier.data import bodies
+from tests.scenes import curves_in, scene_in
 from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.methods.settings import defaults
-from weier.pipeline.needed_curves import SURFACE, Curves
+from weier.pipeline.needed_curves import Curves
 from weier.pipeline.store import Store
 from weier.scene.case import identity
-from weier.surface.measured.trace import Trace
 
 PRODUCT = {"D": [1.25, 1.5], "gamma": [2, 3], "m": 2, "seed": {"from": 1, "to": 3, "count": 3}}
 SCENE = {
@@ -108,37 +106,6 @@ def test_another_order_of_phases_is_another_surface(tmp_path):
     assert own[0] != own[1]
 
 
-BODIES = {"mu_1": 8e10, "mu_2": 8e10, "nu_1": 0.3, "nu_2": 0.3, "rho_1": 1e-7, "rho_2": 2e-7}
-IN_SI = {"loads": ["1 MPa", "10 MPa"], "interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}
-
-
-def test_another_constant_in_the_formulas_of_bodies_is_another_kind(tmp_path, monkeypatch):
-    before = names(tmp_path, **IN_SI)[0]
-    for changed in ({"rho_1": 1e-6}, {"mu_1": 4e10}, {"g_0": 2e-6}):
-        own = names(tmp_path, **IN_SI | {"interface": IN_SI["interface"] | changed})[0]
-        assert (own == before) == ("rho_1" in changed)
-    usual = bodies.full_contact_pressure
-    monkeypatch.setattr(bodies, "full_contact_pressure", lambda *values: 1.01 * usual(*values))
-    assert names(tmp_path, **IN_SI)[0] != before
-
-
-def test_a_trace_has_the_digest_of_what_is_solved():
-    heights = 1e-6 * np.cos(np.arange(16.0) ** 2)
-    one, tilted = (Trace(each, 1e-3, unit="m") for each in (heights, heights + 1e-6 * np.arange(16)))
-    assert np.allclose(one.amplitude, tilted.amplitude)
-    assert Trace(heights, 1e-3, unit="m", detrend="mean").digest != one.digest
-
-
-def test_curves_without_phases_are_stored_once_for_all(tmp_path):
-    found = solve_scene(scene_in(tmp_path, SCENE), tmp_path / "curves")
-    rows = {part.kind.method: len(found.store.index(part.kind.name).keys) for part in (*found.surfaces, *found.parts)}
-    assert rows == {SURFACE: 12, "archard": 4, "bem": 12}
-    archard, _ = found.parts
-    values = found.store.read(archard.kind, archard.keys, "compliance")
-    assert values.shape == (12, 2)
-    assert len(np.unique(values, axis=0)) == 4
-
-
 def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     """Also one of several groups of kinds, and those of two kinds by different jobs."""
     full = curves_in(
@@ -169,14 +136,3 @@ def test_each_curve_is_expected_to_take_what_its_method_says(tmp_path, method, s
     cases = [own.product.case(position) for position in own.positions.tolist()]
     assert len(cases) == solved
     assert own.seconds == pytest.approx(sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases), rel=1e-9)
-
-
-def test_the_digest_of_a_study_is_that_of_its_own_curves(tmp_path):
-    def digests(**product_of_two):
-        studies = {"one": {"product": PRODUCT}, "two": {"product": PRODUCT | product_of_two}}
-        found = curves_in(scene_in(tmp_path, SCENE | {"studies": studies}), tmp_path)
-        return [found.digest(studies) for studies in (["one"], ["two"], None)]
-
-    first, second = digests(m=3), digests(m=[3, 4])
-    assert [old == new for old, new in zip(first, second, strict=True)] == [True, False, False]
-    assert len({*first}) == 3

@@ -6,8 +6,6 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.test_freshness import ALL, digests_of
-from weier import digests
-from weier.pipeline import products
 from weier.pipeline.products import DATA, files_of, stamp_of
 
 
@@ -19,28 +17,6 @@ def test_data_of_another_date_are_other_data(tmp_path, monkeypatch):
         found.append(digests_of(tmp_path))
     assert len({one[DATA] for one in found}) == 3
     assert all(len({one[name] for one in found}) == 1 for name in ALL - {DATA})
-
-
-@pytest.mark.parametrize(
-    ("parts", "expected"),
-    [
-        (("figures",), ALL - {DATA}),
-        (("data",), ALL),
-        (("pipeline",), ALL),
-        (digests.CURVES, ALL),
-        (("cli", "accuracy"), set()),
-    ],
-)
-def test_other_code_makes_again_what_it_makes(tmp_path, monkeypatch, parts, expected):
-    before, usual = digests_of(tmp_path), digests.digest_of_modules
-
-    def edited(*asked, **options):
-        return usual(*asked, **options)[::-1] if {*asked} & {*parts} else usual(*asked, **options)
-
-    for module in (digests, products):
-        monkeypatch.setattr(module, "digest_of_modules", edited)
-    after = digests_of(tmp_path)
-    assert {name for name in ALL if before[name] != after[name]} == expected
 
 
 @pytest.fixture

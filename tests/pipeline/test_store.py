@@ -1,6 +1,5 @@
 """Segments of the store: whole or not there, read by key, and named where they are damaged."""
 
-import json
 import multiprocessing
 import re
 import signal
@@ -55,12 +54,6 @@ def test_either_of_two_solutions_of_a_curve_serves(store):
     store.append(KIND, {KEYS[0]: row(0), KEYS[5]: row(5)}, "again")
     assert store.read(KIND, KEYS[[0, 5, 1]], "compliance")[:, 0].tolist() == [0, 5, 1]
     assert len(store.index(KIND.name).keys) == 6
-
-
-def test_a_kind_is_described_beside_its_segments(store):
-    folder = store.folder / KIND.name
-    assert json.loads((folder / "kind.json").read_text()) == json.loads(json.dumps(KIND._asdict()))
-    assert {path.suffix for path in (folder / "now").iterdir()} == {".npz"}
 
 
 def test_a_damaged_segment_is_named_with_what_to_do(store):
@@ -129,9 +122,3 @@ def test_what_was_appended_outlives_a_kill(tmp_path):
     assert len(list((tmp_path / KIND.name / "now").iterdir())) == 2  # a segment, and what is no segment
     assert store.index(KIND.name).keys.tolist() == KEYS[:1].tolist()
     assert store.read(KIND, KEYS[:1], "compliance").tolist() == [[0, 1]]
-
-
-def test_a_segment_that_is_appended_is_seen_by_its_store(store):
-    assert not store.index(KIND.name).find(KEYS[4:5])[0].any()
-    store.append(KIND, {KEYS[4]: row(4)}, "test")
-    assert store.index(KIND.name).find(KEYS[4:5])[0].all()

@@ -12,7 +12,7 @@ from tests.scenes import solve_scene
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline import workflow
 from weier.pipeline.needed_curves import CLOSED
-from weier.pipeline.workflow import Plan, ending_in_one_sentence, kernels_file
+from weier.pipeline.workflow import Plan, ending_in_one_sentence
 
 SCENE = """
 title: test
@@ -65,20 +65,6 @@ def test_a_run_removes_the_drafts_that_earlier_ones_have_left_of_what_it_makes(f
     assert not (drafts / "one.0-of-1.a").exists()
 
 
-def test_everything_is_the_files_of_the_products_and_their_stamps(folder):
-    files = plan().all_files(of())
-    made = [path.removeprefix("results/test/") for path in files if "/.made_of/" not in path]
-    drawn = [f"figures/{name}.{suffix}" for name in ("one", "two") for suffix in ("png", "pdf", "svg", "csv")]
-    assert made == ["contact.nc", "claims.md", *drawn, "page.html"]
-    assert [Path(path).parent.name for path in files if "/.made_of/" in path] == [
-        "contact.nc",
-        "one",
-        "two",
-        "page.html",
-    ]
-    assert not (folder / "results").exists()
-
-
 def solved(plan, product, scene="test"):
     """The jobs that solve curves for the job that makes a product."""
     what, number, count = re.fullmatch(
@@ -117,11 +103,6 @@ def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_i
         assert jobs == [f"bem.{number}-of-{expected}" for number in range(expected)]
 
 
-def test_a_figure_of_no_study_needs_no_curves(folder):
-    change(folder, "figures:", "figures:\n  three: {draw: borodich_galanov}")
-    assert solved(plan(), "three") == []
-
-
 def test_minutes_grow_with_the_seconds_of_a_job_and_with_attempts(folder, monkeypatch):
     job = {"what": "test~contact.nc", "group": "bem", "number": "0", "jobs": "2"}
     assert [plan().minutes(of(**job), attempt) for attempt in (1, 3)] == [5, 15]
@@ -143,19 +124,6 @@ def test_each_product_that_is_not_up_to_date_is_made_by_one_of_as_many_jobs_as_c
     for number, share in enumerate(shares.values()):
         stamps = planned.drafted(of(what="all", number=str(number), jobs=str(count)))
         assert [Path(stamp).parent.name for stamp in stamps] == share
-
-
-def test_no_rule_makes_a_stamp_that_is_there(folder):
-    stamps = folder / "results/test/.made_of/one"
-    stamps.mkdir(parents=True)
-    (stamps / "00aa.11").touch()
-    pattern = plan().new_digests
-    assert [bool(re.fullmatch(pattern, name)) for name in ("00aa.11", "00aa", "00aa.112", "x")] == [
-        False,
-        True,
-        True,
-        False,
-    ]
 
 
 def test_a_wrong_scene_ends_in_one_sentence(folder):
@@ -186,25 +154,6 @@ def test_scenes_are_named_by_words_with_commas_between():
         SystemExit, match=r"^weier: a key of --config must be one of scenes, got 'scens': did you mean 'scenes'\?$"
     ):
         workflow.names_of_scenes({"scens": "test"})
-
-
-def test_kernels_are_compiled_for_the_methods_that_have_some(tmp_path, monkeypatch):
-    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
-    monkeypatch.setattr(workflow, "cache_folder", lambda: tmp_path / "cache")
-    kernels = plan().kernels
-    assert kernels(of(group="bem")) == [kernels_file("bem")] == [str(tmp_path / "cache/compiled/bem")]
-    assert kernels(of(group=CLOSED)) == []
-    (tmp_path / "cache").touch()  # takes no files
-    assert kernels(of(group="bem")) == []
-
-    def homeless():
-        raise OSError("there is no home directory for the cache")
-
-    monkeypatch.setattr(workflow, "cache_folder", homeless)
-    assert kernels(of(group="bem")) == []
-    assert kernels_file("{method}") == "results/compiled/{method}"  # the name of an output all the same
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-    assert kernels(of(group="bem")) == []
 
 
 @pytest.mark.usefixtures("ctrl_c")

@@ -10,7 +10,7 @@ import pytest
 import weier
 from tests.scene.test_traces import BODIES, HEIGHTS, X, write_heights
 from tests.scenes import curves_in, scene_in, solve_scene, write_data
-from weier.figures import lines, many_curves, page, scene_checks, tables, values
+from weier.figures import many_curves, page, scene_checks, values
 from weier.pipeline.gather import read_study
 from weier.scene import SceneError
 
@@ -108,18 +108,6 @@ def test_figures_are_in_si_units(solved):
         assert extent.first_load == pytest.approx(5)
 
 
-def test_other_bodies_of_the_same_stiffness_have_the_same_curves(solved):
-    """The resistivities are no part of a kind, and the moduli are."""
-    folder, _, solutions = solved
-
-    def new(**changes):
-        other = scene_in(folder, SCENE | {"interface": SCENE["interface"] | changes})
-        return solutions.store.lacking(curves_in(other, folder / "curves").parts_for())
-
-    assert new(rho_1=5e-7) == []
-    assert new(mu_1=9e10)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -142,19 +130,6 @@ def test_single_loads_have_units_too(solved):
         loaded = scene_in(solved[0], SCENE | {"loads": given})
         assert loaded.load_unit == unit
         assert loaded.loads == pytest.approx([1e6, 5e6, 1e8] if unit == "Pa" else [1e5, 5e5], rel=1e-14)
-
-
-def test_a_compliance_has_its_slope_between_the_loads(solved):
-    """As if the trace had been solved in its own units, and its line converted."""
-    _, loaded, solutions = solved
-    trace = loaded.study("lines")[1].profile
-    own = weier.Interface(**BODIES).at(trace)
-    alone = weier.solve([trace], own.normalised_pressure(loaded.loads), ["patches"])
-    loads, values = lines.line(alone.isel(case=0), "compliance", "patches")
-    (study,) = tables.values_of([read_study(solutions, "lines")], "compliance", loaded.interface)
-    found_loads, found = study.line(1, 0)
-    assert found_loads == pytest.approx(own.pressure(loads) / 1e6, rel=1e-12)
-    assert found == pytest.approx(own.compliance(values), rel=1e-12)
 
 
 def test_traces_have_their_fits_beside_their_curves(tmp_path):

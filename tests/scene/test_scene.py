@@ -1,6 +1,5 @@
 """Scene files: what they expand to, and what is said about a bad one."""
 
-import inspect
 import json
 import re
 import shutil
@@ -12,9 +11,8 @@ import pytest
 import yaml
 
 from tests.toy_method import TOY
-from weier import Interface, load_scene, scene
+from weier import load_scene, scene
 from weier.methods import registry
-from weier.pipeline.workflow import CONFIG_KEYS
 from weier.scene import __main__ as keys
 from weier.scene.__main__ import schema
 from weier.scene.case import short_keys
@@ -53,11 +51,6 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
     assert [case.key(loads) for case, loads in own] == [solved[number] for number in some]
 
 
-def test_the_schema_knows_the_names_of_the_bodies():
-    known = schema()["properties"]["interface"]["propertyNames"]["enum"]
-    assert known == [*inspect.signature(Interface).parameters]
-
-
 def test_the_schema_knows_every_method(monkeypatch):
     def methods():
         return schema()["properties"]["methods"]["items"]["enum"]
@@ -74,12 +67,6 @@ def test_the_schema_of_editors_takes_the_scenes_that_come_with_weier(path):
     assert [error.message for error in validator.iter_errors(found)] == []
     for changes in ({"lods": 1}, {"methods": ["bme"]}, {"batch": 1}, {"figures": {"f": {"drew": "compliance"}}}):
         assert not validator.is_valid(found | changes)
-
-
-def test_the_loads_of_the_paper_are_dense_where_contacts_are_born_and_merge():
-    loads = scene.load("config/scenes/paper.yaml").loads
-    shown = loads[(loads > 0.01) & (loads < 8)]  # on the axes of Figs 5, 6 and 8
-    assert (shown[1:] / shown[:-1]).max() < 1.03  # less than half a millimetre of a column
 
 
 def test_a_product_is_every_combination(tmp_path):
@@ -127,12 +114,6 @@ def test_phases_are_those_of_a_profile_or_a_list_of_them(phases, expected, tmp_p
     """A number is the phase of every term but the first, a list is of all terms: as in weier.Profile."""
     loaded = scene.load(write(tmp_path, **product(m=2, phases=phases)))
     assert [case.profile.phases for case in loaded.cases.values()] == expected
-
-
-def test_an_unknown_name_is_reported_with_the_known_ones(tmp_path):
-    loaded = scene.load(write(tmp_path))
-    with pytest.raises(ValueError, match="a study of scene must be one of one, got 'two'"):
-        loaded.study("two")
 
 
 ONE_MISTAKE = yaml.safe_load(Path("tests/data/scene_mistakes.yaml").read_text(encoding="utf-8"))
@@ -197,9 +178,3 @@ def test_the_schema_and_the_table_of_keys_are_those_of_the_models(tmp_path):
         assert written == Path("config", name).read_text(encoding="utf-8"), "run python -m weier.scene"
     named = set(re.findall(r"\| `(\w+)` \|", (tmp_path / "README.md").read_text(encoding="utf-8")))
     assert {*SceneKeys.model_fields} <= named
-
-
-def test_the_readme_of_the_configuration_names_every_scene():
-    named = set(re.findall(r"`([a-z0-9_ ]+)`", Path("config/README.md").read_text(encoding="utf-8")))
-    assert {*CONFIG_KEYS} <= named
-    assert {path.stem for path in Path("config/scenes").glob("*.yaml")} <= named
