@@ -10,10 +10,6 @@ min_version("9.0")
 
 VERSION = "0.1.0"  # this workflow and the package of its jobs have this version
 CHECKOUT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
-if {*"{}"} & {*f"{CHECKOUT.resolve()}{Path().resolve()}"}:
-    raise SystemExit(
-        f"weier: folders must have no braces in their names, which Snakemake takes for wildcards: rename {Path().resolve()}"
-    )
 # The package next to this file takes precedence, here and in the jobs, in any working folder. A workflow without it,
 # for example from snakedeploy, uses the installed package.
 if (CHECKOUT / "weier").is_dir():
@@ -57,6 +53,14 @@ wildcard_constraints:
     scene=r"[A-Za-z0-9_-]+",
     figure=r"[A-Za-z0-9_-]+",
     method=r"[a-z_]+",
+    group=r"[a-z_]+",
+    what=rf"[\w.{BETWEEN}-]+",
+    product=r"[\w.-]+",
+    number=r"\d+",
+    jobs=r"\d+",
+    numerics="[0-9a-f]+",
+    missing="[0-9a-f]+",
+    stamps="[0-9a-f]+",
 
 
 localrules:
@@ -110,15 +114,6 @@ rule solve:
         ),
     log:
         "results/logs/curves/{what}.{missing}.{numerics}.{group}.{number}-of-{jobs}.log",
-    benchmark:
-        "results/logs/curves/{what}.{missing}.{numerics}.{group}.{number}-of-{jobs}.tsv"
-    wildcard_constraints:
-        what=rf"{ALL}|[\w-]+{BETWEEN}[\w.-]+",
-        numerics="[0-9a-f]+",
-        missing="[0-9a-f]+",
-        group="[a-z_]+",
-        number=r"\d+",
-        jobs=r"\d+",
     priority: 1
     conda:
         "rules/environment.yaml"
@@ -145,13 +140,6 @@ rule make:
         temp(directory("results/{scene}/.drafts/{what}.{number}-of-{jobs}.{stamps}")),
     log:
         "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.log",
-    benchmark:
-        "results/logs/{scene}/make/{what}.{number}-of-{jobs}.{stamps}.tsv"
-    wildcard_constraints:
-        what=r"[\w.-]+",
-        number=r"\d+",
-        jobs=r"\d+",
-        stamps="[0-9a-f]+",
     conda:
         "rules/environment.yaml"
     resources:
@@ -175,7 +163,6 @@ rule made_of:
     log:
         "results/logs/{scene}/made_of/{product}.{digest}.log",
     wildcard_constraints:
-        product=r"[\w.-]+",
         digest=plan.new_digests,
     conda:
         "rules/environment.yaml"
@@ -185,9 +172,7 @@ rule made_of:
     message:
         "{wildcards.scene}: {wildcards.product} is made"
     shell:
-        "(if ! test -d {params.made:q}; then"
-        " echo weier: {wildcards.product} is not made, for the reason above >&2; exit 1; fi;"
-        " mv {params.made:q} {output:q}; "
+        "(mv {params.made:q} {output:q} && "
         "find {params.stamps:q} -mindepth 1 -maxdepth 1 ! -name {wildcards.digest:q} -exec rm -r {{}} +)"
         " 2>&1 | tee -i {log:q}"
 

@@ -1,7 +1,6 @@
 """The plan of a run: what is missing, who solves it, and messages that end a run. Planning writes nothing."""
 
 import re
-import signal
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,7 +11,7 @@ from tests.scenes import solve_scene
 from weier.figures.scene_checks import load_by_name
 from weier.pipeline import workflow
 from weier.pipeline.needed_curves import CLOSED
-from weier.pipeline.workflow import Plan, ending_in_one_sentence
+from weier.pipeline.workflow import Plan
 
 SCENE = """
 title: test
@@ -154,16 +153,3 @@ def test_scenes_are_named_by_words_with_commas_between():
         SystemExit, match=r"^weier: a key of --config must be one of scenes, got 'scens': did you mean 'scenes'\?$"
     ):
         workflow.names_of_scenes({"scens": "test"})
-
-
-@pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_ends_the_run_whatever_an_event_loop_makes_of_it():
-    noted = []
-    signal.signal(signal.SIGINT, lambda *_: noted.append("later"))
-    with pytest.raises(SystemExit, match=r"^weier: stopped by Ctrl-C$"), ending_in_one_sentence():
-        signal.raise_signal(signal.SIGINT)
-    signal.raise_signal(signal.SIGINT)
-    assert noted == ["later"]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with ending_in_one_sentence():
-        signal.raise_signal(signal.SIGINT)

@@ -9,7 +9,6 @@ import math
 import os
 import re
 import shutil
-import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -253,18 +252,8 @@ def names_of_scenes(config: Mapping[str, Any]) -> list[str]:
 
 @contextmanager
 def ending_in_one_sentence() -> Iterator[None]:
-    """End the run with a message if a scene or a folder is invalid, and at once by Ctrl-C.
-
-    The event loop of Snakemake would handle Ctrl-C only after its planning, with a traceback.
-    """
-    before = signal.getsignal(signal.SIGINT)
-    if before is not signal.SIG_IGN:  # a script's background process ignores it
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    """End the run with a message if a scene or a folder is invalid."""
     try:
         yield
-    except KeyboardInterrupt:
-        raise SystemExit("weier: stopped by Ctrl-C") from None
     except (ValueError, OSError) as error:
         raise SystemExit(f"weier: {error}") from None
-    finally:
-        signal.signal(signal.SIGINT, before)
