@@ -184,7 +184,6 @@ KEYS = {
     "loads": ({"loads": [0.1, 2.0]}, ALL),
     "methods": ({"methods": ["archard"]}, ALL),
     "tolerance": ({"methods": ["auto"], "tolerance": 0.1}, ALL),
-    "max_seconds": ({"max_seconds": 99.0}, {DATA}),
     "settings": ({"methods": ["layer"], "settings": {"layer": {"points": 40}}}, ALL),
     "contact_edges": ({"contact_edges": True}, ALL),
     "interface": ({"interface": BODIES | {"lambda_0": 1e-3, "g_0": 1e-6}}, ALL),

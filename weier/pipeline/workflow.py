@@ -16,13 +16,14 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from weier.api.progress import LONG
 from weier.checks import checked_word, shown
 from weier.data.files import check_target
+from weier.data.markdown import significant
 from weier.digests import DIGITS, digest, numerics
 from weier.kernels.jit import cache_folder
 from weier.methods.registry import methods_run_by
 from weier.pipeline import products
-from weier.pipeline.forecast import forecast_scene
 from weier.pipeline.needed_curves import CLOSED, SURFACE, Curves, Part
 from weier.pipeline.store import Store
 from weier.scene import Scene
@@ -102,7 +103,7 @@ class Plan:
                 for product in products.names_of(self.scene(name)):
                     files += [str(self.results / name / file) for file in products.files_of(product)]
                     files.append(str(self.stamp(name, product)[0]))
-            self._forecast()
+            self._announce()
         return files
 
     def _stamp(self, name: str, product: str) -> tuple[Path, bool]:
@@ -197,14 +198,15 @@ class Plan:
         methods = methods_run_by(wildcards.group)
         return [kernels_file(method.name) for method in methods if method.numerical]
 
-    def _forecast(self) -> None:
-        """Print the expected time of missing curves; raises ValueError if a scene exceeds its time limit."""
+    def _announce(self) -> None:
+        """Print the expected time of missing curves, for each scene that takes long."""
         for name in self.names:
             own = self.store.lacking(self.curves(name).parts_for())
-            seconds = sum(part.seconds for part in own)
+            seconds = sum(part.seconds for part in own) / self.slots
             count = sum(len(part.keys) for part in own if part.kind.method != SURFACE)
-            for line in forecast_scene(self.scene(name), seconds / self.slots, count, self.slots):
-                print(line, file=sys.stderr, flush=True)
+            if seconds > LONG:
+                about = f"in about {significant(seconds, 2)} s by {self.slots} at once"
+                print(f"{name}: {count} curves to solve, {about}", file=sys.stderr, flush=True)
 
 
 def missing(what: str, names: Sequence[str], curves: Callable[[str], Curves]) -> dict[str, list[Part]]:

@@ -33,7 +33,6 @@ class Scene:
     load_unit : unit in which the loads were given; studies have them in Pa unless it is p_0*
     figures, claims : what is made from the studies
     interface : the two bodies, in SI units; None without them
-    max_seconds : the longest expected time of its solution; None without a limit
     contact_edges : whether to keep the edges of all contacts
     text : the file itself
     """
@@ -45,7 +44,6 @@ class Scene:
     figures: Mapping[str, Figure] = field(default_factory=dict)
     claims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     interface: Bodies | None = None
-    max_seconds: float | None = None
     contact_edges: bool = False
     text: str = ""
 

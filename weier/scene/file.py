@@ -102,7 +102,6 @@ def _scene(keys: SceneKeys, text: str, path: Path) -> Scene:
         figures={name: figure.figure(bodies) for name, figure in keys.figures.items()},
         interface=keys.interface,
         claims={claim: tuple(names) for claim, names in keys.claims.items()},
-        max_seconds=keys.max_seconds,
         contact_edges=keys.contact_edges,
         text=text,
     )

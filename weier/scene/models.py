@@ -408,10 +408,6 @@ class SceneKeys(Section):
         ABSENT,
         description="Accepted error of the compliance, in g_0, for all methods that take one; for auto without any.",
     )
-    max_seconds: Annotated[float, Field(gt=0)] = Field(
-        ABSENT,
-        description="Limit of the expected seconds of the solution, checked before it begins; none by default.",
-    )
     settings: Settings = Field(
         {}, description="Settings of each method, as keywords of weier.solve: {bem: {points_per_wave: 16}}."
     )
