@@ -71,11 +71,8 @@ def test_a_sample_of_the_same_bits_stands_for_all_with_a_record_beside_the_curve
     ("method", "name", "by"),
     [
         ("bem", "compliance", lambda values: values * (1 + 1e-15)),
-        ("bem", "status", lambda values: 2 - values),
         ("bem", "contact_edge", lambda values: np.concatenate([values, 0 * values[:, :, :1] + 1], axis=2)),
-        ("bem", "compliance_upper", lambda values: values * np.nan),
         ("archard", "resistance", lambda values: np.nextafter(values, 9.0)),
-        (SURFACE, "total_amplitude", lambda values: 2 * values),
         (SURFACE, "phases", lambda values: values[:, ::-1]),
     ],
 )
@@ -91,16 +88,7 @@ def test_another_number_is_not_adopted(old, method, name, by):
     [
         ("bem", "compliance", 1 + 1e-14, EVERY),
         ("bem", "compliance", 2, EVERY - {"bem"}),
-        ("bem", "status", 3, EVERY - {"bem"}),
         ("archard", "compliance", 1 + 1e-14, EVERY - {"archard"}),  # which states no error
-        (
-            "cascade",
-            "contact_fraction",
-            1 + 1e-14,
-            EVERY - {"cascade"},
-        ),  # which has neither compliance nor resistance
-        ("cascade", "contact_fraction", 1, EVERY),
-        (SURFACE, "total_amplitude", 2, EVERY - {SURFACE}),
     ],
 )
 def test_errors_are_those_that_curves_state(old, method, name, factor, expected):

@@ -177,7 +177,7 @@ def studies(**changes):
 
 
 RANDOM = {"hurst": 0.8, "length": "1 mm", "shortest": "0.2 mm", "rms_height": "1 um"}
-# Each key of a scene, a study and a figure, with the products that another value of it changes.
+# Each key of a scene and a study, with the products that another value of it changes.
 KEYS = {
     "title": ({"title": "another"}, {DATA, PAGE}),
     "max_cases": ({"max_cases": 99}, {DATA}),  # which has the text of the scene
@@ -200,16 +200,6 @@ KEYS = {
     "study.loads": (studies(loads=[0.1]), {DATA, PAGE, "two"}),
     "study.methods": (studies(methods=["archard"]), {DATA, PAGE, "two"}),
     "study.settings": (studies(methods=["layer"], settings={"layer": {"points": 40}}), {DATA, PAGE, "two"}),
-    "figure.draw": (figures(draw="resistance"), {DATA, "one"}),
-    "figure.studies": (figures(studies=["long"]), {DATA, "one"}),
-    "figure.title": (figures(title="other"), {DATA, "one"}),
-    "figure.x": (figures(x="linear"), {DATA, "one"}),
-    "figure.y": (figures(y={"to": 3.0}), {DATA, "one"}),
-    "figure.size": (figures(size=[3.5, 3]), {DATA, "one"}),
-    "figure.colour": (figures(colour="m"), {DATA, "one"}),
-    "figure.facet": (figures(facet="m"), {DATA, "one"}),
-    "figure.median over": (figures(**{"median over": ["m"]}), {DATA, "one"}),
-    "figure.behind": (figures(behind=["long"]), {DATA, "one"}),
 }
 
 
@@ -222,11 +212,11 @@ def test_another_value_of_a_key_makes_its_products_again(tmp_path, key):
 
 
 def test_each_key_of_a_scene_is_above():
-    from weier.scene.models import FigureKeys, SceneKeys, StudyKeys
+    from weier.scene.models import SceneKeys, StudyKeys
 
     known = {
         f"{part}{key}"
-        for part, of in (("", SceneKeys), ("study.", StudyKeys), ("figure.", FigureKeys))
+        for part, of in (("", SceneKeys), ("study.", StudyKeys))
         for key in of.keys()  # noqa: SIM118 - a method of models
     }
     assert known == KEYS.keys()

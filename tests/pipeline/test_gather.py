@@ -8,7 +8,7 @@ from tests.scenes import curves_in, scene_in, solve_scene, write_data
 from weier.api import batch
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.pipeline.gather import read_cases, read_study
+from weier.pipeline.gather import read_study
 
 WAVE = {"product": {"D": 1.25, "gamma": 5, "m": 2}}
 ONE_STUDY = {"title": "one", "loads": [0.1, 1.0], "methods": ["demelio"]}
@@ -130,18 +130,3 @@ def test_a_file_has_the_loads_of_all_studies_and_each_study_its_own(of_loads, tm
         assert study.mean_pressure.values.tolist() == loads
         assert study.compliance.values[0].tolist() == own.values.tolist()
         assert np.isfinite(study.compliance).all()
-
-
-def test_figures_and_the_explorer_show_each_study_at_its_own_loads(of_loads, tmp_path):
-    from weier.figures import many_curves, page
-
-    studies = [read_study(of_loads, name) for name in LOADS]
-    figure = of_loads.scene.figure("both")
-    _, panels, _ = many_curves.compare(studies, "", "compliance", figure.grouping)
-    drawn = [line.get_xdata() for axes in panels for line in axes.get_lines() if line.get_xdata().size > 1]
-    assert {float(x.min()) for x in drawn} >= {0.02, 0.05}
-    assert all(np.isfinite(x).all() for x in drawn)
-    page.write(of_loads, tmp_path / "page.html")
-    pressures, values = page.explorer._at_own_loads(read_cases(of_loads, np.arange(3)))
-    assert sorted(row[np.isfinite(row)].tolist() for row in pressures) == sorted([*LOADS.values(), [0.1, 1.0]])
-    assert np.array_equal(np.isfinite(values["compliance"][:, 0]), np.isfinite(pressures))

@@ -1,7 +1,6 @@
 """Scenes with loads in Pa: common pressures of traces and series, and results in SI units."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -152,21 +151,3 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
     assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(g_0.std(ddof=1))
     assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))
     assert ensemble["trace_fits"] == 3
-
-
-def test_the_band_of_fits_is_a_key_of_traces_and_fits_that_fail_say_why(tmp_path):
-    """In the unit of positions. Another band is another case; one that contains the roll-off has no fit."""
-    file = str(Path("config/scenes/measured/shaft_1.csv").resolve())
-    options = {"file": file, "length": 2.0, "x_unit": "mm", "height_unit": "um", "shortest": 10e-3}
-    studies = {"fine": {"trace": options | {"longest": 0.1}}, "long": {"trace": options | {"longest": "1.5"}}}
-    loaded = scene_in(tmp_path, SCENE | {"loads": ["50 MPa"], "methods": ["bem"], "studies": studies, "figures": {}})
-    write_data(solve_scene(loaded, tmp_path / "store"), tmp_path / "contact.nc")
-    found = weier.fit(loaded.study("fine")[0].profile, longest=0.1e-3)
-    with weier.open_dataset(tmp_path / "contact.nc") as data:
-        assert data.trace_fit_D.values == pytest.approx([found.D, math.nan], nan_ok=True)
-        good, bad = data.trace_fit_remark.values.tolist()
-        assert not good
-        assert re.search(r"must be one power law .*, got a roll-off at .*: take longest=", bad)
-        ensembles = data.weier.ensemble().set_index("study")
-    assert ensembles["trace_fits"].to_dict() == {"fine": 1, "long": 0}
-    assert ensembles["trace_fit_remarks"].to_dict() == {"fine": "", "long": bad}
