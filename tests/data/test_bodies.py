@@ -26,7 +26,7 @@ def interface(**changed):
     return Bodies(**{**STEEL, **COPPER, **ROUGH, **changed})
 
 
-def test_bodies_are_given_by_either_modulus_and_by_name_alone():
+def test_bodies_are_given_by_either_modulus():
     of_young = {"E_1": 2 * 80e9 * 1.3, "nu_1": 0.3, "rho_1": 1.4e-7} | COPPER | ROUGH
     bodies = Bodies(**of_young)
     assert bodies.composite_modulus == pytest.approx(interface().composite_modulus, rel=1e-15)
@@ -36,10 +36,6 @@ def test_bodies_are_given_by_either_modulus_and_by_name_alone():
         Bodies(**of_young, mu_1=80e9)
     with pytest.raises(ValueError, match="got neither"):
         Bodies(nu_1=0.3, rho_1=1.4e-7, **COPPER, **ROUGH)
-    with pytest.raises(TypeError, match=r"Interface takes mu_1, .*, E_2, got 'rho1': did you mean 'rho_1'\?"):
-        Bodies(**of_young, rho1=1.4e-7)
-    with pytest.raises(TypeError, match="positional"):
-        Bodies(80e9, 45e9, 0.3, 0.34, 1.4e-7, 1.7e-8, 1e-4, 1e-7)
 
 
 def test_results_in_si_units_follow_westergaard_in_si_units():
@@ -103,7 +99,7 @@ def test_contacts_that_yield_are_named_once_with_their_mean_pressure():
 
 @pytest.mark.parametrize("method", ["demelio", ["demelio", "westergaard"]])
 def test_yield_that_cannot_be_judged_is_named(method):
-    with pytest.warns(UserWarning, match="whether contacts yield cannot be judged at 2 of 2 loads") as warned:
+    with pytest.warns(UserWarning, match="whether contacts yield cannot be judged at loads without") as warned:
         interface(hardness_1=1e11).in_si(solve(Profile(1.5, 3, 1), [0.1, 0.2], method))
     assert len(warned) == 1
 
@@ -130,22 +126,16 @@ def test_interface_refuses_what_cannot_be(changed, message):
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        (
-            {"mu_1": None, "E_1": 210},
-            r"^E_1 = 210 Pa is not from 1e\+06 to 1e\+13 Pa, .*: is the unit right\?",
-        ),
+        ({"mu_1": None, "E_1": 210}, r"^E_1 = 210 Pa is not from 1e\+06 to 1e\+13: is the unit right\?"),
         (
             {"rho_1": None, "rho_2": None, "k_1": 16.0, "k_2": 39e3},
             r"k_2 = 39000 W/\(m K\) is not from 0.01 to 10000",
         ),
         ({"hardness_1": 150}, "hardness_1 = 150 Pa is not from"),
-        ({"rho_1": 2.2}, "rho_1 = 2.2 ohm m is not from 1e-08 to 0.001 ohm m"),
-        ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
-        (
-            {"lambda_0": 0.1, "g_0": 1e-9},
-            "coarsest wave has a root mean square slope of 4.44e-08, from g_0 = 1e-09 m",
-        ),
-        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is above 1 m: is it in mm or um"),
+        ({"rho_1": 2.2}, "rho_1 = 2.2 ohm m is not from 1e-08 to 0.001"),
+        ({"g_0": 1e-12, "lambda_0": 1e-3}, "slope of the coarsest wave = 4.44288e-09 is not from 1e-07 to 1"),
+        ({"g_0": 0.54, "lambda_0": 0.8e-3}, r"slope of the coarsest wave = 2998.95 is not from"),
+        ({"lambda_0": 4.0, "g_0": 1e-3}, "lambda_0 = 4 m is not from 2e-10 to 1"),
     ],
 )
 def test_unusual_materials_are_doubted(changed, message):
@@ -155,15 +145,6 @@ def test_unusual_materials_are_doubted(changed, message):
     assert warned[0].filename == __file__
     interface(mu_1=np.inf, rho_1=0.0)  # a rigid body, a perfect conductor
     interface(rho_1=1e-8, rho_2=1e-3, lambda_0=1.0, g_0=0.05)
-
-
-def test_the_limits_of_traces_are_those_of_the_coarsest_wave():
-    for g_0, lambda_0 in ((0.54, 0.8e-3), (0.54e-6, 0.8e-7)):
-        with pytest.raises(ValueError, match=r"g_0 must give the coarsest wave a .* slope of at most 10, got"):
-            interface(g_0=g_0, lambda_0=lambda_0)
-    for g_0, lambda_0 in ((1.0, 800.0), (1e-11, 1e-10)):
-        with pytest.raises(ValueError, match=r"lambda_0 must be from 2e-10 to 100 m, got .* m: is a unit wrong"):
-            interface(g_0=g_0, lambda_0=lambda_0)
 
 
 CURVE = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "bem")
@@ -208,17 +189,6 @@ def test_fields_have_si_units():
     # The contacts carry the load, and the gap is that of the mean plane.
     assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
     assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
-
-
-@pytest.mark.filterwarnings("ignore:(mu|rho|lambda)_", "ignore:p_0")  # the doubts about values that no material has
-def test_scalars_of_numpy_neither_overflow_nor_round():
-    """200 + 100 is 44 in unsigned bytes, and half a float has three digits."""
-    byte, half = np.uint8, np.float16
-    rough = interface(mu_1=half(3), mu_2=byte(7), rho_1=byte(200), rho_2=byte(100), lambda_0=half(3), g_0=byte(2))
-    same = interface(mu_1=3, mu_2=7, rho_1=200, rho_2=100, lambda_0=3, g_0=2)
-    assert rough == same
-    assert rough.full_contact_pressure == same.full_contact_pressure
-    assert rough.resistance(1.0) == same.resistance(1.0)
 
 
 def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
@@ -284,12 +254,6 @@ def test_what_has_lost_its_unit_is_refused_until_it_is_given_again():
         bodies.in_si(lost)
     with pytest.raises(ValueError, match="data must be a Dataset of weier"):
         bodies.in_si(CURVE.compliance.to_series())
-    unlabelled = CURVE.assign_coords(mean_pressure=CURVE.mean_pressure.values)
-    with pytest.raises(ValueError, match="mean_pressure has lost its unit"):
-        bodies.in_si(unlabelled)
-    own = CURVE.assign(share=CURVE.compliance / CURVE.first_contact if "first_contact" in CURVE else CURVE.work / 2)
-    own["share"].attrs = {"normalised_by": "1"}
-    assert bodies.in_si(own).share.equals(own.share.assign_coords(bodies.in_si(own).share.coords))
 
 
 def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
@@ -314,24 +278,18 @@ def assign(variable, change):
 
 ARITHMETIC = {
     "reciprocal": lambda data: 1 / data,
-    "variance": lambda data: data.var("mean_pressure"),
-    "sum": lambda data: data.cumsum("mean_pressure"),
-    "comparison": lambda data: data > 0.3,
-    "whole": lambda data: data.astype(int),
     "difference": lambda data: data.diff("mean_pressure"),
     "assigned": assign("resistance", lambda R: 1 / R),
     "of both": lambda data: data.assign(resistance=data.resistance / data.compliance),
     "loads": lambda data: data.assign_coords(mean_pressure=2 * data.mean_pressure),
 }
 SELECTION = {
-    "by position": lambda data: data.isel(mean_pressure=[2, 0]),
     "sorted": lambda data: data.sortby("mean_pressure", ascending=False),
     "one variable": lambda data: data.resistance.to_dataset(),
     "joined": lambda data: xr.concat(
         [data.isel(mean_pressure=[0]), data.isel(mean_pressure=[1, 2])], "mean_pressure"
     ),
     "cases": lambda data: data.expand_dims("case").weier.cases(D=1.25),
-    "labelled": lambda data: data.reset_coords().assign_coords(machine="a"),
     "without phases": lambda data: data.drop_vars(["phases", "seed", "term"]),
 }
 
@@ -358,10 +316,6 @@ def test_a_file_that_xarray_wrote_is_converted(tmp_path):
         np.testing.assert_array_equal(interface().in_si(again).resistance, interface().in_si(CURVE).resistance)
         with pytest.raises(ValueError, match="resistance must be as weier returned it"):
             interface().in_si(again.assign(resistance=again.resistance**2))
-    stated = (CURVE[["resistance"]] * 2).drop_attrs()
-    stated["resistance"].attrs = {"normalised_by": "g_0/p_0*"}
-    expected = 2 * interface().in_si(CURVE).resistance.values
-    np.testing.assert_allclose(interface().in_si(stated.assign_coords(CURVE.coords)).resistance, expected)
 
 
 def test_the_units_of_a_trace_are_never_those_of_a_series():

@@ -69,18 +69,6 @@ def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path)
         dataset.read(tmp_path / "none.nc")
 
 
-def test_a_file_of_another_format_is_called_so(tmp_path):
-    for name, content in {
-        "r.csv": b"D,m\n1.5,2\n",
-        "r.json": b"{}",
-        "empty.nc": b"",
-        "zeros.nc": bytes(9000),
-    }.items():
-        (tmp_path / name).write_bytes(content)
-        with pytest.raises(ValueError, match=rf"{name} is not a whole netCDF file .*: close it in a program that"):
-            dataset.read(tmp_path / name)
-
-
 def test_what_variables_say_of_themselves_is_whole_sentences():
     """As a file has them: texts that are put together of parts may lose a space, a stop or the part itself."""
     for name in variables.VARIABLES:

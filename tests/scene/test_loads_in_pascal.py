@@ -146,8 +146,3 @@ def test_traces_have_their_fits_beside_their_curves(tmp_path):
         rolloff = [fit.rolloff or math.nan for fit in fits]
         np.testing.assert_allclose(data.trace_fit_rolloff.values, rolloff, rtol=1e-12)
         assert list(data.trace_fit_remark.values) == ["", "", ""]
-        ensemble = data.weier.ensemble().iloc[0]
-    assert ensemble["trace_fit_D_mean"] == pytest.approx(D.mean())
-    assert ensemble["trace_fit_g_0_deviation"] == pytest.approx(g_0.std(ddof=1))
-    assert ensemble["trace_fit_D_standard_error"] == pytest.approx(np.mean([found.D_error for found in fits]))
-    assert ensemble["trace_fits"] == 3

@@ -1,4 +1,4 @@
-"""Selection of curves: `data.weier.cases` selects by D, gamma, m, phases and study, and `table` is a DataFrame.
+"""Selection of curves: `data.weier.cases` selects by D, gamma, m, seed and study, and `table` is a DataFrame.
 
 Importing this module gives every `xarray.Dataset` the accessor `weier`.
 """
@@ -6,16 +6,14 @@ Importing this module gives every `xarray.Dataset` the accessor `weier`.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Hashable, Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Collection, Hashable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
-from weier import units
-from weier.checks import checked_number, checked_numbers, shown
+from weier.checks import checked_number, shown
 from weier.data import curves, ensembles
 from weier.data.ensembles import CLOSE
 from weier.data.variables import CURVE, VARIABLES
@@ -29,8 +27,6 @@ MAX_VALUES_IN_MESSAGE = 10  # values listed in a message
 # A dataset of curves has these variables.
 NEEDED = (*PARAMETERS, "solution_method", "mean_pressure")
 
-Ratio = int | float | str | Fraction
-
 
 @xr.register_dataset_accessor("weier")  # type: ignore[no-untyped-call]
 class CurvesAccessor:
@@ -39,31 +35,15 @@ class CurvesAccessor:
     def __init__(self, data: xr.Dataset) -> None:
         self._data = data
 
-    def cases(
-        self,
-        *,
-        D: ArrayLike | None = None,
-        gamma: Ratio | Sequence[Ratio] | None = None,
-        m: ArrayLike | None = None,
-        phases: ArrayLike | None = None,
-        seed: ArrayLike | None = None,
-        study: str | Sequence[str] | None = None,
-        **settings: Any,
-    ) -> xr.Dataset:
+    def cases(self, **labels: Any) -> xr.Dataset:
         """Return the cases that have the labels given.
 
         Parameters
         ----------
-        D, gamma, m : number or list of numbers
-            Gamma also as a Fraction or "5/2", m also inf.
-        phases : number or list of m numbers
-            In radians: of every term but the first, which then has phase 0; or of each term.
-        seed : int or list of int
-            Of random phases.
-        study : str or list of str
-            Studies of the scene.
-        **settings
-            Any other coordinate of the cases, such as `layer_points`: a setting that differs between them.
+        **labels
+            Coordinates of the cases, each with one value or a list: D, gamma, also as a Fraction or "5/2", m, also
+            inf, the seed of random phases, the study of a scene, the name of a trace, or a setting that differs
+            between cases, such as `layer_points`.
 
         Returns
         -------
@@ -83,11 +63,10 @@ class CurvesAccessor:
         array([[0.4044, 1.2805]])
         """
         data = as_cases(self._data)
-        for name, wanted in {"D": D, "gamma": gamma, "m": m, "seed": seed, "study": study, **settings}.items():
-            if wanted is not None:
-                is_one = isinstance(wanted, str) or not np.iterable(wanted)
-                data = data.isel(case=_having(data, name, [wanted] if is_one else list(wanted)))
-        return data if phases is None else data.isel(case=_having_phases(data, phases))
+        for name, wanted in labels.items():
+            is_one = isinstance(wanted, str) or not np.iterable(wanted)
+            data = data.isel(case=_having(data, name, [wanted] if is_one else list(wanted)))
+        return data
 
     def table(self) -> pd.DataFrame:
         """Return the curves as a pandas.DataFrame, one row for each case, method and load that was solved.
@@ -133,8 +112,7 @@ class CurvesAccessor:
             fraction and the mean pressure of the contacts, `contact_pressure`, the mean over these cases, `..._mean`;
             the standard deviation between them, `..._deviation`; the median and the percentiles, `..._median`,
             `..._percentile_10` and `..._percentile_90`, interpolated linearly between cases; and the largest error
-            that a method states, `..._numerical_error`. For traces of a scene also the mean of D and g_0 of their
-            fits, the standard deviation between them, and the mean of their standard errors.
+            that a method states, `..._numerical_error`.
 
         Raises
         ------
@@ -170,8 +148,6 @@ def as_cases(data: xr.Dataset) -> xr.Dataset:
             f"the dataset holds no curves, since there is no {lacking[0]}: take a result of weier.solve, or a file "
             "of curves"
         )
-    own = data.variables["case"].dims if "case" in data.variables else ()
-    data = data.swap_dims({own[0]: "case"}) if len(own) == 1 and own != ("case",) else data
     changed = dict[Hashable, xr.Variable]()
     for label, variable in data.variables.items():
         known = VARIABLES.get(str(label))
@@ -238,49 +214,19 @@ def _having(data: xr.Dataset, name: str, wanted: list[Any]) -> Flags:
     """Return whether each case matches one of the values; `study` may hold several names, separated by commas."""
     known = [label for label in _labels(data) if label != "case"]
     if name not in known:
-        raise ValueError(f"there is no label {name!r} of cases: select by {', '.join([*known, 'phases'])}")
+        raise ValueError(f"there is no label {name!r} of cases: select by {', '.join(known)}")
     labels = data[name].values
     if labels.dtype.kind in "UOT":
-        # Names of files may contain a comma, names of studies do not.
         own = [str(label).split(", ") if name == "study" else [str(label)] for label in labels]
-        words = [json.dumps(value) if isinstance(value, bool) else value for value in wanted]
-        fits = np.array([[word in names for word in words] for names in own])
+        fits = np.array([[word in names for word in wanted] for names in own])
         labels = np.array([text for names in own for text in names])
     else:
-        unit = units.unit_of(data[name]) or units.NONE
-        numbers = np.array([_number(name, value, unit) for value in wanted])
-        # Integers, such as seeds, and inf are compared exactly.
-        whole = (np.floor(labels) == labels)[:, None] & (np.floor(numbers) == numbers)
-        fits = np.isclose(labels[:, None], numbers, rtol=CLOSE, atol=0) & ~whole | (labels[:, None] == numbers)
-    absent = [shown(wanted[row]) for row in np.flatnonzero(~np.any(fits, axis=0))]
+        convert = checked_ratio if name == "gamma" else partial(checked_number, name)
+        numbers = np.array([float(convert(value)) for value in wanted])
+        fits = np.isclose(labels[:, None], numbers, rtol=0 if name == "seed" else CLOSE, atol=0)
+    absent = [shown(value) for value, column in zip(wanted, fits.T, strict=True) if not column.any()]
     if absent or not wanted:
         texts = [text for value in np.unique(labels) if (text := label_text(value))] or ["none"]
         known = [*texts[:MAX_VALUES_IN_MESSAGE], *["..."] * (len(texts) > MAX_VALUES_IN_MESSAGE)]
         raise ValueError(f"no case has {name} = {(absent or ['[]'])[0]}: choose from {', '.join(known)}")
     return np.asarray(fits.any(axis=1))
-
-
-def _number(name: str, value: Any, unit: str) -> float:
-    if name == "gamma":
-        return float(checked_ratio(value))
-    return checked_number(name, value, "be a number", lambda number: number == number, unit)
-
-
-def _having_phases(data: xr.Dataset, wanted: ArrayLike) -> Flags:
-    """Return whether each case has these phases; m = inf always matches."""
-    given = checked_numbers("phases", wanted, "be finite", np.isfinite, units.RADIAN)
-    if "phases" not in data.coords:
-        raise ValueError("phases are not among the coordinates: select by them before single variables are taken")
-    phases = data["phases"].values
-    terms = phases.shape[1]
-    if given.ndim > 1 or not 0 < given.size <= terms:
-        raise ValueError(f"phases must be a number or at most {terms} numbers, got {shown(wanted)}")
-    # A single number is the phase of all terms that a case has.
-    expected = np.full(terms, np.nan if given.ndim else given)
-    expected[: given.size] = given if given.ndim else 0.0
-    beyond = np.isnan(phases) & (given.ndim == 0)
-    near = np.isclose(phases, expected, rtol=CLOSE, atol=CLOSE, equal_nan=True) | beyond
-    fits: Flags = near.all(axis=1) | np.isinf(data["m"].values)
-    if not fits.any():
-        raise ValueError(f"no case has phases = {given.tolist()}: they are in the coordinate phases(case, term)")
-    return fits
