@@ -60,7 +60,7 @@ def test_the_program_knows_methods_from_their_list_alone():
     known = {*names()} | {f"weier.methods.{name}" for name in names()}
     for path in rest:
         constants = {node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)}
-        of_bokeh = {"auto"} if path.name == "explorer.py" else set()
+        of_bokeh = {"auto"} if path.name == "page.py" else set()
         imported = {name for name in imports(path) for name in (name, ".".join(name.split(".")[:3]))}
         assert not (constants | imported) & known - of_bokeh, path
 

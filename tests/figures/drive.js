@@ -1,26 +1,16 @@
-// Drives a page as a user does: sets a drop-down list and fires its event.
+// Drives a page as a user does: sets the list of cases and fires its event.
+const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
+  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
 const state = () => {
-  const model = (name) => Bokeh.documents[0].get_model_by_name(name)
-  return {
-    compliance: Array.from(model("curve bem").data.compliance),
-    resistance: Array.from(model("curve bem").data.resistance),
-    named: model("legend of resistance").items.map((item) => item.visible),
-    chosen: ["D", "gamma", "m", "phase", "case"].map((name) => model(name).value),
-    keyed: model("case").visible,
-  }
+  const { data } = Bokeh.documents[0].get_model_by_name("curve bem")
+  return { compliance: Array.from(data.compliance), resistance: Array.from(data.resistance) }
 }
 const pause = () => new Promise((done) => setTimeout(done, 200))
-const choose = async (number, value) => {
-  const select = find(document, "select")[number]
-  select.value = value; select.dispatchEvent(new Event("change")); await pause()
-}
-// The first list, of traces, is hidden.
 const drive = async () => {
   while (!find(document, "option").length) await pause()
-  const steps = [state()]
-  await choose(1, "1.5"); steps.push(state())
-  await choose(2, "3"); steps.push(state())
-  await choose(3, "3"); steps.push(state())
+  const steps = [state()], [select] = find(document, "select")
+  select.value = select.options[2].value; select.dispatchEvent(new Event("change")); await pause()
+  steps.push(state())
   const result = document.createElement("pre"); result.id = "result"
   result.textContent = JSON.stringify(steps); document.body.append(result)
 }

@@ -12,7 +12,6 @@ from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
 from weier.figures import many_curves, scene_checks, traces
-from weier.figures.page import explorer
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.scene.case import trace_files
@@ -285,10 +284,6 @@ def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
     texts = [text.get_text() for text in axes.get_legend().get_texts()]
     assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
     assert not axes.collections
-    write_data(solutions, folder / "contact.nc")
-    with open_dataset(folder / "contact.nc") as data:
-        labels = [label.partition(": no fit, since longest must")[0] for label in explorer._labels(data, "trace")]
-        assert sorted(labels) == sorted(texts)
 
 
 def named(**columns):

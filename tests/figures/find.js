@@ -1,3 +1,0 @@
-// Elements of a kind, also in the shadow roots of widgets.
-const find = (root, kind) => [...root.querySelectorAll("*")].flatMap(
-  (each) => [...(each.matches(kind) ? [each] : []), ...(each.shadowRoot ? find(each.shadowRoot, kind) : [])])
