@@ -14,8 +14,7 @@ from weier import scene
 from weier.data import markdown
 from weier.data.provenance import VERSION
 from weier.data.variables import VARIABLES
-from weier.figures import KINDS, style
-from weier.figures.captions import caption
+from weier.figures import KINDS, caption, style
 from weier.methods.registry import METHODS, PLOTTED
 from weier.methods.settings import described
 from weier.scene import __main__ as keys

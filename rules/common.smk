@@ -5,7 +5,7 @@ from functools import partial
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import DeploymentMethod
 
-from weier.figures.captions import caption
+from weier.figures import caption
 from weier.figures.scene_checks import load_by_name
 from weier.digests import digest_of_modules
 from weier.pipeline.products import DATA, PAGE, files_of

@@ -17,7 +17,6 @@ from weier import figures, scene
 from weier.data import curves
 from weier.data.variables import Status
 from weier.figures import style, truncation
-from weier.figures.captions import caption
 from weier.methods import registry
 from weier.methods.method import Style
 from weier.pipeline.gather import read_study
@@ -156,7 +155,7 @@ figures:
 
 
 def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
-    name, text, alternative = caption(scene_in(tmp_path, CAPTIONED), "figure_1")
+    name, text, alternative = figures.caption(scene_in(tmp_path, CAPTIONED), "figure_1")
     assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.KINDS['profiles'].caption}")
     assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
 

@@ -11,7 +11,7 @@ from tests.scenes import scene_in, solve_scene, write_data
 from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.figures import many_curves, scene_checks, traces
+from weier.figures import many_curves, scene_checks, tables
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.scene.case import trace_files
@@ -293,7 +293,7 @@ def named(**columns):
 
 
 def test_traces_are_named_by_as_little_as_tells_them_apart():
-    names = traces.names_of_traces
+    names = tables.names_of_traces
     one = {"": ["a/p.csv", "b/p.csv", "b/q.csv"], "digest": ["1", "2", "3"], "ends": ["tapered"] * 3}
     assert names(named(**one)) == ["a/p.csv", "b/p.csv", "b/q.csv"]
     assert names(named(**{"": ["a/p.csv", "b/q.csv"], "digest": ["1", "2"]})) == ["a/p.csv", "b/q.csv"]

@@ -6,6 +6,7 @@ the module of a kind returns the figure. This folder may import all others excep
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from weier.api.rows import BOUNDS
 from weier.data.files import replacing
-from weier.scene import BY_DEFAULT, Figure
+from weier.scene import BY_DEFAULT, Figure, Scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -165,3 +166,20 @@ def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tupl
                 file.write_text(as_csv(drawn), encoding="utf-8")
                 continue
             drawn.savefig(file, format=suffix, metadata=METADATA[suffix])
+
+
+class Caption(NamedTuple):
+    """The name of a figure, the text below it, and one line of alternative text."""
+
+    name: str
+    text: str
+    alternative: str
+
+
+def caption(scene: Scene, name: str) -> Caption:
+    """Return the caption of a figure of a scene, as plain text with the paper's symbols: its title and its kind's."""
+    figure = scene.figure(name)
+    text = KINDS[figure.draw].caption
+    title = name.replace("_", " ").capitalize()
+    subject, *_ = re.split(r"[:.;] ?", text)
+    return Caption(title, f"{figure.title}. {text}" if figure.title else text, f"{title}: {subject}")

@@ -11,21 +11,10 @@ from weier.pipeline.products import CLAIMS, DATA, PAGE, made_of
 
 
 def make_product(curves: Curves, stamp: Path, folder: Path) -> None:
-    """Make the product of a stamp in a folder.
+    """Make the product of a planned stamp, `PRODUCT/DIGEST`, in a folder.
 
-    Parameters
-    ----------
-    curves : Curves
-        The curves of the scene, with their store.
-    stamp : Path
-        The stamp, `PRODUCT/DIGEST`, as planned.
-    folder : Path
-        The folder for the product.
-
-    Raises
-    ------
-    ValueError
-        If the scene or the code has changed since the plan, if a curve is not solved, or if a figure cannot be drawn.
+    ValueError is raised if the scene or the code has changed since, if a curve is not solved, or if a figure cannot
+    be drawn.
     """
     name = stamp.parent.name
     try:

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from weier.data import curves
 from weier.data.bodies import Bodies
 from weier.figures import lines, style
 from weier.figures.tables import Extent, Values, extent, table_of, values_of
@@ -74,8 +73,8 @@ class PlottedCurve(NamedTuple):
 
     @property
     def case(self) -> xr.Dataset:
-        """The first of their cases, in the units of the axes."""
-        return self.own.case(self.first["row"])
+        """The first of their cases."""
+        return self.own.study.isel(case=self.first["row"])
 
 
 def draw(studies: Sequence[xr.Dataset], title: str, quantity: str, **options: Any) -> Figure:
@@ -269,10 +268,10 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
     """Draw the stated errors of a method as a band; returns its legend entry, or None if the band is invisible."""
     if quantity not in QUANTITIES:
         return None
-    case = curve.case
-    stated, values = (curves.curve(case, name, curve.method) for name in (f"{quantity}_error", quantity))
-    if stated is None or values is None:
+    own, place = curve.own, (curve.first["row"], curve.first["column"])
+    if own.stated is None or not np.isfinite(own.stated[place]).any():
         return None
+    stated, values = own.stated[place], own.values[place]
     width = np.where(np.isfinite(stated) & (values > 0), stated, 0.0)
     of = np.where(values > 0, values, 1.0) if quantity == "resistance" else values.max()  # R has a logarithmic axis
     wide = width / of >= VISIBLE[quantity]
@@ -280,7 +279,7 @@ def _draw_errors(axes: Axes, curve: PlottedCurve, quantity: str) -> Patch | None
         return None
     look = style.line(curve.method)
     name, low = f"error stated by {look['label']}", np.maximum(values - width, values * np.finfo(float).eps)
-    band(axes, name, case["mean_pressure"].values, low, values + width, color=look["color"], **STATED)
+    band(axes, name, own.loads, low, values + width, color=look["color"], **STATED)
     return Patch(color=look["color"], label=name, **STATED)
 
 

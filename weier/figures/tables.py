@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+import os
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,13 +14,21 @@ from weier import units
 from weier.data import curves
 from weier.data.bodies import Bodies, scales_of
 from weier.figures import lines, style
-from weier.figures.traces import names_of_traces
 from weier.kernels.arrays import Array, Flags, Indices
 from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE
 from weier.methods.registry import numerical_names
 from weier.surface.profile import PARAMETERS
 
 UNITS = "p_0*", "g_0", "g_0/p_0*"  # units of load, compliance and resistance
+# Properties that may distinguish two traces of one name, in order, with their text in a legend.
+DIFFERENCES: dict[str, Callable[[Any], str]] = {
+    "trace_shortest": lambda shortest: f"shortest {1e6 * shortest:.4g} \u00b5m",
+    "trace_ends": str,
+    "trace_detrend": lambda detrend: f"without {detrend}",
+    "trace_length": lambda length: f"length {1e3 * length:.4g} mm",
+    "trace_filled": lambda filled: f"{filled:.0f} interpolated",
+    "trace_digest": str,
+}
 
 
 class Extent(NamedTuple):
@@ -36,38 +45,38 @@ class Extent(NamedTuple):
 
 
 class Values:
-    """The values of a quantity of one study.
+    """The values of a quantity of one study, normalised or, with an interface, in SI units.
 
     known : whether there is a curve, shape (cases, methods)
     best : the column of the most accurate numerical method of each case, or -1
-    loads, h, slope : in p_0*, g_0 and g_0/p_0*; with an interface in the unit of the loads, m, and m over this unit
+    loads : mean pressures in the unit of the study
+    values, stated : the quantity and its stated errors, if any, shape (cases, methods, loads)
+    h, slope : compliance, and its slope over the loads
     factor : resistance over slope; M (rho_1 + rho_2) with an interface
-    values : compliances or resistances, shape (cases, methods, loads)
     """
 
     def __init__(self, study: xr.Dataset, quantity: str, interface: Bodies | None) -> None:
-        self.study, self._quantity, self._interface = study, quantity, interface
+        self.study, self._quantity = study, quantity
         self.methods: list[str] = study["solution_method"].values.tolist()
         self.loads: Array = study["mean_pressure"].values
-        self.h, self.slope, self.factor = study["compliance"].values, study["resistance"].values, 1.0
+        pressure = height = resistance = np.ones((1, 1, 1))
         if interface:
-            scales = [np.broadcast_to(scales_of(interface, study)[unit][0], study.sizes["case"]) for unit in UNITS]
-            pressure, height, resistance = (scale[:, None, None] for scale in scales)
+            scales = scales_of(interface, study)
+            pressure, height, resistance = (np.reshape(scales[unit][0], (-1, 1, 1)) for unit in UNITS)
             pressure = pressure / units.factor("loads", units.unit_of(study["mean_pressure"]), units.PASCAL)
-            self.h, self.slope = self.h * height, self.slope * (height / pressure)
-            self.factor = float((resistance * pressure / height).flat[0])
-        curves_of = {COMPLIANCE: self.h, RESISTANCE: self.slope * self.factor if interface else self.slope}
-        self.values: Array = curves_of[quantity] if quantity in curves_of else study[quantity].values
+
+        def scaled(name: str, scale: Array) -> Array:
+            values: Array = study[name].values
+            return values * scale if interface else values  # no copy of a large study
+
+        self.h, self.slope = scaled("compliance", height), scaled("resistance", height / pressure)
+        self.factor = float((resistance * pressure / height).flat[0])
+        scale = {COMPLIANCE: height, RESISTANCE: resistance}.get(quantity, np.ones(1))
+        self.values, error = scaled(quantity, scale), f"{quantity}_error"
+        self.stated = scaled(error, scale) if error in study else None
         self.known: Flags = np.asarray(np.isfinite(self.values).any(axis=-1))
         solved, best = curves.most_accurate(study)
         self.best: Indices = np.where(solved, best, -1)
-
-    def case(self, row: int) -> xr.Dataset:
-        """Return one case, in the units of the figure."""
-        case = self.study.isel(case=row).drop_vars(
-            "contact_fraction", errors="ignore"
-        )  # the warning of yield was already given
-        return self._interface.at(case).in_si(case) if self._interface else case
 
     def line(self, row: int, column: int, points: bool = False) -> tuple[Array, Array]:
         """Return one curve, at its loads and between them, or as points."""
@@ -149,3 +158,33 @@ def _names_of_traces(tables: Sequence[Values]) -> list[list[str]]:
             first.setdefault(str(digest), study.isel(case=int(row)))
     known = dict(zip(first, names_of_traces(first.values()), strict=True))
     return [[known[digest] for digest in own.tolist()] for own in digests]
+
+
+def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
+    """Return a unique name for the trace of each case, empty for a series.
+
+    It is the path of the file in the folder that all have in common, and the differences between traces of this path:
+    the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
+    """
+    traces = [
+        {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}
+        for case in cases
+    ]
+    known = list({trace["trace_digest"]: trace for trace in traces if trace["trace_digest"]}.values())
+    folder = os.path.commonprefix([trace["trace"] for trace in known]).rfind("/") + 1  # noqa: RUF071 - of names, not of folders
+    names = {}
+    for trace in known:
+        alike = [other for other in known if other["trace"] == trace["trace"]]
+        names[trace["trace_digest"]] = ", ".join([trace["trace"][folder:] or "trace", *_differences(trace, alike)])
+    shown = (names.get(trace["trace_digest"], "").replace("$", r"\$") for trace in traces)
+    return [f" {name}" if name.startswith("_") else name for name in shown]  # matplotlib hides "_..."
+
+
+def _differences(trace: dict[str, Any], alike: list[dict[str, Any]]) -> list[str]:
+    """Return the shortest list of texts, in order, that distinguishes a trace from others of the same name."""
+    found: list[str] = []
+    for name, text in DIFFERENCES.items():
+        if len(alike) > 1 and name in trace and len({other[name] for other in alike}) > 1:
+            found.append(text(trace[name]))
+            alike = [other for other in alike if other[name] == trace[name]]
+    return found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,8 +17,6 @@ from weier.surface.profile import PARAMETERS
 
 # The datum belongs to the infinite series; in Fig. 3 it belongs to the m waves.
 LABEL = "compliance $(h+G_m)/g_0$,\nfrom the infinite series"
-# position of the inset in the range of loads: curves are steep there and far from full contact
-ZOOM = 0.03, 0.05  # half the width and height of the region shown, over the ranges of loads and values
 
 
 def draw(studies: Sequence[xr.Dataset], title: str, quantity: str) -> Figure:
@@ -38,7 +35,6 @@ def draw(studies: Sequence[xr.Dataset], title: str, quantity: str) -> Figure:
             axes.set(ylabel=LABEL, xlim=(0, curves.full_contact_load(cases)))
             axes.set_ylim(bottom=0)
             axes.legend(loc="lower right")
-            _draw_zoom(axes, cases)
         else:
             longest = curves.as_study(cases[-1]).sel(solution_method=[curves.numerical_method(cases[-1])])
             style.set_logarithmic_axes(axes, *extent(values_of([longest], quantity)))
@@ -74,18 +70,3 @@ def _draw_bounds(axes: Axes, longest: xr.Dataset, quantity: str) -> None:
     if low is not None and high is not None:
         label = f"bounds from {style.describe(longest, 'm')}"
         band(axes, label, longest["mean_pressure"].values, low, high, **style.BOUND)
-
-
-def _draw_zoom(axes: Axes, cases: Sequence[xr.Dataset]) -> None:
-    """Draw an inset that separates the bounds from the curve, which are too close on the whole axes."""
-    longest = cases[-1]
-    if (h := curves.numerical(longest, "compliance")) is None:
-        return
-    load = 0.15 * axes.get_xlim()[1]
-    value = np.interp(load, longest["mean_pressure"].values, h + datum(longest, "compliance"))
-    across, up = ZOOM[0] * axes.get_xlim()[1], ZOOM[1] * np.ptp(axes.get_ylim())
-    place = 0.5, 0.51, 0.42, 0.31  # left, bottom, width and height: between the curves and the legend
-    inset = axes.inset_axes(place, xlim=(load - across, load + across), ylim=(value - up, value + up))
-    draw_curves(inset, cases, "compliance")
-    inset.set(xticks=[], yticks=[])
-    axes.indicate_inset_zoom(inset, edgecolor="0.4")

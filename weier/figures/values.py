@@ -49,8 +49,6 @@ def as_csv(figure: Figure) -> str:
 
     parts = []
     for axes, name, x, values in vars(figure)["curves"]:
-        if axes not in figure.axes:  # an inset
-            continue
         heading = plain(_label(axes, "y"))
         columns = {plain(_label(axes, "x")): x} | {f"{heading}{end}": own for end, own in values.items()}
         numbers = {name: np.asarray(own, float) for name, own in columns.items()}

@@ -32,16 +32,7 @@ def check_names(scene: Scene) -> Iterator[Mistake]:
 
 
 def write(curves: Curves, path: str | Path, table: str | Path) -> None:
-    """Judge the claims of a scene; write its whole dataset with them, and a Markdown text of them.
-
-    Parameters
-    ----------
-    curves : Curves
-        The curves of the scene, which lists the claims with their studies.
-    path, table : path
-        The netCDF file and the Markdown file.
-
-    """
+    """Judge the claims of a scene; write its whole dataset with them, and a Markdown text of them."""
     # Checking the names of claims does not need xarray.
     from weier.pipeline import gather
 
