@@ -18,6 +18,7 @@ from typing import Any
 
 PACKAGE = Path(__file__).parent
 PACKAGES = ("numpy", "scipy", "numba", "rocket-fft")  # Numbers depend on the versions of these packages.
+SOURCES = (".py", ".css", ".html", ".js", ".mplstyle")  # those other than ".py" count as texts
 DIGITS = 12  # length of a digest in file names
 KERNELS = ("kernels", "surface", "theory", "methods")  # rooms that contain all compiled functions
 # Rooms and modules that compute a curve from the parameters of its surface and store it.
@@ -55,15 +56,8 @@ def numerics() -> str:
     return digest([digest_of_modules(*CURVES)[:DIGITS], versions()])[:DIGITS]
 
 
-def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
-    """Return a digest of all modules of some rooms, and of single modules, as they are on disk now.
-
-    Parameters
-    ----------
-    *parts : str
-        Folders and files of the package.
-    suffixes : tuple of str
-        Suffixes of the files of folders; those other than ".py" count as texts.
+def digest_of_modules(*parts: str) -> str:
+    """Return a digest of all source files of some rooms, and of single modules, as they are on disk now.
 
     Raises
     ------
@@ -74,7 +68,7 @@ def digest_of_modules(*parts: str, suffixes: tuple[str, ...] = (".py",)) -> str:
     -----
     Syntax trees take 0.7 s, texts some milliseconds: the digest is remembered by that of the texts, in the cache.
     """
-    texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts, suffixes)}
+    texts = {path: (PACKAGE / path).read_bytes() for path in _files(parts)}
     if not texts:  # without sources (a zip), two versions would have one digest
         raise OSError(f"there are no sources of weier in {PACKAGE}, which name what depends on them")
     known = digest([[path, hashlib.sha256(text).hexdigest()] for path, text in texts.items()])
@@ -136,8 +130,8 @@ def is_in(module: str, parts: tuple[str, ...]) -> bool:
     return any(module == part or module.startswith(f"{part}/") for part in parts)
 
 
-def _files(parts: tuple[str, ...], suffixes: tuple[str, ...]) -> list[str]:
-    every = (path for suffix in suffixes for path in PACKAGE.rglob(f"*{suffix}"))
+def _files(parts: tuple[str, ...]) -> list[str]:
+    every = (path for suffix in SOURCES for path in PACKAGE.rglob(f"*{suffix}"))
     names = sorted(path.relative_to(PACKAGE).as_posix() for path in every)
     return [name for name in names if is_in(name, parts)]
 

@@ -7,7 +7,6 @@ from tests.scenes import scene_in
 from weier import scene
 from weier.scene.case import short_keys
 from weier.scene.identity import distinct
-from weier.scene.study import Study
 
 AXES = {"D": [1.25, 1.5], "gamma": [2, "5/2", 3], "m": [1, 2, 3], "seed": [0, 1]}
 # Products that meet in some cases, repeat a value, or differ in nothing but methods or settings.
@@ -32,16 +31,6 @@ def load(folder, **changes):
 @pytest.fixture
 def overlapping(tmp_path):
     return load(tmp_path, studies=OVERLAPPING)
-
-
-def test_a_study_is_a_sequence(overlapping):
-    cases = overlapping.study("one_by_one")
-    assert len(cases) == len(list(cases)) == 1 + 24 + 18
-    assert cases[0] == cases[-43]
-    assert list(cases[1:3]) == [cases[1], cases[2]]
-    with pytest.raises(IndexError):
-        cases[43]
-    assert len(Study([])) == 0
 
 
 def test_keys_of_products_are_those_of_their_cases(overlapping):

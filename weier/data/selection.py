@@ -42,8 +42,7 @@ class CurvesAccessor:
         ----------
         **labels
             Coordinates of the cases, each with one value or a list: D, gamma, also as a Fraction or "5/2", m, also
-            inf, the seed of random phases, the study of a scene, the name of a trace, or a setting that differs
-            between cases, such as `layer_points`.
+            inf, the seed of random phases, the study of a scene, or the name of a trace.
 
         Returns
         -------

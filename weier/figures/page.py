@@ -63,7 +63,7 @@ sources.forEach((source, number) => {
 
 def write(curves: Curves, path: Path) -> None:
     """Write the explorer of a scene atomically, in SI units if the scene has an interface."""
-    scene, count = curves.scene, len(curves.scene.distinct)
+    scene, count = curves.scene, curves.scene.count
     shown = np.unique(np.linspace(0, count - 1, min(count, MAX_CASES)).round().astype(int))
     write_text(path, render(read_cases(curves, shown, (*UNDRAWN, *UNGROUPED)), scene.title, count, scene.interface))
 

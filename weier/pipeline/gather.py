@@ -1,6 +1,6 @@
 """Solved curves of a scene as a dataset: of some cases in memory, or of all in a file, one variable at a time.
 
-The studies and differing settings of a case come from the scene, so that renaming a study solves nothing again.
+The studies of a case come from the scene, so that renaming a study solves nothing again.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import json
 import warnings
 from collections.abc import Collection, Iterable
 from functools import cached_property
-from itertools import chain, compress
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,6 @@ from weier.data.si import marked, with_pressures_in
 from weier.data.variables import CASE, CURVE, LABEL, LOADS, VARIABLES, Status
 from weier.kernels.arrays import Indices
 from weier.methods.registry import find_method, returned_by
-from weier.methods.settings import all_settings, defaults
 from weier.pipeline.needed_curves import Curves, Part
 from weier.pipeline.store import ORIGIN
 from weier.scene.case import short_keys
@@ -48,7 +47,7 @@ class Solved:
 
     def __init__(self, curves: Curves, cases: Indices | None = None) -> None:
         self.scene, self._store = curves.scene, curves.store
-        self.cases = np.arange(len(self.scene.distinct)) if cases is None else cases
+        self.cases = np.arange(self.scene.count) if cases is None else cases
         self._surfaces, self._parts = ([*self._among(parts)] for parts in (curves.surfaces, curves.parts))
         self.methods = list(dict.fromkeys(part.kind.method for part, *_ in self._parts))
         loads = {id(part.product): part.product.loads for part, *_ in self._surfaces}
@@ -193,30 +192,6 @@ def in_units_of(scene: Scene, data: xr.Dataset) -> xr.Dataset:
 
 
 def case_labels(scene: Scene) -> xr.Dataset:
-    """Return the labels of the cases of a scene, in its order.
-
-    `study` holds the names of the studies of each case, with commas between. `METHOD_SETTING`, as `layer_points`,
-    exists for each setting that differs between cases. It is NaN or an empty text where the method is not run, or
-    chooses the setting itself.
-    """
-    columns: dict[str, tuple[Values, str]] = {}
-    columns["study"] = np.array(scene.studies_of_cases), "studies of the case"
-    for name in scene.methods:
-        method, run = find_method(name), [name in product.methods for product in scene.products]
-        own = [all_settings(method, product.settings.get(name, {})) for product in scene.products]
-        for setting in defaults(method):
-            values = [settings.get(setting) for settings in own]
-            if len(set(map(json.dumps, compress(values, run)))) > 1:
-                column = _column([value if ran else None for value, ran in zip(values, run, strict=True)])
-                columns[f"{name}_{setting}"] = column[scene.product_of_cases], f"setting {setting} of method {name}"
-    attributes = {"coverage_content_type": LABEL}
-    return xr.Dataset(
-        coords={name: (CASE, values, {"long_name": words, **attributes}) for name, (values, words) in columns.items()}
-    )
-
-
-def _column(values: list[Any]) -> Values:
-    """Return numbers or texts, with NaN or "" in place of None."""
-    if any(isinstance(value, str | bool) for value in values):
-        return np.array([json.dumps(value) if isinstance(value, bool) else value or "" for value in values])
-    return np.array(values, float)
+    """Return the names of the studies of each case of a scene, in its order, with commas between."""
+    attributes = {"long_name": "studies of the case", "coverage_content_type": LABEL}
+    return xr.Dataset(coords={"study": (CASE, np.array(scene.studies_of_cases), attributes)})

@@ -149,7 +149,7 @@ class Curves:
 
     def parts_for(self, studies: Collection[str] | None = None) -> list[Part]:
         """Return the parts that these studies need, or all parts; surfaces come first."""
-        wanted = np.full(len(self.scene.distinct), studies is None)
+        wanted = np.full(self.scene.count, studies is None)
         for study in studies or ():
             wanted[self.scene.cases_of_study(study)] = True
         parts = [part.only(wanted[part.cases]) for part in (*self.surfaces, *self.parts)]

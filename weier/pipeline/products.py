@@ -22,7 +22,6 @@ DATA, CLAIMS, PAGE = "contact.nc", "claims.md", "page.html"
 FORMATS = ("png", "pdf", "svg", "csv")  # each figure is written in these formats
 STAMPS = ".made_of"
 DATA_ROOMS, FIGURE_ROOMS = ("data", "scene", "api", "pipeline"), ("data", "scene", "api", "pipeline", "figures")
-TEXTS = (".py", ".css", ".html", ".js", ".mplstyle")  # suffixes of the source files of figures and the explorer
 
 
 def names_of(scene: Scene) -> list[str]:
@@ -52,9 +51,9 @@ def made_of(curves: Curves, product: str) -> str:
     if product == DATA:  # SOURCE_DATE_EPOCH replaces the date and omits the seconds
         own = [scene.text, source_date(), digest_of_modules(*DATA_ROOMS)]
     elif product == PAGE:
-        own = [scene.title, digest_of_modules(*FIGURE_ROOMS, suffixes=TEXTS)]
+        own = [scene.title, digest_of_modules(*FIGURE_ROOMS)]
     else:
-        own = [repr(scene.figure(product)), digest_of_modules(*FIGURE_ROOMS, suffixes=TEXTS)]
+        own = [repr(scene.figure(product)), digest_of_modules(*FIGURE_ROOMS)]
     return digest([*common, *own])[:DIGITS]
 
 

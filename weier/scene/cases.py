@@ -67,10 +67,19 @@ class Scene:
         """The first position of each distinct case in all studies, and the distinct case at each position."""
         return distinct(self._keys)
 
+    @property
+    def count(self) -> int:
+        """The number of distinct cases."""
+        return len(self._distinct[0])
+
     @cached_property
-    def distinct(self) -> Study:
-        """Every case once, in order of appearance."""
-        return Study(self.products, self._distinct[0])
+    def distinct(self) -> list[Case]:
+        """Every case once, in order of appearance: all of them in memory."""
+        products = map(self.products.__getitem__, self.product_of_cases)
+        return [
+            product.case(position)
+            for product, position in zip(products, self.position_in_product.tolist(), strict=True)
+        ]
 
     @property
     def keys_of_cases(self) -> Keys:
@@ -79,7 +88,7 @@ class Scene:
 
     @property
     def cases(self) -> dict[str, Case]:
-        """Every case by its key, each once, in order of appearance: all of them in memory."""
+        """Every case by its key, each once, in order of appearance."""
         return dict(zip(short_keys(self.keys_of_cases), self.distinct, strict=True))
 
     @cached_property
@@ -105,7 +114,7 @@ class Scene:
     @property
     def studies_of_cases(self) -> list[str]:
         """The studies that each case belongs to, with commas between, in order of appearance."""
-        found = np.full(len(self.distinct), "", object)
+        found = np.full(self.count, "", object)
         for name in self.studies:
             own = np.unique(self.cases_of_study(name))
             found[own] = np.where(found[own] == "", name, found[own] + f", {name}")

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from bisect import bisect_right
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from weier.kernels.arrays import Array, Indices
+from weier.kernels.arrays import Array
 from weier.scene.case import Case, identity
 from weier.scene.figure import PHASES
 from weier.scene.identity import Keys, key_of, keys_of
@@ -109,30 +108,20 @@ def check_value(name: str, value: Any) -> None:
     _ = Case({"D": 1.5, "gamma": 2, "m": 1} | length | {name: value}, (), {}).profile
 
 
-class Study(Sequence[Case]):
-    """The cases of some products, one product after the other, or a selection of them.
+@dataclass(frozen=True)
+class Study:
+    """The cases of some products, one product after the other; a case of several products occurs several times."""
 
-    Parameters
-    ----------
-    products : sequence of CaseProduct
-        The products. A case of several products occurs several times.
-    positions : ndarray of int, shape (cases,), or range, optional
-        Positions of the selected cases among all.
-    """
-
-    def __init__(self, products: Sequence[CaseProduct], positions: Indices | range | None = None) -> None:
-        self.products = tuple(products)
-        self._ends = list(itertools.accumulate((product.count for product in products), initial=0))
-        self._positions = range(self._ends[-1]) if positions is None else positions
+    products: Sequence[CaseProduct]
 
     def __len__(self) -> int:
         """Return the number of cases."""
-        return len(self._positions)
+        return sum(product.count for product in self.products)
 
-    def __getitem__(self, position: Any) -> Any:
-        """Return the case at a position, or the study of a slice."""
-        if isinstance(position, slice):
-            return Study(self.products, self._positions[position])
-        chosen = int(self._positions[position])
-        product = bisect_right(self._ends, chosen) - 1
-        return self.products[product].case(chosen - self._ends[product])
+    def __iter__(self) -> Iterator[Case]:
+        """Yield the cases."""
+        return (product.case(position) for product in self.products for position in range(product.count))
+
+    def __getitem__(self, position: int) -> Case:
+        """Return the case at a position."""
+        return next(itertools.islice(self, position, None))
