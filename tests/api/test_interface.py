@@ -85,9 +85,6 @@ def test_what_cannot_be_solved_is_refused_in_a_sentence():
             BODIES.solve(LINE, [1e6, pressure])
     with pytest.raises(ValueError, match="pressure must be in Pa, got values in mm"):
         BODIES.solve(LINE, xr.DataArray([1.0], attrs={"units": "mm"}))
-    for surface in ([], "line.csv", None):
-        with pytest.raises(ValueError, match=r"surface must be a weier.Profile, a weier.Trace, or a list of some"):
-            BODIES.solve(surface, 1e7)
     with pytest.raises(ValueError, match=r"must be a weier.Profile or a weier.Trace, got None"):
         BODIES.solve([LINE, None], 1e7)
 

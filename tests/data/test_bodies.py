@@ -230,15 +230,9 @@ def test_each_of_several_traces_and_series_has_its_own_scale():
 NORMALISED_TWICE = [
     lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
     lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
-    lambda bodies, curve: bodies.in_si(fields_in_si(bodies)),
     lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure.variable),
-    lambda bodies, curve: bodies.compliance(curve.resistance.variable),
     lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),
 ]
-
-
-def fields_in_si(bodies):
-    return bodies.in_si(fields(Profile(1.25, 5, 1), 0.1))
 
 
 @pytest.mark.parametrize("convert", NORMALISED_TWICE)

@@ -11,7 +11,7 @@ from weier.methods import registry
 COARSE = Profile(1.25, 5, 1)
 SHORT = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
 LONG = Profile(1.1, 3, math.inf, random_phases(0))
-LOADS = np.geomspace(0.1, 10, 23)
+LOADS = np.geomspace(0.1, 10, 12)
 
 # Method, profile and settings: all numbers of a load agree bit for bit.
 CASES = [
@@ -37,7 +37,7 @@ CASES = [
 def subsets(count):
     """Random loads of all: a single one, a few, most of them."""
     random = np.random.default_rng(5)
-    for size in (1, 1, 2, 5, count - 1):
+    for size in (1, 5, count - 1):
         yield np.sort(random.choice(count, size, replace=False))
 
 

@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 from weier import units
 from weier.api.inverse import loads_for, wanted_quantity
 from weier.api.solve import in_order, solve_under
-from weier.checks import checked_numbers, shown
+from weier.checks import checked_numbers
 from weier.data.bodies import Bodies, to_normalised
 from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
 from weier.surface.loads import LoadsOf
-from weier.surface.waves import Waves, checked_surface
+from weier.surface.waves import Waves
 
 
 class Interface(Bodies):
@@ -116,12 +116,6 @@ class Interface(Bodies):
             "pressure", pressure, "be positive", lambda p: (p > 0) & (p < np.inf), units.PASCAL
         )
         pressures = np.atleast_1d(positive)
-        if not isinstance(surface, Waves) and not (isinstance(surface, list | tuple) and surface):
-            raise ValueError(
-                f"surface must be a weier.Profile, a weier.Trace, or a list of some of these, got {shown(surface)}"
-            )
-        for one in surface if isinstance(surface, list | tuple) else ():
-            checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
         unit = units.unit_of(pressure[0] if isinstance(pressure, list | tuple) and pressure else pressure)
 

@@ -154,10 +154,24 @@ def solve_under(
         for name in methods:
             if (applied := find_method(name)).takes(surface):
                 applied.check(surface, **checked.get(name, {}))
-    if several:
-        return _solve_all(profiles, loads, loads_of, methods, checked, edges, workers, known, max_seconds)
-    curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
-    return _solve_one(curve, edges, loads if loads_of else None, max_seconds)
+    if not several:
+        curve = CurveTask(profiles[0], methods[0], checked[methods[0]], own_loads[0])
+        return _solve_one(curve, edges, loads if loads_of else None, max_seconds)
+    from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
+    from weier.scene.case import Case
+
+    cases = [Case.from_surface(surface, tuple(methods), checked) for surface in profiles]
+    title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
+    failures: list[str] = []
+
+    def named(data: xr.Dataset) -> xr.Dataset:
+        return name_cases(data.assign_attrs(provenance.result_attributes(title)))
+
+    with converting(named):
+        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known, max_seconds)
+    for failure in failures:
+        warnings.warn(failure, stacklevel=3)  # points to the call of `solve`
+    return named(data)
 
 
 def _list(name: str, given: Any) -> list[Any]:
@@ -188,34 +202,6 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_secon
     ):
         solution, seconds = curve.solve()
     return labelled(curve.loads, solution, seconds=seconds)
-
-
-def _solve_all(
-    profiles: list[Waves],
-    loads: Array,
-    loads_of: LoadsOf | None,
-    methods: list[str],
-    settings: Mapping[str, Mapping[str, Any]],
-    edges: bool,
-    workers: int,
-    known: Mapping[str, Known] | None,
-    max_seconds: float | None,
-) -> xr.Dataset:
-    from weier.api.batch import solve_batch  # imports the scenes, which a single curve does not need
-    from weier.scene.case import Case
-
-    cases = tuple(Case.from_surface(surface, tuple(methods), settings) for surface in profiles)
-    title = f"{len(cases)} profile{'s' * (len(cases) > 1)} by {', '.join(dict.fromkeys(methods))}"
-    failures: list[str] = []
-
-    def named(data: xr.Dataset) -> xr.Dataset:
-        return name_cases(data.assign_attrs(provenance.result_attributes(title)))
-
-    with converting(named):
-        data = solve_batch(cases, loads, edges, failures.append, workers, loads_of, known, max_seconds)
-    for failure in failures:
-        warnings.warn(failure, stacklevel=4)  # points to the call of `solve`
-    return named(data)
 
 
 def settings_by_method(methods: Sequence[str], settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

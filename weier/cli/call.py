@@ -78,13 +78,13 @@ class Call(NamedTuple):
         return loads if self.bodies is None else self.bodies.loads_of(loads)(surface)
 
     def solve(
-        self, workers: int, max_seconds: float | None = None, known: Mapping[str, Known] | None = None
+        self, workers: int, known: Mapping[str, Known] | None = None
     ) -> tuple[xr.Dataset, BaseException | None]:
         """Return the curves over distinct loads in normalised units, and what has stopped their solution, or None.
 
-        Ctrl-C and the limit of the time stop it; values that are not solved are then NaN.
+        Ctrl-C stops it; values that are not solved are then NaN.
         """
-        options: dict[str, Any] = {"workers": workers, "max_seconds": max_seconds, "known": known, **self.settings}
+        options: dict[str, Any] = {"workers": workers, "known": known, **self.settings}
         loads_of = None if self.bodies is None else self.own_loads
         stopped: BaseException | None = None
         try:

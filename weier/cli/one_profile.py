@@ -14,8 +14,6 @@ from weier.cli.options import (
     FILE,
     FORCE,
     LOADS,
-    MAX_SECONDS,
-    MIN_LOADS,
     PLOTTED_LOADS,
     Pressures,
     SolvingCommand,
@@ -57,11 +55,10 @@ def _call(
 @click.command(cls=SolvingCommand, params=one_profile_options(LOADS))
 @click.option("-o", "--output", type=FILE, callback=writable(".nc"), help="Write netCDF here.")
 @FORCE
-@MAX_SECONDS
-def solve(output: Path | None, force: bool, workers: int, max_seconds: float | None, **options: Any) -> None:
+def solve(output: Path | None, force: bool, workers: int, **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
 
-    Prints JSON to standard output and progress to standard error. After Ctrl-C or --max-seconds, the loads that
+    Prints JSON to standard output and progress to standard error. After Ctrl-C, the loads that
     patches, bem or auto have solved are printed, or with an output in curve.part.nc, from which the same command goes
     on; a kill loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths
     along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
@@ -87,7 +84,7 @@ def solve(output: Path | None, force: bool, workers: int, max_seconds: float | N
     kept = None if output is None else Output(output, call)
     known = kept.known() if kept and not force else None
     with nullcontext() if kept is None else reporting_to(kept):
-        curves, stop = call.solve(workers, max_seconds, known)
+        curves, stop = call.solve(workers, known)
     curves, where = curves if stop is None else solved_loads(curves), "printed"
     if kept is None:
         click.echo(as_json(call.in_units(call.in_order(curves)), str(call.surfaces[0].describe())))
@@ -123,10 +120,6 @@ def plot(path: Path | None, force: bool, quantity: str, workers: int, **options:
     call = _call(**options, default=PLOTTED)
     from weier.cli.result import check_solved
 
-    if (count := call.distinct_loads.size) < MIN_LOADS:
-        raise click.BadParameter(
-            f"a curve takes at least {MIN_LOADS} loads, got {count}: give a range, such as {LOADS}"
-        )
     curves, stop = call.solve(workers)
     if stop is not None:
         raise stop

@@ -25,7 +25,6 @@ Pressures = tuple[Array, str]  # in Pa, and the first unit in which they were gi
 
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
-MIN_LOADS = 2  # A line needs two points.
 
 
 def parse_phases(text: str) -> float | list[float]:
@@ -92,7 +91,6 @@ SI = (
     "This YAML file has the values of weier.Interface, which may have units, as in E_1: 210 GPa; it may be a scene "
     "with the key interface. Traces have their own lambda_0 and g_0."
 )
-MAX_SECONDS = click.option("--max-seconds", type=click.FloatRange(0, min_open=True), help="Time limit, in seconds.")
 FORCE = click.option("--force", is_flag=True, help="Overwrite files that exist.")
 
 

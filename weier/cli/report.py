@@ -57,7 +57,6 @@ UNIT = re.compile(r" \(.*\)$")
     "repeatable. By default, the table is printed.",
 )
 @options.FORCE
-@options.MAX_SECONDS
 def report(
     files: Sequence[Path],
     outputs: Sequence[Path],
@@ -66,14 +65,13 @@ def report(
     pressures: options.Pressures | None,
     tolerance: float | None,
     workers: int,
-    max_seconds: float | None,
     **trace_options: Any,
 ) -> None:
     """Report the contact resistance of measured lines.
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
     over the lines, its 10 and 90 % percentiles and its largest numerical error, in the unit of the pressures and in
-    SI units, in five digits. After Ctrl-C or --max-seconds, it is of the lines that are solved.
+    SI units, in five digits. After Ctrl-C, it is of the lines that are solved.
 
     \b
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
@@ -81,14 +79,17 @@ def report(
     """  # noqa: D301 - click wants the character
     if bodies is None or pressures is None:
         raise click.UsageError("a report needs the two bodies, by --si, and the mean pressures, by --pressures")
-    _check_outputs(outputs, files, force, len({*pressures[0]}))
+    for path in outputs:  # before anything is read
+        options.check_free(path, force)
+        if path.suffix == ".xlsx":
+            import_module("openpyxl")  # an extra installs it; the error names it
     from weier.cli.call import Call  # xarray takes half a second, and the help needs none of it
     from weier.cli.result import check_solved, table_of
     from weier.data import dataset
 
     lines = _lines(files, trace_options)
     call = Call.of(lines, pressures[0], bodies, pressures, tolerance=tolerance)
-    curves, stop = call.solve(workers, max_seconds)
+    curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
     of_all, lines = len({line.digest for line in lines}), list(compress(lines, done))
     if not lines:
@@ -114,19 +115,6 @@ def report(
     if stop is not None:
         raise stop
     check_solved(curves)
-
-
-def _check_outputs(outputs: Sequence[Path], files: Sequence[Path], force: bool, loads: int) -> None:
-    """Refuse outputs that exist, are inputs, or cannot be written, before anything is read."""
-    inputs = {file.resolve() for file in files}
-    for path in outputs:
-        if path.resolve() in inputs:
-            raise click.BadParameter(f"{path} is one of FILES: name another output, or fewer files")
-        options.check_free(path, force)
-        if path.suffix in PICTURES and loads < options.MIN_LOADS:
-            raise click.BadParameter(f"a figure takes at least {options.MIN_LOADS} pressures, got {loads}")
-        if path.suffix == ".xlsx":
-            import_module("openpyxl")  # an extra installs it; the error names it
 
 
 def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:

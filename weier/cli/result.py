@@ -17,7 +17,6 @@ from weier.data.si import INTERFACE_ATTRIBUTES
 from weier.data.variables import VARIABLES, Status
 from weier.kernels.arrays import Array
 from weier.methods.curve import QUANTITIES
-from weier.methods.registry import find_method
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,14 +52,10 @@ def as_json(data: xr.Dataset, title: str) -> str:
 
 
 def _curves(case: xr.Dataset, method: str) -> dict[str, Any]:
-    """Return the variables of one method that have values; omit variables of the profile and of other methods."""
-    run, returned = case.sel(solution_method=method), {*find_method(method).returns, "seconds"}
-    own = {
-        str(name): _plain(values.values)
-        for name, values in run.items()
-        if (name in returned or not VARIABLES[str(name)].optional) and values.notnull().any()
-        if (name not in PROFILE if values.dtype.kind == "f" else name in returned)
-    }
+    """Return the variables of one method that have values."""
+    run = case.sel(solution_method=method).drop_vars([*PROFILE, "status"], errors="ignore")
+    known = {name: (values != "" if values.dtype.kind in "UO" else values.notnull()) for name, values in run.items()}
+    own = {str(name): _plain(run[name].values) for name, filled in known.items() if filled.any()}
     return own | {"settings": json.loads(str(run["settings"].values))}
 
 

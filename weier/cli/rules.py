@@ -28,28 +28,13 @@ def job(*words: str) -> Iterator[None]:
     click.echo(f"{' '.join(words)}: {perf_counter() - start:.1f} s", err=True)
 
 
-@contextmanager
-def ending_at_once() -> Iterator[None]:
-    """Let Ctrl-C end the process at once: Python would handle it after LLVM has compiled a kernel, up to 20 s later.
-
-    No cleanup is needed, since files of the cache are written atomically.
-    """
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # A script's background process ignores the signal.
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 @click.command()
 @click.argument("methods", nargs=-1)
 def compile(methods: Sequence[str]) -> None:
     """Compile the kernels of METHODS, or all, once for all later runs."""
     from weier.pipeline.compile import compile_kernels  # only this command needs it
 
-    with job("compile", *methods), ending_at_once():
+    with job("compile", *methods):
         compile_kernels(methods)
 
 

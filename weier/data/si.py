@@ -112,21 +112,19 @@ def _normalised(variable: Any) -> bool:
     return units.unit_of(variable) in units.NORMALISED
 
 
-def _converted(variable: Any, known: Mapping[str, tuple[Array, str]]) -> tuple[Any, Any, dict[str, Any]]:
-    """Return dimensions, values and attributes of a variable, in SI units where it has a normalised unit."""
+def _converted(variable: xr.Variable, known: Mapping[str, tuple[Array, str]]) -> xr.Variable:
+    """Return a variable with its attributes, in SI units where it has a normalised unit."""
+    import xarray as xr
+
     attributes = dict(variable.attrs)
     unit = attributes.pop(units.NORMALISED_BY, None)
     if unit not in known:
-        return variable.dims, variable.values, dict(variable.attrs)
+        return variable
     factor, attributes["units"] = known[unit]
     if "long_name" in attributes:
         attributes["long_name"] = str(attributes["long_name"]).removesuffix(units.in_words(unit))
-    dims, values = variable.dims, variable.values
-    if factor.ndim:
-        dims = (CASE, *(dim for dim in dims if dim != CASE))
-        values = np.moveaxis(values, variable.dims.index(CASE), 0) if CASE in variable.dims else values[None]
-        factor = factor.reshape(-1, *(1 for _ in dims[1:]))
-    return dims, scaled(values, factor), attributes
+    found = xr.apply_ufunc(scaled, variable, xr.Variable((CASE,) * factor.ndim, factor))
+    return xr.Variable(found.dims, found.values, attributes)
 
 
 @np.errstate(over="ignore", invalid="ignore")
