@@ -53,7 +53,7 @@ def _solved(method: str, profile: Profile, loads: Array) -> Array:
     """Return compliance, resistance and contact fraction, or NaN for it, shape (3, loads)."""
     solved = run(by_default(method), profile, loads)
     area = solved.others.get("contact_fraction", np.full(loads.size, np.nan))
-    return np.stack([solved.compliance, solved.resistance, area])
+    return np.vstack([solved.values, area])
 
 
 def _errors(series: tuple[float, int, int], method: str, guess: Array, exact: Array) -> Errors:

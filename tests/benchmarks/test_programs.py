@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-from importlib.metadata import PackageNotFoundError
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 
-from benchmarks import measure, programs, report, same_grid, to_error
+from benchmarks import measure, report, to_error
 from benchmarks.problem import Problem, Reference, examine, fourier, linear_elements
 from benchmarks.programs import PROGRAMS
-from benchmarks.solvers import slippy
 from weier import Profile
-from weier.data import dataset
 from weier.methods import westergaard
 
 PROFILE = Profile(1.25, 5, 1)
@@ -95,21 +89,6 @@ def test_the_table_holds_ratios_and_counts_wrong_solutions():
     assert lines["2048", "tamaas"].endswith("| 0 |")
 
 
-def test_the_report_is_written_even_where_a_program_was_not_run(compared, tmp_path: Path):
-    report.write_table(compared, tmp_path / "new" / "benchmark.md")
-    report.draw(compared, tmp_path / "new" / "benchmark.pdf")
-    written = {path.name for path in (tmp_path / "new").iterdir()}
-    assert written == {f"benchmark.{suffix}" for suffix in ("md", "pdf", "svg", "png")}
-
-
-def test_the_file_holds_everything(compared, tmp_path: Path):
-    dataset.write(compared, tmp_path / "benchmark.nc", "test")
-    with xr.open_dataset(tmp_path / "benchmark.nc") as read:
-        xr.testing.assert_equal(read.load(), compared)
-        for name in ("tolerance", "threads", "packages", "machine", "discretisation", "reference_method"):
-            assert read.attrs[name] == compared.attrs[name]
-
-
 @pytest.fixture
 def one_wave(monkeypatch: pytest.MonkeyPatch) -> to_error.Reference:
     """Westergaard's curve in the place of the three waves."""
@@ -153,19 +132,6 @@ def test_the_smallest_grid_is_found(monkeypatch, capsys):
     assert "1e-07 g_0 by weier: 196608 nodes leave" in capsys.readouterr().err
 
 
-def test_no_grid_is_tried_that_would_take_too_long(monkeypatch):
-    """An attempt that takes that long is the last; what it has not reached is not tried with more nodes."""
-    clock = iter(np.arange(100) * (to_error.MAX_SECONDS + 1))
-    slow = programs.PROGRAMS["tamaas"]._replace(clock=lambda: next(clock))
-    monkeypatch.setitem(to_error.PROGRAMS, "tamaas", slow)
-    attempt = to_error.Attempt(0.0, lambda: lambda: to_error.MAX_SECONDS + 1)
-    monkeypatch.setattr(to_error, "attempt", lambda *at: attempt._replace(error=at[1] ** -2.0))
-    assert to_error.find_smallest("tamaas", 1e-7, None).seconds == np.inf
-    assert to_error.find_smallest("tamaas", 1e-5, None).points == 512
-    reached = to_error.measure("tamaas", None)
-    assert [one.seconds for one in reached] == [to_error.MAX_SECONDS + 1] * 2 + [np.inf] * 2
-
-
 def test_the_table_of_times_compares_with_the_faster_of_the_two_methods():
     reached = {
         to_error.ELEMENTS: [to_error.Reached(512, seconds) for seconds in (0.01, 0.02, 0.05, 1.0)],
@@ -182,37 +148,9 @@ def test_the_table_of_times_compares_with_the_faster_of_the_two_methods():
     assert all(name in to_error.describe(reached) for name in ("to_error.png", tamaas))
 
 
-def test_the_figure_of_errors_is_written(one_wave, monkeypatch, tmp_path: Path):
-    monkeypatch.setattr(to_error, "attempt", lambda *arguments: to_error.Attempt(1e-3, lambda: float))
-    monkeypatch.setattr(to_error, "SIZES", [64, 128])
-    to_error.draw([to_error.KEPT, to_error.ELEMENTS, "tamaas", "slippy"], one_wave, tmp_path / "to_error.pdf")
-    assert {path.suffix for path in tmp_path.iterdir()} == {".pdf", ".svg", ".png"}
-
-
 def test_nothing_is_solved_where_no_pressure_is():
     problem = Problem(PROFILE, LOADS, 32, TOLERANCE)
     for pressure in (np.zeros(32), np.full(32, np.nan)):
         found = examine(problem, problem.height, linear_elements(32, 1.0), 0.1, pressure)
         assert np.isnan(found.compliance)
         assert found.residual == np.inf
-
-
-def test_a_missing_program_is_named_with_how_to_install_it(monkeypatch, capsys):
-    def missing(name: str) -> str:
-        raise PackageNotFoundError(name)
-
-    monkeypatch.setattr(programs, "installed_version", missing)
-    monkeypatch.delenv("SLIPPY_PYTHON", raising=False)
-    slippy.worker.cache_clear()
-    assert same_grid.installed(["tamaas", "slippy"]) == []
-    said = capsys.readouterr().err
-    assert 'pip install ".[bench]"' in said
-    assert "SLIPPY_PYTHON" in said
-
-
-def test_another_environment_answers_through_a_pipe():
-    """The worker run by this interpreter, with or without slippy: it ends at what it cannot do."""
-    worker = slippy.Worker(sys.executable)
-    with worker.process, pytest.raises(RuntimeError, match="has ended"):
-        worker.request("nothing it knows")
-    assert worker.process.returncode == 1

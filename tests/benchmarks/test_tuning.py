@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from benchmarks import tuning
 
@@ -27,20 +26,6 @@ def test_a_name_without_a_number_is_refused(tmp_path):
     assert (tmp_path / "module.py").read_text() == "A, B = 1, 0.5\n"
     with pytest.raises(ValueError, match=r"module\.py assigns no number to C"):
         tuning.scale(tmp_path / "module.py", ["A", "C"], 2)
-
-
-def test_costs_are_over_the_usual_ones(monkeypatch, tmp_path):
-    def costs(program, changes, factor):
-        return [8.0, 4.0, 2.0 * factor**2]
-
-    monkeypatch.setattr(tuning, "costs", costs)
-    found = CliRunner().invoke(tuning.main, ["--only", "REACH,NEIGHBOURS", "--output", str(tmp_path / "page.md")])
-    lines = [line for line in found.output.splitlines() if line.startswith("|")]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines[2:]]
-    assert rows == [
-        ["`bem.edges`", "`REACH`", "1.00 / 1.00 / 0.25", "1.00 / 1.00 / 4.00"],
-        ["`punches`", "`NEIGHBOURS`", "1.00 / 1.00 / 0.25", "1.00 / 1.00 / 4.00"],
-    ]
 
 
 def test_results_do_not_depend_on_any_of_them():
