@@ -8,7 +8,7 @@ from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set
 from weier.methods.bem import curve as solve_curve
-from weier.methods.bem.staircase import remove_staircase
+from weier.methods.bem.staircase import in_continuum
 
 
 class NestedGrids(NamedTuple):
@@ -21,7 +21,7 @@ class NestedGrids(NamedTuple):
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
         """Solve by the method's own start and tolerance, which make the other two arguments superfluous."""
         found = self.grids.solve_discrete(load, with_tangent=self.is_staircase_removed)
-        plane = remove_staircase(found).plane if self.is_staircase_removed else found.plane
+        plane = in_continuum(found)[0] if self.is_staircase_removed else found.plane
         converged = found.residual <= self.grids.grid.max_residual
         return Step(found.pressure, found.work, converged, self.total_amplitude - plane)
 
@@ -43,14 +43,8 @@ def _begin(problem: Problem, is_staircase_removed: bool) -> NestedGrids:
 
 def curve(problem: Problem) -> object:
     """Solve for the whole compliance curve by the paper's scheme."""
-    return solve_curve(
-        problem.profile,
-        problem.loads,
-        points=problem.points,
-        max_residual=problem.tolerance,
-        with_resistance=False,
-        staircase="kept",
-    )
+    grids = begin(problem).grids
+    return [grids.solve_discrete(load, with_tangent=False).plane for load in problem.loads]
 
 
 def curve_default(problem: Problem) -> object:

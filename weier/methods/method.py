@@ -159,7 +159,7 @@ class Method:
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
     by_load: Callable[..., bool] = lambda **settings: False
     complete: Callable[..., Curve] = lambda profile, loads, curve, **settings: curve
-    run_kernels: Callable[[], None] = lambda: None
+    run_kernels: Callable[[], object] = lambda: None
 
     def check_applies(self, profile: Waves) -> None:
         """Raise NotApplicableError, with the reason, if the method does not apply to a surface."""

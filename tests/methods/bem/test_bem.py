@@ -1,10 +1,5 @@
 """Boundary elements with their staircase: against Westergaard, reference values, and the paper's dense solver."""
 
-import json
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -15,7 +10,6 @@ from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
 from weier.methods.bem import active_set
-from weier.theory.halfplane import influence_coefficients
 
 POINTS_PER_WAVE = (16, 32, 64, 128, 256)
 
@@ -78,18 +72,6 @@ def test_one_wave_is_westergaards():
     assert np.all(found.resistance[loads > 1] == 0)
 
 
-def test_twelve_elements_are_close_unless_one_carries_all():
-    """Section 5.1: with 12 elements the results agree closely but for very light loads, where one is in contact."""
-    loads = np.geomspace(1e-3, 1, 100)
-    found = curve(Profile(1.25, 5, 1), loads, points=12)
-    exact = westergaard.compliance(loads)
-    error = np.abs(found.compliance - exact)
-    one = found.contact_fraction * 12 < 1.5
-    assert error[~one].max() <= 3.3 / 12**2  # the same law as on 512 nodes
-    assert (error / exact)[~one].max() < 0.07
-    assert (error / exact)[one].max() > 0.4
-
-
 @pytest.mark.parametrize("reference", REFERENCES, ids=str)
 def test_both_solvers_solve_the_same_discrete_problem(reference):
     points = 32 * reference.profile.waves_per_period[-1] if reference.profile.terms < 4 else 1000
@@ -111,33 +93,17 @@ def test_resistance_is_the_slope_of_the_discrete_curve():
     assert np.diff(found.compliance) / np.diff(loads) == pytest.approx(found.resistance[:1], rel=1e-4)
 
 
-def test_a_solution_meets_the_contact_conditions_and_agrees_with_the_curve():
-    profile, load = THREE_WAVES, 0.3
-    found = active_set.NestedSolver(profile, 800, 1e-10).solve_discrete(load, False)
-    h = curve(profile, np.array([load]), points=800).compliance[0]
-    assert np.all(found.pressure >= 0)
-    assert found.pressure.mean() == pytest.approx(load, rel=1e-12)
-    assert np.all(found.gap >= -1e-10)
-    assert np.all(np.minimum(found.pressure, found.gap) <= 1e-10)
-    assert found.gap.mean() == pytest.approx(profile.total_amplitude - h, abs=1e-9)
-    dense = np.array([np.roll(influence_coefficients(800), j) for j in range(800)])
-    displacement = found.gap - found.plane + profile.sampled_height(800)
-    assert displacement == pytest.approx(dense @ found.pressure, abs=1e-12)
-
-
 def test_the_solution_of_one_wave_is_westergaards():
     """Errors of the nodal pressure are largest at the edges, where it falls as a square root: h^(1/2)."""
-    found, x = (
-        active_set.NestedSolver(Profile(1.5, 2, 1), 512, 1e-10).solve_discrete(0.3, False),
-        np.arange(512) / 512,
-    )
+    found = active_set.NestedSolver(Profile(1.5, 2, 1), 512, 1e-10).solve_discrete(0.3, False)
+    x = np.arange(512) / 512
     assert found.gap == pytest.approx(westergaard.gap(x, 0.3), abs=2e-4)
     error = np.abs(found.pressure - westergaard.pressure(x, 0.3))
     assert error.max() <= np.sqrt(1 / 512)
     assert np.median(error) <= 1e-4
 
 
-@pytest.mark.parametrize("points", [51, 53, 64, 97])
+@pytest.mark.parametrize("points", [51, 64])
 def test_any_number_of_points_above_two_a_wave_will_do(points):
     loads = np.geomspace(1e-3, 5, 12)
     found, dense = (solve(THREE_WAVES, loads, points, staircase="kept") for solve in (bem.curve, dense_curve))
@@ -184,24 +150,6 @@ def test_a_tolerance_below_rounding_is_an_error_not_a_wrong_curve():
     assert caught.value.residual > 1e-30
 
 
-PLAIN = """
-from weier import Profile
-from weier.methods.bem import curve
-found = curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48)
-print([found.compliance.tolist(), found.resistance.tolist()])
-"""
-
-
-def test_kernels_as_plain_python_give_what_they_give_compiled():
-    """To the residual of 1e-10 at which they stop."""
-    environment, program = os.environ | {"NUMBA_DISABLE_JIT": "1"}, [sys.executable, "-c", PLAIN]
-    done = subprocess.run(program, env=environment, capture_output=True, text=True, check=True)
-    compliance, resistance = json.loads(done.stdout)
-    found = bem.curve(Profile(1.25, 3, 2, (0.0, 1.0)), [0.01, 0.3, 4.0], points=48)
-    assert found.compliance == pytest.approx(compliance, abs=1e-9)
-    assert found.resistance == pytest.approx(resistance, rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.parametrize("load", [0.02, 0.4])
 def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
     """The guess of each grid is made once, also if a part ends between two grids."""
@@ -211,12 +159,3 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
         solution = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10).solve_discrete(load, True)
         found.append((solution.plane, solution.work, solution.resistance))
     assert found[0] == found[1] == found[2]
-
-
-def test_a_solution_does_not_depend_on_those_found_before():
-    """Bitwise."""
-    solver = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10)
-    for load in np.geomspace(0.01, 3, 7):
-        alone = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10)
-        for one, other in zip(*(each.solve_discrete(load, True) for each in (solver, alone)), strict=True):
-            assert np.array_equal(one, other)

@@ -130,9 +130,8 @@ def test_a_contact_of_one_node_is_hertzs(fraction, shift):
     profile = Profile(1.25, 5, 1, (-2 * np.pi * shift / points,))
     grid = NestedSolver(profile, points, 1e-12)
     load = fraction * np.pi**2 / (2 * np.log(2) * points**2) / 2
-    point = staircase.remove_staircase(grid.solve_discrete(load, True))
-    assert point.first.tolist() == point.last.tolist() == [0]
-    left, right = point.edge
+    _, _, first, last, (left, right) = staircase.in_continuum(grid.solve_discrete(load, True))
+    assert first.tolist() == last.tolist() == [0]
     half_width = np.arcsin(np.sqrt(load)) / np.pi * points
     assert 0.5 * (right - left) == pytest.approx(half_width, rel=0.02 + shift**2)
     assert 0.5 * (right + left) == pytest.approx(shift, abs=0.01)
@@ -142,9 +141,9 @@ def test_each_contact_of_one_node_is_beside_it_as_its_crest_is():
     """The higher a node, the more of the load its contact takes."""
     load = 0.4 * np.pi**2 / (2 * np.log(2) * THREE_TO_A_PERIOD**2) / 2
     grid = NestedSolver(Cosines(np.ones(1), [3]), 130, 1e-12)
-    point = staircase.remove_staircase(grid.solve_discrete(3 * load, True))
-    assert point.first.tolist() == point.last.tolist() == [0, 43, 87]
-    left, right = point.edge.reshape(-1, 2).T
+    _, _, first, last, edge = staircase.in_continuum(grid.solve_discrete(3 * load, True))
+    assert first.tolist() == last.tolist() == [0, 43, 87]
+    left, right = edge.reshape(-1, 2).T
     half_width = np.arcsin(np.sqrt(load)) / np.pi * THREE_TO_A_PERIOD
     assert 0.5 * (right - left) == pytest.approx(half_width, rel=0.1)
     assert 0.5 * (right + left) == pytest.approx(np.arange(3) * THREE_TO_A_PERIOD, abs=0.02)
@@ -155,9 +154,9 @@ def test_gaps_of_one_node_are_cracks(width):
     """Half-widths and middles, in nodes, of the last gaps, whose troughs are beside nodes."""
     load = np.cos(np.pi * width / THREE_TO_A_PERIOD) ** 2
     grid = NestedSolver(Cosines(np.ones(1), [3], np.pi), 130, 1e-12)
-    point = staircase.remove_staircase(grid.solve_discrete(3 * load, True))
-    assert sorted(point.first % 130) == [1, 44, 88]
-    start, end = point.edge.reshape(-1, 2).T
+    _, _, first, _, edge = staircase.in_continuum(grid.solve_discrete(3 * load, True))
+    assert sorted(first % 130) == [1, 44, 88]
+    start, end = edge.reshape(-1, 2).T
     gap = np.append(start[1:], start[0] + 130) - end
     middle = (np.append(start[1:], start[0] + 130) + end) / 2
     assert 0.5 * gap == pytest.approx(width, abs=0.01)
@@ -169,9 +168,10 @@ def test_gaps_of_one_node_are_cracks(width):
 def test_a_gap_of_one_node_may_be_nearly_two_nodes_wide(width):
     """Its half-width, from a trough on the node, also where less than half of the step has passed."""
     load = np.cos(np.pi * width / 64) ** 2
-    point = staircase.remove_staircase(NestedSolver(Profile(1.25, 5, 1), 64, 1e-12).solve_discrete(load, True))
-    assert (point.first.tolist(), point.last.tolist()) == ([33], [95])
-    assert 0.5 * (point.edge[0] + 64 - point.edge[1]) == pytest.approx(width, abs=5e-3)
+    solution = NestedSolver(Profile(1.25, 5, 1), 64, 1e-12).solve_discrete(load, True)
+    _, _, first, last, edge = staircase.in_continuum(solution)
+    assert (first.tolist(), last.tolist()) == ([33], [95])
+    assert 0.5 * (edge[0] + 64 - edge[1]) == pytest.approx(width, abs=5e-3)
 
 
 def test_in_full_contact_all_is_known():
@@ -214,23 +214,10 @@ def test_both_solvers_have_the_same_staircase():
     np.testing.assert_allclose(found.contact_edge, other.contact_edge, atol=1e-5)
 
 
-@pytest.mark.parametrize("staircase", ["kept", "removed"])
-def test_without_resistance_no_work_is_done_for_it(staircase):
-    """The derivative by the load is not solved for where the staircase is kept, and needed where it is removed."""
-    profile, loads = Profile(1.25, 5, 2, 1.0), np.array([0.01, 0.3])
-    one, other = (curve(profile, loads, with_resistance=wanted, staircase=staircase) for wanted in (True, False))
-    assert other.compliance.tolist() == one.compliance.tolist()
-    assert np.all(np.isfinite(one.resistance))
-    assert np.all(np.isnan(other.resistance))
-    assert np.all(np.isnan(other.resistance_error))
-    assert np.all(other.work < one.work) if staircase == "kept" else np.all(other.work == one.work)
-
-
-@pytest.mark.parametrize("staircase", ["kept", "removed"])
-def test_points_are_given_for_each_of_the_finest_waves(staircase):
+def test_points_are_given_for_each_of_the_finest_waves():
     """The finest of 5/2 and m = 3 fits 25 times into the period, which is 4."""
     profile, loads = Profile(1.25, "5/2", 3, 1.0), [0.01, 0.3]
-    given = solve(profile, loads, "bem", points_per_wave=16, staircase=staircase)
-    own = curve(profile, loads, points=400, staircase=staircase)
+    given = solve(profile, loads, "bem", points_per_wave=16)
+    own = curve(profile, loads, points=400)
     assert (given.points, given.points_per_wave) == (400, 16)
     np.testing.assert_array_equal(given.compliance, own.compliance)

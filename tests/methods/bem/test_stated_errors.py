@@ -30,7 +30,7 @@ def test_a_tolerance_is_met_on_fine_grids_as_far_as_rounding_allows():
     assert found.points > 60_000
     assert np.all(found.compliance_error <= 1e-9)
     assert np.all(np.abs(found.compliance - westergaard.compliance(loads)) <= found.compliance_error)
-    with pytest.raises(OutOfReachError, match=r"must exceed 2e-11 g_0, the rounding .*, got 2e-11: take a larger"):
+    with pytest.raises(OutOfReachError, match="inf points for a tolerance of 2e-11 g_0"):
         bem.METHOD.solve(one_wave, loads, tolerance=2e-11)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from weier.kernels.arrays import Array, Flags, Indices, Records, Spectrum, record_type
 from weier.kernels.jit import in_any_order, kernel
 from weier.methods.bem.edges import extrapolate_into_gap, find_edges, punch_shape, restrict_from_gap
-from weier.methods.bem.grids import Grid, Harmonics, add_harmonic, harmonics_of, nested_grids, refine
+from weier.methods.bem.grids import Grid, add_wave, nested_grids, refine
 from weier.methods.bem.staircase import NodalSolution
 from weier.surface.waves import Waves
 
@@ -187,27 +187,18 @@ def _take_step(grid: Grid, state: GridState) -> None:
 
 
 @kernel
-def _begin(coarse: Array, carried: int, harmonics: Harmonics, grid: Grid, state: GridState) -> None:
-    """Carry the pressure of a coarser grid to this one, add the waves behind those carried, and set the contact."""
+def _begin(coarse: Array, grid: Grid, state: GridState) -> None:
+    """Carry the pressure of a coarser grid to this one, add the waves that join, and set the contact."""
     refine(coarse, state.pressure)
-    for wave in range(carried, grid.terms):
-        add_harmonic(wave, harmonics, state.pressure, state.vector)
+    for wave in range(grid.cycle.size):
+        add_wave(wave, grid, state.pressure, state.vector)
     for i in range(state.pressure.size):
         state.contact[i] = state.pressure[i] > 0
     state.progress[0].edges = find_edges(state.contact, state.edge).size
 
 
 @kernel
-def _iterate(
-    begins: bool,
-    parts: int,
-    flatness: float,
-    coarse: Array,
-    carried: int,
-    harmonics: Harmonics,
-    grid: Grid,
-    state: GridState,
-) -> bool:
+def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: GridState) -> bool:
     """Iterate for a number of steps; return whether the solution is found or `MAX_STEPS` are used up.
 
     It is found if the residual is small, on the finest grid on a freshly applied operator, with the pressure free of
@@ -216,18 +207,18 @@ def _iterate(
     is constant in contact.
 
     flatness : for tangent pressures, the accepted variation of A q in contact over R; otherwise 0
-    coarse, carried : pressure of the coarser grid, and its number of waves
+    coarse : pressure of the coarser grid
     """
     own, of_tangent = state.progress[0], flatness > 0
-    if begins:
-        own.steps = own.corrections = 0
+    if own.steps == 0:
+        own.corrections = 0
         if of_tangent:
             own.load = 1.0
             punch_shape(state.edge[: own.edges], state.contact, state.pressure)
         else:
-            _begin(coarse, carried, harmonics, grid, state)
+            _begin(coarse, grid, state)
         _apply_afresh(grid, state)
-    for _ in range(min(parts, MAX_STEPS - own.steps)):
+    for _ in range(min(max_steps, MAX_STEPS - own.steps)):
         own.steps += 1
         own.plane = mean_in_contact(state.deformed, state.contact)
         contact_gap, violation = violations(grid, state)
@@ -252,7 +243,7 @@ class NestedSolver:
 
     def __init__(self, profile: Waves, points: int, max_residual: float) -> None:
         """Make the grids and their arrays."""
-        self.grids, self.harmonics = nested_grids(profile, points, max_residual), harmonics_of(profile)
+        self.grids = nested_grids(profile, points, max_residual)
         self.grid, self._progress = self.grids[-1], np.zeros(1, PROGRESS)
         self._states = [make_grid_state(grid.height.size, self._progress) for grid in self.grids]
         self._flat = self.grid._replace(height=np.zeros(points))  # the surface of the tangent problem
@@ -262,23 +253,22 @@ class NestedSolver:
 
         The next solution overwrites its arrays, except pressure and gap.
         """
-        progress, coarse, carried = self._progress, np.full(1, load), 0
+        progress, coarse = self._progress, np.full(1, load)
         progress["load"], progress["work"], progress["resistance"] = load, 0, np.nan
         for grid, state in zip(self.grids, self._states, strict=True):
-            self._run(0.0, coarse, carried, grid, state)
-            coarse, carried = state.pressure, grid.terms
+            self._run(0.0, coarse, grid, state)
+            coarse = state.pressure
         plane, residual, pressure = progress["plane"].item(), progress["residual"].item(), state.pressure.copy()
         gap = plane - state.deformed
         if with_tangent and residual <= self.grid.max_residual:
-            self._run(flatness, coarse, carried, self._flat, state)
+            self._run(flatness, coarse, self._flat, state)
         R = np.inf if progress["steps"].item() == MAX_STEPS else progress["resistance"].item()
         work = progress["work"].item() / self.grid.height.size  # FFTs of coarser grids count by their size
         fields = pressure, gap, state.pressure, -state.deformed, state.contact
         return NodalSolution(plane, R, residual, work, *fields)
 
-    def _run(self, flatness: float, coarse: Array, carried: int, grid: Grid, state: GridState) -> None:
+    def _run(self, flatness: float, coarse: Array, grid: Grid, state: GridState) -> None:
         """Iterate until the solution is found, in kernel calls of `WORK_PER_CALL`."""
-        problem = max(WORK_PER_CALL // state.vector.size, 1), flatness, coarse, carried, self.harmonics, grid, state
-        is_done = _iterate(True, *problem)
-        while not is_done:
-            is_done = _iterate(False, *problem)
+        self._progress["steps"], steps = 0, max(WORK_PER_CALL // state.vector.size, 1)
+        while not _iterate(steps, flatness, coarse, grid, state):
+            pass

@@ -25,32 +25,22 @@ MIN_SCALE_RATIO = 1.2  # ratio of wavelengths from which a wave is a scale of it
 COARSE_ACCURACY = 30.0
 
 
-class Harmonics(NamedTuple):
-    """The waves of a profile, from coarse to fine; arrays of shape (m,).
-
-    waves_per_period : number of waves of each term in one period
-    cycle : phase, in wavelengths
-    full_contact_pressure : mean pressure p_n* that flattens this wave alone, in p_0*
-    """
-
-    waves_per_period: Indices
-    cycle: Array
-    full_contact_pressure: Array
-
-
 class Grid(NamedTuple):
     """A grid of N nodes.
 
-    terms : number of waves that it carries, from the coarsest on
-    height : profile of these waves, shape (N,), in g_0
+    height : profile of the waves that it carries, shape (N,), in g_0
+    waves_per_period, cycle, full_contact_pressure : waves that join on it, from coarse to fine, of shape (waves,): their
+        number in one period, their phase in wavelengths, and the mean pressure that flattens one of them, in p_0*
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
     max_residual : residual to reach, in g_0
     self_influence : A_ii, in g_0/p_0*
     is_coarse : whether it only starts the next one
     """
 
-    terms: int
     height: Array
+    waves_per_period: Indices
+    cycle: Array
+    full_contact_pressure: Array
     influence: Array
     inverse: Array
     max_residual: float
@@ -58,48 +48,40 @@ class Grid(NamedTuple):
     is_coarse: bool
 
 
-def harmonics_of(profile: Waves) -> Harmonics:
-    """Return the waves of a profile with a finite number of terms."""
-    return Harmonics(np.array(profile.waves_per_period), profile.phase / (2 * np.pi), profile.full_contact_pressure)
-
-
 def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]:
     """Return grids of ..., points/4, points/2 and points nodes, as long as they resolve the coarsest wave.
 
-    An odd number is preceded by at least half as many nodes, a number with small prime factors.
-
-    Parameters
-    ----------
-    profile : Profile or Trace
-        With a finite number of terms.
-    points : int
-        Nodes of the finest grid, which carries all waves.
-    max_residual : float
-        Residual to reach on it, in g_0.
-
+    An odd number is preceded by at least half as many nodes, a number with small prime factors. The finest grid carries
+    all waves, and reaches `max_residual`, in g_0.
     """
-    fewest = max(MIN_POINTS, MIN_POINTS_PER_CARRIED_WAVE * profile.waves_per_period[0])
-    sizes = [points]
+    waves, sizes, grids, terms = np.array(profile.waves_per_period), [points], list[Grid](), 0
+    fewest = max(MIN_POINTS, MIN_POINTS_PER_CARRIED_WAVE * waves[0])
     while (coarser := _half(sizes[0])) >= fewest:
         sizes.insert(0, coarser)
-    terms = [sum(MIN_POINTS_PER_CARRIED_WAVE * k <= size for k in profile.waves_per_period) for size in sizes[:-1]]
-    residuals = [max(max_residual, _accuracy(profile, *at)) for at in zip(sizes, terms, strict=False)]
-    coarse = [_make_grid(profile, *of, is_coarse=True) for of in zip(sizes[:-1], terms, residuals, strict=True)]
-    return [*coarse, _make_grid(profile, points, profile.terms, max_residual, is_coarse=False)]
-
-
-def _make_grid(profile: Waves, points: int, terms: int, max_residual: float, is_coarse: bool) -> Grid:
-    influence = eigenvalues(points, profile.period).copy()  # a read-only array would be another type for kernels
-    height, own = profile.sampled_height(points, terms), influence_coefficients(points, profile.period)[0]
-    return Grid(terms, height, influence, inverse(influence), float(max_residual), own, is_coarse)
+    is_scale = np.append(True, waves[1:] >= MIN_SCALE_RATIO * waves[:-1])
+    for size in sizes:
+        carried, is_coarse = terms, size < points
+        terms = int(np.sum(MIN_POINTS_PER_CARRIED_WAVE * waves <= size)) if is_coarse else profile.terms
+        joining = carried + np.flatnonzero(is_scale[carried:terms])
+        error = COARSE_ACCURACY * profile.amplitude[terms - 1] * (waves[terms - 1] / size) ** 2
+        influence = eigenvalues(size, profile.period).copy()  # a read-only array would be another type for kernels
+        grid = Grid(
+            profile.sampled_height(size, terms),
+            waves[joining],
+            profile.phase[joining] / (2 * np.pi),
+            profile.full_contact_pressure[joining],
+            influence,
+            inverse(influence),
+            float(max(max_residual, error) if is_coarse else max_residual),
+            influence_coefficients(size, profile.period)[0],
+            is_coarse,
+        )
+        grids.append(grid)
+    return grids
 
 
 def _half(points: int) -> int:
     return points // 2 if points % 2 == 0 else int(scipy.fft.next_fast_len((points + 1) // 2, real=True))
-
-
-def _accuracy(profile: Waves, points: int, terms: int) -> float:
-    return float(COARSE_ACCURACY * profile.amplitude[terms - 1] * (profile.waves_per_period[terms - 1] / points) ** 2)
 
 
 def inverse(eigenvalue: Array) -> Array:
@@ -113,27 +95,14 @@ def full_contact_pressure(height: Array, period: float) -> Array:
 
 
 @kernel
-def _squared_beyond(before: float, last: float) -> float:
-    """Return square of the pressure at the first node outside contact, extrapolated linearly, and not above 0.
-
-    Near an edge the pressure is A s^(1/2), so that its square is linear.
-    """
-    return min(0.0, 2 * last * last - before * before)
-
-
-@kernel
 def _between(before: float, here: float, after: float, later: float, fraction: float) -> float:
-    """Interpolate the pressure at a fraction of the way from `here` to `after`, with linear p^2 as at edges."""
-    one = here * here if here > 0 else _squared_beyond(later, after)
-    other = after * after if after > 0 else _squared_beyond(before, here)
+    """Interpolate the pressure at a fraction of the way from `here` to `after`.
+
+    Its square is linear as near an edge, where p = A s^(1/2), and is extrapolated to nodes outside contact.
+    """
+    one = here * here if here > 0 else min(0.0, 2 * after * after - later * later)
+    other = after * after if after > 0 else min(0.0, 2 * here * here - before * before)
     return np.sqrt(max(0.0, (1 - fraction) * one + fraction * other))
-
-
-@kernel
-def copy_values(source: Array, target: Array) -> None:
-    """Copy an array into one of its size; cheaper to compile than `target[:] = source`."""
-    for i in range(source.size):
-        target[i] = source[i]
 
 
 @kernel
@@ -157,22 +126,20 @@ def _westergaard(sine_squared: float, xi: float) -> float:
 
 
 @kernel
-def add_harmonic(wave: int, harmonics: Harmonics, p: Array, finer: Array) -> None:
-    """Add a wave to the pressure p, with the previous p as its local mean, concentrated on its crests.
+def add_wave(wave: int, grid: Grid, p: Array, finer: Array) -> None:
+    """Add a wave that joins on this grid to the pressure p, the local mean, concentrated on its crests.
 
-    `finer` is a working array. The pressure is unchanged where no crest is loaded, on contacts narrower than the
-    wave, and for a wave hardly finer than the previous one.
+    `finer` is a working array. Where no crest is loaded, on contacts narrower than the wave, p is unchanged.
     """
-    count, cycle = harmonics.waves_per_period[wave], harmonics.cycle[wave]
-    if wave > 0 and count < MIN_SCALE_RATIO * harmonics.waves_per_period[wave - 1]:
-        return
+    count = grid.waves_per_period[wave]
     # xi is sin^2(pi a/lambda) for a contact of half-width a (8): with a below one node, it might lie between nodes.
     narrowest = np.sin(np.pi * count / p.size) ** 2
     highest = 0.0
     for i in range(p.size):
-        sine = np.sin(np.pi * (count * i % p.size / p.size + cycle))
-        xi = max(p[i] / harmonics.full_contact_pressure[wave], narrowest)
+        sine = np.sin(np.pi * (count * i % p.size / p.size + grid.cycle[wave]))
+        xi = max(p[i] / grid.full_contact_pressure[wave], narrowest)
         finer[i] = p[i] * _westergaard(sine * sine, xi)
         highest = max(highest, finer[i])
     if highest > 0:
-        copy_values(finer, p)
+        for i in range(p.size):
+            p[i] = finer[i]

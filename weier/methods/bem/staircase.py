@@ -45,44 +45,23 @@ class NodalSolution(NamedTuple):
     contact: Flags
 
 
-class ContactPoint(NamedTuple):
-    """One load of a curve.
-
-    plane : mean gap d, in g_0
-    resistance : R = dh/dp, in g_0/p_0*
-    first, last : first and last node of each contact, shape (contacts,); empty in full contact
-    edge : left and right edge of each contact in turn, in nodes, shape (2 contacts,)
-    residual : largest violation of a contact condition at the nodes, in g_0
-    work : cost in the solver's own unit
-    """
-
-    plane: float
-    resistance: float
-    first: Indices
-    last: Indices
-    edge: Array
-    residual: float
-    work: float
+Corrected = tuple[float, float, Indices, Indices, Array]
 
 
-def contact_on_nodes(solution: NodalSolution) -> ContactPoint:
+def on_nodes(solution: NodalSolution) -> Corrected:
     """Return the discrete solution without correction, with edges half a node beyond the last node in contact."""
     first, last = contact_runs(solution.contact)
     edge = np.stack([first - 0.5, last + 0.5], axis=1).ravel()
-    return ContactPoint(solution.plane, solution.resistance, first, last, edge, solution.residual, solution.work)
-
-
-def remove_staircase(solution: NodalSolution) -> ContactPoint:
-    """Return the corrected solution (`in_continuum`)."""
-    return ContactPoint(*in_continuum(solution), solution.residual, solution.work)
+    return solution.plane, solution.resistance, first, last, edge
 
 
 @kernel
-def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indices, Array]:
-    """Return corrected mean gap, resistance, nodes and edges of the contacts, as in `ContactPoint`.
+def in_continuum(solution: NodalSolution) -> Corrected:
+    """Return corrected mean gap, resistance, first and last nodes, and left and right edges of the contacts in turn.
 
-    Contacts of a single node contribute no correction: their edges are not well separated. Mean gap and resistance
-    are clipped at 0; both are 0 if all gaps are closed.
+    Nodes have the shape (contacts,), edges, in nodes, (2 contacts,); full contact has none. Contacts of a single node
+    contribute no correction: their edges are not well separated. Mean gap and resistance are clipped at 0; both are 0
+    if all gaps are closed.
     """
     points, plane, resistance = solution.contact.size, solution.plane, solution.resistance
     first, last = contact_runs(solution.contact)
@@ -91,10 +70,8 @@ def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indice
         j, outwards, offset = e // 2, 2 * (e % 2) - 1, EDGE_OFFSET
         inside = last[j] if e % 2 else first[j]
         node, outside = inside % points, (inside + outwards) % points
-        q, closing_rate = (
-            solution.tangent_pressure[node],
-            solution.resistance - solution.tangent_displacement[outside],
-        )
+        q = solution.tangent_pressure[node]
+        closing_rate = solution.resistance - solution.tangent_displacement[outside]
         if q > 0 and closing_rate > 0:
             since[e] = max(solution.pressure[node], 0.0) / q
             until[e] = max(solution.gap[outside], 0.0) / closing_rate
@@ -106,11 +83,9 @@ def in_continuum(solution: NodalSolution) -> tuple[float, float, Indices, Indice
         edge[e] = inside + outwards * offset
     closed = _locate_single_node_edges(first, last, points, since, until, edge)
     first, last, edge = _merge(first, last, points, edge, closed)
-    return (
-        (max(plane, 0.0), max(resistance, 0.0), first, last, edge)
-        if first.size > 0
-        else (0.0, 0.0, first, last, edge)
-    )
+    if first.size == 0:
+        plane = resistance = 0.0
+    return max(plane, 0.0), max(resistance, 0.0), first, last, edge
 
 
 @kernel
