@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from weier.methods.layer.layer_curve import ACCURACY
+from weier.methods.layer.nonlinear_layer import ACCURACY
 
 PAGE = Path(__file__).parents[2] / "docs" / "numerics.md"
 SOLVE = """

@@ -1,4 +1,4 @@
-"""One wave on a layer: a stiff one leaves Westergaard, one far too thin is refused, a wrong state is seen."""
+"""One wave on a layer: a stiff one leaves Westergaard, one far too thin is refused."""
 
 from __future__ import annotations
 
@@ -7,18 +7,10 @@ import pytest
 
 from weier import ConvergenceError, Profile
 from weier.methods import layer, westergaard
-from weier.methods.layer.closure import closure_from_table
-from weier.methods.layer.conditions import violations
-from weier.methods.layer.layer_curve import ACCURACY, POINTS
-from weier.methods.layer.scales import RESIDUAL_FRACTION, coarser_units, finest_wave, model_of
-from weier.methods.layer.scaling_tables import BOTTOM_POSITIONS
-from weier.methods.layer.wave import attainable, midpoints, solve_waves
-
-
-def test_residuals_may_have_some_roundings_of_the_logarithm_of_the_load():
-    found = attainable(np.array([-700.0, -1.0]), 1e-13)
-    assert 1 < found[0] / np.spacing(700.0) < 10
-    assert found[1] == 1e-13
+from weier.methods.layer.nonlinear_layer import ACCURACY, POINTS
+from weier.methods.layer.scales import RESIDUAL_FRACTION
+from weier.methods.layer.scaling_tables import closure_from_table
+from weier.methods.layer.wave import midpoints, solve_waves
 
 
 @pytest.mark.parametrize("xi", [1e-12, 1e-3, 0.3, 0.99])
@@ -35,17 +27,6 @@ def test_a_stiff_layer_leaves_westergaard(xi):
 
 def test_a_wave_that_misses_the_tolerance_is_refused():
     # Waves 1e300 times as fine: their layer is far too thin for numbers.
-    with pytest.raises(ConvergenceError, match="has no solution under the mean pressure") as refused:
+    with pytest.raises(ConvergenceError, match="stopped at a relative residual") as refused:
         layer.curve(Profile(1.5, 1e300, 3), [1e-4, 0.2, 3.0])
     assert refused.value.residual > RESIDUAL_FRACTION * ACCURACY
-
-
-def test_the_contact_conditions_see_a_wrong_state():
-    finer, log_load = finest_wave(BOTTOM_POSITIONS[0], 0.0, ACCURACY).rows.closure, np.log([0.1])
-    closure = coarser_units(finer, model := model_of(1.25, 5, 2, POINTS, ACCURACY))
-    solved = solve_waves(log_load, closure, model.mesh, model.tolerance)
-    assert violations(solved.state, log_load, closure, solved.compliance) < 1e-12
-    for component in (0, POINTS // 2, POINTS):
-        wrong = solved.state.copy()
-        wrong[0, component] += 0.1
-        assert violations(wrong, log_load, closure, solved.compliance) > 1e-6

@@ -183,7 +183,7 @@ def within_few_points(profile: Waves, tolerance: float) -> bool:
 
 
 def _grid(profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None, **others: Any) -> int:
-    """Return the points per period; ValueError if settings exclude each other, OutOfReachError for too many points."""
+    """Return the points per period; ValueError if settings exclude each other or it is too fine."""
     points = points_of(profile, tolerance, points_per_wave)
     if tolerance is None:
         check_points(int(points))

@@ -29,8 +29,8 @@ class Grid(NamedTuple):
     """A grid of N nodes.
 
     height : profile of the waves that it carries, shape (N,), in g_0
-    waves_per_period, cycle, full_contact_pressure : waves that join on it, from coarse to fine, of shape (waves,): their
-        number in one period, their phase in wavelengths, and the mean pressure that flattens one of them, in p_0*
+    waves_per_period, cycle, full_contact_pressure : of the waves that join on it, from coarse to fine: number in one
+        period, phase in wavelengths, and the mean pressure that flattens one of them alone, in p_0*
     influence, inverse : eigenvalues of A and, but for the mean, of A^-1, shape (N//2 + 1,), in g_0/p_0* and p_0*/g_0
     max_residual : residual to reach, in g_0
     self_influence : A_ii, in g_0/p_0*
@@ -51,8 +51,8 @@ class Grid(NamedTuple):
 def nested_grids(profile: Waves, points: int, max_residual: float) -> list[Grid]:
     """Return grids of ..., points/4, points/2 and points nodes, as long as they resolve the coarsest wave.
 
-    An odd number is preceded by at least half as many nodes, a number with small prime factors. The finest grid carries
-    all waves, and reaches `max_residual`, in g_0.
+    An odd number is preceded by at least half as many nodes, a number with small prime factors. The finest grid
+    carries all waves, and reaches `max_residual`, in g_0.
     """
     waves, sizes, grids, terms = np.array(profile.waves_per_period), [points], list[Grid](), 0
     fewest = max(MIN_POINTS, MIN_POINTS_PER_CARRIED_WAVE * waves[0])

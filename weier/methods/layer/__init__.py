@@ -3,7 +3,6 @@
 docs/layer.md derives the formulas; each module names its sections.
 """
 
-from weier.methods.layer.layer_curve import POINTS, curve, tail_closure
-from weier.methods.layer.nonlinear_layer import METHOD
+from weier.methods.layer.nonlinear_layer import METHOD, POINTS, curve
 
-__all__ = ["METHOD", "POINTS", "curve", "tail_closure"]
+__all__ = ["METHOD", "POINTS", "curve"]

@@ -1,9 +1,9 @@
 """The infinite series: fixed point of one scale, by Newton's method on all rows of its table.
 
 docs/layer.md, "The whole series", derives the formulas. With J = d ln TW/d ln W from the sensitivities of each wave
-(`weier.methods.layer.wave.closure_sensitivity`) and linear interpolation, damped Newton steps solve ln W - ln TW = 0,
-and (I - J)^-1 bounds the relative errors of the table by its deviation from T of itself, measured in the middle of
-every cell.
+(`weier.methods.layer.wave.closure_sensitivity`) and linear interpolation, Newton steps solve ln W - ln TW = 0, and
+(I - J)^-1 bounds the relative errors of the table by its deviation from T of itself, measured in the middle of every
+cell.
 """
 
 from __future__ import annotations
@@ -16,10 +16,8 @@ import scipy  # its modules are imported on first use, a tenth of a second each
 from weier.kernels.arrays import Array
 from weier.methods import archard
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import position_in
 from weier.methods.layer.scales import ROUNDING, ComplianceTable, Model, Scale, coarser_units
 from weier.methods.layer.scaling_tables import (
-    MAX_HALVINGS,
     MAX_ROWS,
     Rows,
     accuracy_error,
@@ -27,7 +25,7 @@ from weier.methods.layer.scaling_tables import (
     lattice,
     log_load_at,
     merge,
-    table_position,
+    position_in,
 )
 from weier.methods.layer.wave import closure_sensitivity
 
@@ -36,21 +34,20 @@ MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's es
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
-# factor on the correction if a wave has no solution, and the smallest fraction tried
-RETRY_FRACTION, MIN_FRACTION = 0.25, 1e-3
 RESIDUAL_FRACTION = 0.1  # ratio of the waves' residual to the relative error of the table
+FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
 
-def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """Return the waves of the infinite series of a D and gamma, on a table between these positions."""
+def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
+    """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
     # at heavy loads errors of ln W and residuals of waves add up over this number of scales
     gain = np.array([model.infinite_amplitude])
     needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), ROUNDING))
     limit = _limit(model, gain)
-    rows = _guess(model, lattice(bottom, top))
-    for _ in range(MAX_HALVINGS):
-        rows, size = _damped_newton(model, rows, math.sqrt(limit))
+    rows, errors = _guess(model, lattice(bottom, math.asinh(_top(model)))), gain
+    while rows.position.size <= MAX_ROWS:
+        rows, size = _newton(model, rows, math.sqrt(limit))
         over_scales = np.linalg.inv(np.eye(len(size)) - size)
         limit, left, right = _limit(model, over_scales.sum(axis=1)), rows.position[:-1], rows.position[1:]
         between, errors = evaluate_midpoints(_scale(model, rows).rows, rows, left, right)
@@ -58,9 +55,17 @@ def infinite_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
         if np.max(over_scales @ adjacent) <= TABLE_FRACTION * model.accuracy:
             return ComplianceTable(rows, model.infinite_amplitude, math.inf)
         rows = merge(rows, Rows(*(column[errors > limit] for column in between)))
-        if rows.position.size > MAX_ROWS:
-            break
     raise accuracy_error(float(np.max(errors)), rows, limit)
+
+
+def _top(model: Model) -> float:
+    """Return the ln xi at which tables end: above it the first wave is practically flat.
+
+    No pressure in a wave exceeds 1 + xi, so that the table of its layer extends far enough.
+    """
+    step = model.log_pressure
+    self_contained = -step - math.log(-math.expm1(-step))
+    return max(self_contained, -0.5 * math.log(model.accuracy)) + FLAT_MARGIN
 
 
 def _limit(model: Model, gain: Array) -> float:
@@ -78,7 +83,7 @@ def _limit(model: Model, gain: Array) -> float:
 
 def _scale(model: Model, rows: Rows) -> Scale:
     """Return a wave on the layer with this table."""
-    return Scale(coarser_units(rows.closure, model), model.infinite_amplitude, math.inf, model.mesh, model.tolerance)
+    return Scale(model, coarser_units(rows.closure, model), model.infinite_amplitude, math.inf)
 
 
 def _guess(model: Model, position: Array) -> Rows:
@@ -86,51 +91,37 @@ def _guess(model: Model, position: Array) -> Rows:
 
     Contacts under light loads are small, and their pressures are heavy loads to the next finer wave.
     """
-    heavy = position[position >= table_position(MIN_ESTIMATED_LOAD)]
+    heavy = position[log_load_at(position) >= MIN_ESTIMATED_LOAD]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
     unknown = np.empty((heavy.size, 0))
-    rows, _ = _damped_newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
     for one in position[position < heavy[0]][::-1]:
         rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
     return rows
 
 
-def _damped_newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
-    """Solve by damped Newton steps with the J of the linear interpolant of ln W, starting from TW.
+def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
+    """Solve by Newton steps with the J of the linear interpolant of ln W.
 
-    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. If a wave
-    has no solution on the new table, the table moves towards TW. Returns the rows at the fixed point and J, once a
-    step is at most the limit.
+    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. Returns the
+    rows at the fixed point and J, once a step is at most the limit.
     """
     identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
     spline = scipy.interpolate.CubicSpline(rows.position, identity)  # the rows also determine ln W between them
-    image, correction, size, part, settled = rows, np.zeros(rows.position.size), identity, 1.0, False
+    size, change = identity, math.inf
     for _ in range(MAX_STEPS):
-        log_W = np.minimum(image.log_compliance + part * correction, top)
-        slope = image.slope + spline(rows.position, 1) @ (log_W - image.log_compliance)
-        rows = image._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
         scale = _scale(model, rows)
-        try:
-            new = scale.rows(rows.position, rows.state if rows.state.size else None)
-        except ConvergenceError:
-            if part < MIN_FRACTION:
-                raise
-            part *= RETRY_FRACTION
-            continue
-        if settled and part == 1:
+        new = scale.rows(rows.position, rows.state if rows.state.size else None)
+        if change <= limit:
             return rows, size
         size = _sensitivity(new, scale)
-        residual = new.log_compliance - log_W
+        residual = new.log_compliance - rows.log_compliance
         step = np.linalg.solve(identity - size, residual)
         change = float(np.max(np.abs(step)))
-        if change > MAX_STEP:
-            step *= MAX_STEP / change
-        image, correction, part, settled = new, step - residual, 1.0, change <= limit
-    raise _unsettled(model, float(np.max(np.abs(correction))), limit)
-
-
-def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
-    return ConvergenceError(
+        log_W = np.minimum(new.log_compliance - residual + step * MAX_STEP / max(change, MAX_STEP), top)
+        slope = new.slope + spline(rows.position, 1) @ (log_W - new.log_compliance)
+        rows = new._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
+    raise ConvergenceError(
         f"the layer model of the infinite series of D = {model.D:.6g} and gamma = {model.gamma:.6g} still changes by "
         f"{change:.1e} of itself from step to step, above {limit:.1e}: choose other points, or a D further from 2",
         change,
@@ -139,9 +130,8 @@ def _unsettled(model: Model, change: float, limit: float) -> ConvergenceError:
 
 def _sensitivity(image: Rows, scale: Scale) -> Array:
     """Return J = d ln TW/d ln W for ln W that is linear between the rows, shape (waves, rows)."""
-    loads = log_load_at(image.position)
     sensitivity, log_pressure = closure_sensitivity(
-        image.state, loads, scale.closure, scale.mesh, np.exp(image.log_compliance)
+        image.state, log_load_at(image.position), scale.closure, scale.model.mesh, np.exp(image.log_compliance)
     )
     position, _ = position_in(scale.closure, log_pressure)
     linear = scipy.interpolate.make_interp_spline(image.position, np.eye(image.position.size), k=1)

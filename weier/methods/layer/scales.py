@@ -14,9 +14,7 @@ import numpy as np
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import Closure
-from weier.methods.layer.conditions import violations
-from weier.methods.layer.scaling_tables import Rows, lattice, log_load_at, table_position, tabulate
+from weier.methods.layer.scaling_tables import MAX_POSITION, Closure, Rows, lattice, log_load_at, tabulate
 from weier.methods.layer.wave import Mesh, Solutions, attainable, midpoints, reference_heights, solve_waves
 
 ROUNDING = 1e-13  # rounding floor of the residual of a wave at the lightest loads
@@ -69,59 +67,41 @@ class Scale(NamedTuple):
 
     closure : closure of that layer, in the units of this wave
     amplitude, log_full : the limit of W, and the ln xi at which it is reached
-    mesh, tolerance : mesh and relative residual of the solution for the wave
     """
 
+    model: Model
     closure: Closure
     amplitude: float
     log_full: float
-    mesh: Mesh
-    tolerance: float
 
     def rows(self, position: Array, guess: Array | None) -> Rows:
         """Return rows of W at these positions below full contact, from the guessed states."""
-        solutions = self._solved(log_load_at(position), guess)
-        h, stretch = np.minimum(solutions.compliance, self.amplitude), np.cosh(position)
-        return Rows(
-            position, np.log(h), solutions.rate / h * stretch, solutions.state, solutions.tangent * stretch[:, None]
-        )
+        solved, stretch = self._solved(log_load_at(position), guess), np.cosh(position)
+        h = np.minimum(solved.compliance, self.amplitude)
+        return Rows(position, np.log(h), solved.rate / h * stretch, solved.state, solved.tangent * stretch[:, None])
 
     def solve(self, log_load: Array) -> tuple[Array, Array, Array]:
-        """Return h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,).
-
-        The contact conditions are checked on a freshly applied operator.
-        """
+        """Return h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,)."""
         h, (rate, residual) = np.full(log_load.size, self.amplitude), np.zeros((2, log_load.size))
         partial = log_load < self.log_full  # contact is full at heavier loads, and h is exact
         if partial.any():
-            loads = log_load[partial]
-            waves = self._solved(loads, None)
-            breach = violations(waves.state, loads, self.closure, waves.compliance)
-            self._check_residual(loads, breach, 10 * self.tolerance + ROUNDING * (1 + np.exp(loads)))
+            waves = self._solved(log_load[partial], None)
             h[partial], rate[partial] = np.minimum(waves.compliance, self.amplitude), waves.rate
-            residual[partial] = breach * reference_heights(waves.state[:, -1]).total
+            residual[partial] = waves.residual * reference_heights(waves.state[:, -1]).total
         return h, rate, residual
 
     def _solved(self, log_load: Array, guess: Array | None) -> Solutions:
-        solutions = solve_waves(log_load, self.closure, self.mesh, self.tolerance, guess)
-        self._check_residual(log_load, solutions.residual, attainable(log_load, self.tolerance))
-        return solutions
-
-    def _check_residual(self, log_load: Array, residual: Array, limit: Array) -> None:
-        over = np.flatnonzero(~(residual <= limit))
+        tolerance = self.model.tolerance
+        solved = solve_waves(log_load, self.closure, self.model.mesh, tolerance, guess)
+        over = np.flatnonzero(~(solved.residual <= attainable(log_load, tolerance)))
         if over.size:
-            worst, load = float(residual[over[0]]), math.exp(log_load[over[0]])
-            if not math.isfinite(worst):
-                raise ConvergenceError(
-                    f"a wave of the layer model has no solution under the mean pressure {load:.6g} in its own p*: "
-                    "try other points, or take another method",
-                    worst,
-                )
+            worst, load = float(solved.residual[over[0]]), math.exp(log_load[over[0]])
             raise ConvergenceError(
                 f"a wave of the layer model stopped at a relative residual of {worst:.1e} under the mean pressure "
-                f"{load:.6g} in its own p*, above {self.tolerance:.1e}; try other points or a larger accuracy",
+                f"{load:.6g} in its own p*, above {tolerance:.1e}: try other points, or take another method",
                 worst,
             )
+        return solved
 
 
 def scale_on(finer: ComplianceTable, model: Model) -> Scale:
@@ -129,7 +109,7 @@ def scale_on(finer: ComplianceTable, model: Model) -> Scale:
     amplitude = 1 + math.exp(model.log_height) * finer.amplitude
     # The pressure in the troughs is at least xi - 1, which must flatten the finer waves.
     log_full = float(np.logaddexp(0, model.log_pressure + finer.log_full))
-    return Scale(coarser_units(finer.rows.closure, model), amplitude, log_full, model.mesh, model.tolerance)
+    return Scale(model, coarser_units(finer.rows.closure, model), amplitude, log_full)
 
 
 def coarser_units(closure: Closure, model: Model) -> Closure:
@@ -139,7 +119,7 @@ def coarser_units(closure: Closure, model: Model) -> Closure:
     )
 
 
-def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
+def finest_wave(bottom: float, accuracy: float) -> ComplianceTable:
     """Return Westergaard's wave (12)."""
 
     def waves(position: Array, _: Array | None) -> Rows:
@@ -147,15 +127,15 @@ def finest_wave(bottom: float, top: float, accuracy: float) -> ComplianceTable:
         slope, nothing = -y / (1 - y) * np.cosh(position), np.zeros((y.size, 0))
         return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
 
-    return ComplianceTable(tabulate(waves, lattice(bottom, min(top, 0.0)), accuracy), 1.0, 0.0)
+    return ComplianceTable(tabulate(waves, lattice(bottom, 0.0), accuracy), 1.0, 0.0)
 
 
-def finer_waves(model: Model, bottom: float, top: float) -> ComplianceTable:
-    """Return the waves finer than the first of m, in the units of the second, on tables between these positions."""
+def finer_waves(model: Model, bottom: float) -> ComplianceTable:
+    """Return the waves finer than the first of m, in the units of the second, on tables to full contact."""
     accuracy = model.accuracy / (model.m - 1)
-    waves = finest_wave(bottom, top, accuracy)
+    waves = finest_wave(bottom, accuracy)
     for _ in range(int(model.m) - 2):
         scale = scale_on(waves, model)
-        rows = tabulate(scale.rows, lattice(bottom, min(top, table_position(scale.log_full))), accuracy)
-        waves = ComplianceTable(rows, scale.amplitude, scale.log_full)
+        top = min(math.asinh(scale.log_full), MAX_POSITION)
+        waves = ComplianceTable(tabulate(scale.rows, lattice(bottom, top), accuracy), scale.amplitude, scale.log_full)
     return waves

@@ -1,7 +1,8 @@
-"""Tables of W(xi), with rows independent of the loads to be solved (docs/layer.md, "Tables").
+"""Tables of W(xi), with rows independent of the loads to be solved, and the closure w(p) of a layer as such a table.
 
-Part of every contact has a pressure below the first row, where W is a power of the load. That part is below e^-17 of
-the mean pressure at the lightest load of the table (e^-9 at 1e-305), and carries less than this part of the load.
+docs/layer.md derives the formulas: "One scale" defines w, "Tables" its interpolation. Part of every contact has a
+pressure below the first row, where W is a power of the load. That part is below e^-17 of the mean pressure at the
+lightest load of the table (e^-9 at 1e-305), and carries less than this part of the load.
 """
 
 from __future__ import annotations
@@ -16,15 +17,53 @@ from numpy.typing import ArrayLike
 
 from weier.kernels.arrays import Array
 from weier.methods.errors import ConvergenceError
-from weier.methods.layer.closure import Closure, closure_from_table, log_compression
 
 BOTTOM_POSITIONS = math.asinh(-58), math.asinh(-711)  # first row: xi = e^-58 and e^-711
 MIN_LOADS = 1e-18, 1e-305  # lightest loads for tables from these rows
 MAX_POSITION = math.asinh(709)  # last row: double precision ends at e^709.8
 CELL_LENGTH = 0.25  # initial spacing of the rows, in positions
 MIN_CELL = 1e-3  # a shorter last cell, relative to the others, is merged with the previous one
-MAX_HALVINGS = 30  # halvings of a cell; the smallest accuracy needs 17
 MAX_ROWS = 100_000  # the smallest accuracy needs some thousands of rows
+
+
+class Closure(NamedTuple):
+    """ln w - `log_height` as cubics over the position asinh(ln p - origin); outside, w is a power of p.
+
+    In this variable the curvature of ln w is uniform over hundreds of decades.
+    """
+
+    cubics: scipy.interpolate.PPoly
+    origin: float
+    log_height: float
+
+
+def closure_from_table(position: Array, log_compression: Array, slope: Array) -> Closure:
+    """Return the closure of a table: ln w and its slope at increasing positions, each of shape (rows,).
+
+    The two slopes of a cubic are limited to three times its chord.
+    """
+    length = np.diff(position)
+    chord = np.diff(log_compression) / length
+    # A cubic is monotone up to slopes of three times its chord (Fritsch and Carlson 1980).
+    first, last = (np.minimum(at_end, 3 * chord) for at_end in (slope[:-1], slope[1:]))
+    quadratic, cubic = (3 * chord - 2 * first - last) / length, (first + last - 2 * chord) / length**2
+    return Closure(scipy.interpolate.PPoly([cubic, quadratic, first, log_compression[:-1]], position), 0.0, 0.0)
+
+
+def position_in(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
+    """Return positions of ln p, clipped to the rows, and the excess beyond both ends, linear in ln p."""
+    position = np.arcsinh(log_pressure - closure.origin)
+    inside = np.clip(position, *closure.cubics.x[[0, -1]])
+    excess = log_pressure - closure.origin - np.sinh(inside)
+    return inside, np.where(inside == position, 0.0, excess / np.cosh(inside))
+
+
+def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array]:
+    """Return ln w and d ln w/d ln p at each ln p."""
+    position, excess = position_in(closure, log_pressure)
+    slope = closure.cubics(position, 1)
+    log_w = closure.log_height + closure.cubics(position) + slope * excess
+    return log_w, slope / np.cosh(position)
 
 
 class Rows(NamedTuple):
@@ -56,11 +95,6 @@ def log_load_at(position: ArrayLike) -> Array:
     return np.sinh(position)
 
 
-def table_position(log_load: float) -> float:
-    """Return the position of a ln xi."""
-    return math.asinh(log_load)
-
-
 def lattice(bottom: float, top: float) -> Array:
     """Return positions of the first rows, up to the top and ending there."""
     top = min(top, MAX_POSITION)
@@ -72,15 +106,13 @@ def tabulate(waves: WaveMap, first: Array, accuracy: float) -> Rows:
     """Return rows at the initial positions, refined until the cubics agree with the next midpoints."""
     rows = waves(first, None)
     left, right = first[:-1], first[1:]
-    for _ in range(MAX_HALVINGS):
+    while rows.position.size <= MAX_ROWS:
         between, errors = evaluate_midpoints(waves, rows, left, right)
         rows = merge(rows, between)
         # A row in the middle of a cell at least halves its error, even near a kink.
         wrong = ~(errors <= 2 * accuracy)
         if not np.any(wrong):
             return rows
-        if rows.position.size > MAX_ROWS:
-            break
         middle = between.position
         left, right = (np.stack(ends, 1)[wrong].ravel() for ends in ((left, middle), (middle, right)))
     raise accuracy_error(float(np.max(errors)), rows, accuracy)

@@ -14,15 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from weier.kernels.arrays import Array, Flags
-from weier.methods.layer.closure import Closure, log_compression
+from weier.methods.layer.scaling_tables import Closure, log_compression
 
-MAX_NEWTON_STEPS = 60  # steps from a neighbouring load; 2 or 3 are usual
-MAX_DIRECT_STEPS = 20  # steps from the initial guess; 4 to 10 are usual
+MAX_STEPS = 60  # Newton steps; 2 or 3 are usual from a neighbouring load, 4 to 10 from the initial guess
 MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponentials mislead farther away
 MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
-MAX_STRIDE, MIN_STRIDE = 1.0, 1e-3  # load increments of the continuation, in ln xi
-MAX_STRIDES = 10_000  # ten times the increments needed over all loads that floats hold
-MAX_GUESSED_LOAD = -3.0  # ln xi of the heaviest load to start from, where the layer is not yet flat
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
 MAX_NUMBERS = 2**20  # matrix entries of the loads that are solved together: 8 MB
@@ -156,18 +152,16 @@ def _moved(state: Array, step: Array, trust: Array) -> Array:
     return state + np.clip(step, -trust, rise)
 
 
-def _newton(
-    state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: Array, max_steps: int
-) -> tuple[Array, Array]:
+def _newton(state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array]:
     """Solve for every load independently by Newton's method; return the final states and errors."""
     state, error = state.copy(), np.full(log_load.size, np.inf)
     active = np.arange(log_load.size)
-    for step in range(max_steps + 1):
+    for step in range(MAX_STEPS + 1):
         equations = _balance(state[active], log_load[active], closure, mesh)
         error[active] = equations.error
         wrong: Flags = (equations.error > limit[active]) & (equations.error < np.inf)
         active = active[wrong]
-        if step == max_steps or not active.size:
+        if step == MAX_STEPS or not active.size:
             break
         direction = _solve(equations.jacobian[wrong], equations.residual[wrong])
         state[active] = _moved(state[active], -direction, equations.trust[wrong])
@@ -212,25 +206,6 @@ def _first_guess(log_load: Array, closure: Closure, mesh: Mesh) -> Array:
     return np.column_stack([y, np.where(closed, w, np.log(sine_squared))])
 
 
-def _approach(log_load: float, closure: Closure, mesh: Mesh, limit: Array) -> tuple[Array, Array]:
-    """Solve at a load whose initial guess fails: by continuation from a lighter one along the tangent."""
-    here, stride = np.array([min(log_load, MAX_GUESSED_LOAD) - MAX_STRIDE]), MAX_STRIDE
-    state = _first_guess(here, closure, mesh)
-    state, error = _newton(state, here, closure, mesh, limit, MAX_NEWTON_STEPS)
-    for _ in range(MAX_STRIDES):
-        if here[0] >= log_load or not error[0] <= limit[0] or stride <= MIN_STRIDE:
-            break
-        there = np.minimum(here + stride, log_load)
-        equations = _balance(state, here, closure, mesh)
-        ahead = _moved(state, (there - here) * _solve(equations.jacobian, -equations.drift), equations.trust)
-        ahead, error_ahead = _newton(ahead, there, closure, mesh, limit, MAX_NEWTON_STEPS)
-        if error_ahead[0] <= limit[0]:
-            state, error, here, stride = ahead, error_ahead, there, MAX_STRIDE
-        else:
-            stride /= 2
-    return state, error if here[0] == log_load else np.array([np.inf])
-
-
 def attainable(log_load: Array, tolerance: float) -> Array:
     """Return the tolerance, or the residual due to rounding of ln p if that is larger."""
     return np.maximum(tolerance, 1e-15 * np.abs(log_load))  # relative rounding of ln p: a few units in the last place
@@ -268,11 +243,7 @@ def solve_waves(
 
 
 def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, start: Array) -> Solutions:
-    limit = attainable(log_load, tolerance)
-    state, residual = _newton(start, log_load, closure, mesh, limit, MAX_DIRECT_STEPS)
-    for i in np.flatnonzero(~(residual <= limit)):
-        at = slice(i, i + 1)
-        state[at], residual[at] = _approach(float(log_load[i]), closure, mesh, limit[at])
+    state, residual = _newton(start, log_load, closure, mesh, attainable(log_load, tolerance))
     h, rate, tangent = _finish(state, log_load, closure, mesh)
     residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may not detect a singular matrix
     return Solutions(h, rate, residual, state, tangent)
