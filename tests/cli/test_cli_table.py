@@ -111,7 +111,7 @@ def test_files_of_others_are_refused_in_a_sentence(run):
         assert why in err
 
 
-ATTRIBUTES = ["program", "long_name", "units", "unit", "coordinates", "title", "_Encoding"]
+ATTRIBUTES = ["program", "long_name", "units", "coordinates"]
 
 
 @pytest.mark.parametrize("damaged", [None, "nonsense"])

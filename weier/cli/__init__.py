@@ -35,7 +35,7 @@ def cli() -> None:
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --loads 0.01:1:5        one profile, as JSON
     weier plot -D 1.25 --gamma 5 -m 3 curves.png               its curves by several methods
-    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3      curves within a tolerance
+    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-2      curves within a tolerance
     weier solve --trace shaft.csv --loads 0.01:1:5             measured heights
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
     weier table results/paper/contact.nc curves.csv            curves for a spreadsheet

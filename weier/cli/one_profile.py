@@ -68,7 +68,7 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
     weier solve -D 1.5 --gamma 5/2 -m 4 --seed 7 --method layer --method patches -o curves.nc
     weier solve -D 1.25 --gamma 5 -m inf --method demelio --loads 1e-3:4:40
-    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-3
+    weier solve -D 1.25 --gamma 5 -m inf --tolerance 1e-2
     weier solve -D 1.25 --gamma 5 -m 3 --method bem --set bem.points_per_wave=256
     weier solve --trace shaft.csv --shortest 0.01 --x-unit mm --height-unit um --loads 0.01:10:20 -o shaft.nc
     weier solve --trace lab.txt --skip 12 --columns 0,2 --decimal , --unit um
