@@ -98,13 +98,6 @@ def test_refused_loads_are_counted_and_told(one_draw):
     assert "too light" in told
 
 
-def test_unknown_numbers_are_not_counted(one_draw, reference):
-    reference(values=lambda exact: np.full((2, 2), np.nan), uncertainty=lambda known: known * np.nan)
-    _, _, h, _, refused = coverage.row("usual", [(one_draw, coverage.judge_all(one_draw, ["bem"]))], ["bem"])
-    assert h.startswith("0 of 0,")
-    assert refused == "0"
-
-
 def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatch, tmp_path):
     page = ["--output", str(tmp_path / "page.md")]
     monkeypatch.setattr(coverage, "draws", lambda *arguments: iter([one_draw]))

@@ -1,8 +1,6 @@
 """Every measurement is a command, most of which write and print a page of one form."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import click
@@ -15,14 +13,9 @@ import benchmarks
 from benchmarks.__main__ import NAMES as BENCHMARKS
 from weier import accuracy
 from weier.accuracy.__main__ import NAMES, main
-from weier.accuracy.page import Measurements, Page, measurement, number
+from weier.accuracy.page import Measurements, Page, measurement
 from weier.data import provenance
 from weier.figures.values import line
-
-
-def test_what_is_unknown_leaves_its_cell_empty():
-    assert number(np.nan) == ""
-    assert number(0.0123) == "1e-02"
 
 
 @measurement("A title")
@@ -71,20 +64,9 @@ def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(tm
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_measurement_says_what_it_measures(name):
-    found = CliRunner().invoke(main, [name, "--help"])
-    assert found.exit_code == 0, found.output
-    assert f"[default: results/{name}/{name}.md]" in " ".join(found.output.split())
-
-
 @pytest.mark.parametrize(("package", "names"), [(accuracy, NAMES), (benchmarks, BENCHMARKS)])
 def test_the_list_of_measurements_is_complete(package, names):
-    command = [sys.executable, "-m", package.__name__, "--help"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    listed = [line.split()[0] for line in done.stdout.partition("Commands:")[2].splitlines() if line.strip()]
-    assert listed == list(names)
-    assert re.findall(r"^\| `(\w+)` \|", package.__doc__, re.MULTILINE) == listed
+    assert re.findall(r"^\| `(\w+)` \|", package.__doc__, re.MULTILINE) == list(names) == sorted(names)
 
 
 def test_every_command_of_a_page_exists():

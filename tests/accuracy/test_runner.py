@@ -87,22 +87,6 @@ def test_what_a_signal_raises_is_no_result(listed, error):
         attempt(sleeping, ONE, LOADS)
 
 
-def test_what_numpy_raises_is_not_clear(listed):
-    found = attempt(
-        listed(Method("bad", "bad", "finds no largest", lambda profile, loads: np.argmax([]))), ONE, LOADS
-    )
-    assert set(found.outcome) == {Outcome.unclear_error}
-    assert found.message.startswith("ValueError: ")
-
-
-def test_numbers_that_are_not_finite_are_counted_as_such(listed):
-    def solve(profile, loads):
-        return Curve(np.where(loads > 0.01, np.inf, loads), loads)
-
-    found = attempt(listed(Method("infinite", "infinite", "gives inf", solve)), ONE, LOADS)
-    assert found.outcome.tolist() == [Outcome.finite, Outcome.not_finite, Outcome.not_finite]
-
-
 def test_a_warning_is_kept_and_a_curve_that_breaks_is_tried_load_by_load(listed):
     def solve(profile, loads):
         if loads.size > 1:

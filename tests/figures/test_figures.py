@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import matplotlib
@@ -16,9 +14,7 @@ from tests.scenes import blank, scene_in, solve_scene
 from weier import figures, scene
 from weier.data import curves
 from weier.data.variables import Status
-from weier.figures import style, truncation
-from weier.methods import registry
-from weier.methods.method import Style
+from weier.figures import truncation
 from weier.pipeline.gather import read_study
 
 SCENE = """
@@ -73,9 +69,7 @@ def sketch(kind: str, given: list[xr.Dataset]) -> Figure:
     return figures._drawn(scene.Figure(kind), given)
 
 
-@pytest.mark.parametrize(
-    "kind", ["compliance", "contact_fraction", "contact_tree", "message", "truncated_resistance"]
-)
+@pytest.mark.parametrize("kind", ["compliance", "message"])
 def test_a_figure_shows_nothing_of_the_variables_that_are_not_read_for_it(
     kind: str, studies: dict[str, xr.Dataset], tmp_path: Path
 ) -> None:
@@ -97,13 +91,6 @@ def test_same_data_same_bytes_in_each_format(studies: dict[str, xr.Dataset], tmp
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_curves_of_several_studies_stand_in_one_figure(kind: str, studies: dict[str, xr.Dataset]) -> None:
-    figure = sketch(kind, list(studies.values()))
-    figure.draw_without_rendering()
-    assert figure.axes
-
-
-@pytest.mark.parametrize("kind", KINDS)
 def test_many_cases_that_lack_curves_are_drawn_unless_nothing_tells_them_apart(kind: str) -> None:
     if figures.KINDS[kind].grouped:
         with pytest.raises(ValueError, match="m varies among the curves and nothing shows it"):
@@ -120,28 +107,9 @@ def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    "kind", ["compliance", "resistance", "phases", "truncated_compliance", "truncated_resistance"]
-)
+@pytest.mark.parametrize("kind", ["resistance", "phases", "truncated_compliance"])
 def test_curves_of_one_load_are_drawn(kind: str, studies: dict[str, xr.Dataset]) -> None:
     sketch(kind, [studies["one"].isel(mean_pressure=[1])])
-
-
-def test_every_module_that_draws_is_that_of_a_kind() -> None:
-    modules = [path.stem for path in Path(figures.__file__).parent.glob("*.py") if path.stem != "__init__"]
-    draws = {name for name in modules if hasattr(import_module(f"weier.figures.{name}"), "draw")}
-    assert {kind.drawn_by or name for name, kind in figures.KINDS.items()} == draws
-
-
-def test_a_new_method_is_drawn_in_its_own_style(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing but the list of methods is changed."""
-    toy = replace(registry.METHODS[1], name="new", label="new estimate", style=Style("#123456", (7, 3), "p"))
-    monkeypatch.setattr(registry, "METHODS", (toy, *registry.METHODS))
-    (axes,) = sketch("compliance", [many_cases().isel(case=[3])]).axes
-    line = axes.get_lines()[0]
-    assert (line.get_label(), line.get_color()) == ("new estimate", "#123456")
-    assert style.line("new")["linestyle"] == (0, (7, 3))
-    assert [line.get_label() for line in axes.get_lines()] == ["new estimate", "Archard", "contact patches"]
 
 
 CAPTIONED = """
@@ -201,11 +169,6 @@ def test_profiles_show_the_heights_of_the_data(studies: dict[str, xr.Dataset]) -
     np.testing.assert_allclose(z, exact, atol=1e-13)
 
 
-def test_profiles_of_a_family_differ_without_colour() -> None:
-    grey = [np.dot(look["color"][:3], [0.299, 0.587, 0.114]) for look in style.family(8)]
-    assert np.all(np.diff(grey) < -0.03)
-
-
 def with_an_estimate_beyond(kind: str, *methods: str) -> Figure:
     """One case whose estimates have a resistance, a contact fraction and a compliance far off the numerical ones."""
     data = many_cases((*methods, "patches")).isel(case=[2])
@@ -227,11 +190,3 @@ def test_axes_follow_the_methods_of_the_paper_and_numerical_ones(kind: str) -> N
 def test_a_negative_compliance_leaves_the_frame() -> None:
     (axes,) = with_an_estimate_beyond("compliance", "persson", "cascade").axes
     assert axes.get_ylim()[0] == 0
-
-
-def test_contact_fractions_are_those_of_the_data() -> None:
-    data = many_cases().isel(case=[2])
-    (axes,) = sketch("contact_fraction", [data]).axes
-    assert axes.get_ylabel() == "contact fraction $A$"
-    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
-    np.testing.assert_array_equal(drawn["contact patches"], data["contact_fraction"].values[0, 1])

@@ -45,11 +45,6 @@ def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
     assert [text.get_text() for text in area.figure.legends[0].get_texts()][3] == "10 to 90 % of 5 phases"
 
 
-def test_without_numerical_curves_there_is_nothing_to_draw(study):
-    with pytest.raises(ValueError, match="no numerical curves"):
-        message.draw([study.sel(solution_method=["persson"])], "")
-
-
 def test_its_values_name_the_series_of_each_panel_and_the_bounds(study):
     other = study.copy(deep=True)
     other["D"].values[:] = 1.5

@@ -135,6 +135,18 @@ def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):
     assert "ohm m^2" in write(tmp_path, data, interface=interface)
 
 
+def test_each_case_is_shown_at_the_loads_of_its_study():
+    data = cases()
+    for name in ("compliance", "resistance"):
+        data[name].values[1, :, ::2] = np.nan
+    (table, *_), count = page._tables(data)
+    pressures, h = (table[name].reshape(len(CASES), count) for name in ("mean_pressure", "compliance"))
+    assert pressures[1, :2] == pytest.approx(LOADS[1::2])
+    assert h[1, :2] == pytest.approx(2 + LOADS[1::2])
+    assert np.isnan(pressures[1, 2:]).all()
+    assert pressures[2] == pytest.approx(LOADS)
+
+
 def browse(folder, *arguments):
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:  # on a developer's machine; the gate installs one

@@ -5,11 +5,10 @@ import re
 import pytest
 import yaml
 
-import weier
-from weier import figures, scene
+from weier import figures
 from weier.data.bodies import Bodies
 from weier.figures import scene_checks
-from weier.scene import Grouping, SceneError
+from weier.scene import SceneError
 
 
 def write(folder, product=None, other_studies=None, without="", **figure):
@@ -93,18 +92,3 @@ def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1
             scene_checks.load_scene(path)
     else:
         assert scene_checks.load_scene(path).figures["f"].interface == Bodies(**bodies)
-
-
-def test_mistakes_of_figures_and_claims_stand_in_one_list_with_the_others(tmp_path):
-    path = write(tmp_path, {"gamma": 5, "m": 12}, draw="complience")
-    path.write_text(path.read_text() + "claims: {archard_abov: [one]}\n")
-    with pytest.raises(SceneError) as caught:
-        weier.load_scene(path)
-    places = re.findall(r"line \d+: ([^:]+):", str(caught.value))
-    assert sorted(places) == ["claims.archard_abov", "figures.f.draw", "studies.one.product"]
-
-
-def test_a_scene_names_the_parameters(tmp_path):
-    one = {"seed": [0, 1], "gamma": [2, 3]}
-    loaded = scene.load(write(tmp_path, one, colour="gamma", facet="method", **{"median over": "seed"}))
-    assert loaded.figures["f"].grouping == Grouping("gamma", ("method",), ("seed",))
