@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import click
@@ -16,6 +16,8 @@ from weier.accuracy.runner import Variant, attempt
 from weier.data import markdown
 from weier.kernels.arrays import Array
 
+WORST = 20  # largest errors above the stated ones that are listed
+
 
 class Judged(NamedTuple):
     """Errors of a variant on a draw, measured and stated; each of shape (2, loads): h and R.
@@ -26,13 +28,12 @@ class Judged(NamedTuple):
     message : message of the first refusal
     """
 
+    draw: Draw
+    variant: Variant
     error: Array
     stated: Array
     ratio: Array
     message: str
-
-
-Found = list[tuple[Draw, Mapping[str, Judged]]]
 
 
 def judge(draw: Draw, variant: Variant) -> Judged:
@@ -44,58 +45,43 @@ def judge(draw: Draw, variant: Variant) -> Judged:
     is_known = 10 * right.uncertainty <= np.maximum(stated, error)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_known, np.maximum(error - right.uncertainty, 0) / stated, np.nan)
-    return Judged(error, stated, ratio, found.message)
+    return Judged(draw, variant, error, stated, ratio, found.message)
 
 
-def judge_all(draw: Draw, names: Iterable[str] = VARIANTS) -> dict[str, Judged]:
-    """Return the judged variants of these names on a draw."""
-    return {variant.name: judge(draw, variant) for variant in draw.variants if variant.name in names}
-
-
-def header(names: Iterable[str]) -> list[str]:
-    """Return the headings of `row`."""
-    return ["family", "loads", *(f"{symbol} by {name}" for name in names for symbol in "hR"), "no solution"]
-
-
-def row(family: str, found: Found, names: Iterable[str]) -> list[str]:
-    """Return the numbers of a family, below `header`."""
-    cells, refused = [family, str(sum(draw.loads.size for draw, _ in found))], 0
-    for name in names:
-        for quantity in range(2):
-            ratio = np.concatenate([judged[name].ratio[quantity] for _, judged in found])
-            ratio = ratio[~np.isnan(ratio)]
-            cells.append(f"{np.count_nonzero(ratio > 1)} of {ratio.size}, {ratio.max(initial=0):.2g}")
-        refused += sum(int(np.isnan(judged[name].stated[0]).sum()) for _, judged in found)
-    return [*cells, str(refused)]
-
-
-def tables(found: Found, names: Iterable[str], worst: int) -> Iterator[str]:
+def tables(found: Sequence[Judged]) -> Iterator[str]:
     """Yield a table with a row for each family and one for all, the worst errors, and the refusals."""
+    names = list(dict.fromkeys(one.variant.name for one in found))
+    header = ["family", "loads", *(f"{symbol} by {name}" for name in names for symbol in "hR"), "no solution"]
     rows = []
-    for family in (*FAMILIES, "all"):
-        if of_family := [one for one in found if family in (one[0].family, "all")]:
-            rows.append(row(family, of_family, names))
-    yield markdown.table(header(names), rows)
-    largest = sorted(exceeded(found), reverse=True)[:worst]
-    yield from (f"{ratio:.3g} times: {where}" for ratio, where in largest)
-    for draw, by_name in found:
-        for variant in draw.variants:
-            if variant.name in by_name and np.isnan(by_name[variant.name].stated[0]).any():
-                yield f"{draw.profile!r} by {variant.name}, {variant.settings}: {by_name[variant.name].message}"
+    for family in [*dict.fromkeys(one.draw.family for one in found), "all"]:
+        own = [one for one in found if family in (one.draw.family, "all")]
+        by_name = ([one.ratio for one in own if one.variant.name == name] for name in names)
+        loads = sum(one.draw.loads.size for one in own if one.variant.name == names[0])
+        cells = [_coverage(ratio) for ratios in by_name for ratio in np.concatenate(ratios, axis=1)]
+        rows.append([family, str(loads), *cells, str(sum(int(np.isnan(one.stated[0]).sum()) for one in own))])
+    yield markdown.table(header, rows)
+    worst = sorted((place for one in found for place in exceeded(one)), reverse=True)
+    yield from (f"{ratio:.3g} times: {where}" for ratio, where in worst[:WORST])
+    for one in found:
+        if np.isnan(one.stated[0]).any():
+            yield f"{one.draw.profile!r} by {one.variant.name}, {one.variant.settings}: {one.message}"
 
 
-def exceeded(found: Found) -> Iterator[tuple[float, str]]:
+def _coverage(ratio: Array) -> str:
+    """Return how many known errors exceed the stated ones, and the largest ratio."""
+    ratio = ratio[~np.isnan(ratio)]
+    return f"{np.count_nonzero(ratio > 1)} of {ratio.size}, {ratio.max(initial=0):.2g}"
+
+
+def exceeded(one: Judged) -> Iterator[tuple[float, str]]:
     """Yield errors larger than stated: their ratio to the stated error, and their location."""
-    for draw, by_name in found:
-        for variant in (each for each in draw.variants if each.name in by_name):
-            judged = by_name[variant.name]
-            for quantity, load in np.argwhere(judged.ratio > 1):
-                error, stated = (f"{values[quantity, load]:.2e}" for values in (judged.error, judged.stated))
-                yield (
-                    float(judged.ratio[quantity, load]),
-                    f"{'hR'[quantity]} by {variant.name} is off by {error}, stated {stated} ({draw.family}): "
-                    f"{draw.profile!r} at {draw.loads[load]}, {variant.settings}",
-                )
+    for quantity, load in np.argwhere(one.ratio > 1):
+        error, stated = (f"{values[quantity, load]:.2e}" for values in (one.error, one.stated))
+        yield (
+            float(one.ratio[quantity, load]),
+            f"{'hR'[quantity]} by {one.variant.name} is off by {error}, stated {stated} ({one.draw.family}): "
+            f"{one.draw.profile!r} at {one.draw.loads[load]}, {one.variant.settings}",
+        )
 
 
 @measurement("Coverage of stated errors")
@@ -107,8 +93,7 @@ def exceeded(found: Found) -> Iterator[tuple[float, str]]:
     "--families", multiple=True, type=click.Choice([*FAMILIES]), default=[*FAMILIES], help="Families to draw from."
 )
 @click.option("--methods", multiple=True, type=click.Choice(VARIANTS), default=VARIANTS, help="Methods to compare.")
-@click.option("--worst", default=20, help="Errors above the stated ones that are listed.")
-def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str], worst: int) -> Page:
+def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str]) -> Page:
     """Compare stated errors with errors against the exact contact, on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
@@ -116,10 +101,10 @@ def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str],
     compared if the uncertainty of the reference, its distance from that of the reflected profile, is below a tenth of
     the stated or of the measured error. Ctrl-C ends the draws and keeps the results so far.
     """
-    found: Found = []
+    found: list[Judged] = []
     try:
         for draw in draws(families, np.random.default_rng(seed), count):
-            found.append((draw, judge_all(draw, methods)))
+            found += [judge(draw, variant) for variant in draw.variants if variant.name in methods]
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
-    return Page([*tables(found, methods, worst)])
+    return Page([*tables(found)])
