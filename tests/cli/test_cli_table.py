@@ -8,10 +8,10 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 
 import weier
 from tests.cli.test_cli import described, examples
-from weier.scene.yaml import write_yaml
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 BODIES = {
@@ -70,7 +70,7 @@ def test_bodies_may_stand_in_a_scene_and_with_units(run, folder):
     assert [float(row["resistance (ohm m^2)"]) for row in expected] == in_si.resistance.values.tolist()
     with_units = {"mu_1": "79 GPa", "rho_2": "1.7 uohm cm", "lambda_0": "1 mm"}
     (folder / "units.yaml").write_text(bodies(**with_units))
-    (folder / "scene.yaml").write_text(write_yaml({"title": "t", "interface": BODIES | with_units}))
+    (folder / "scene.yaml").write_text(yaml.safe_dump({"title": "t", "interface": BODIES | with_units}))
     for given in ("units.yaml", "scene.yaml"):
         code, out, err = run("table", "curve.nc", "--si", given)
         assert (code, err) == (0, "")

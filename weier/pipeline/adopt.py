@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -63,9 +62,7 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
                 "code": store.numerics,
                 "compared": sum(len(part.keys) for part in sample),
                 "identical": identical,
-                "within_errors": within,
                 "adopted": accepted,
-                "date": datetime.now(UTC).isoformat(),
             }
             for path in folder.glob(f"[!.]*{SUFFIX}") if accepted else ():
                 with replacing(store.segments(name) / path.name) as temporary:
@@ -82,11 +79,8 @@ def adopt(scenes: Iterable[Curves], store: Store, within_errors: bool, say: Call
 def _sample(lacking: Iterable[Part], other: Store) -> list[Part]:
     """Return an evenly spread sample of the curves solved under the other numerics."""
     solved = [part.only(other.index(part.kind.name).find(part.keys)[0]) for part in lacking]
-    total = sum(len(part.keys) for part in solved)
-    chosen = np.zeros(total, bool)
-    chosen[np.linspace(0, total, SAMPLE, endpoint=False).astype(int)] = total > 0
-    mine = np.split(chosen, np.cumsum([len(part.keys) for part in solved])[:-1])
-    return [part.only(own) for part, own in zip(solved, mine, strict=True) if own.any()]
+    step = -(-sum(len(part.keys) for part in solved) // SAMPLE)
+    return [part.only(np.arange(0, len(part.keys), step)) for part in solved if len(part.keys)]
 
 
 def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
@@ -103,15 +97,15 @@ def _compared(part: Part, store: Store, other: Store) -> tuple[bool, bool]:
     return identical, all(same[name] or _within(both(name), both(f"{name}_error")) for name in QUANTITIES)
 
 
-def _same(*values: Any) -> bool:
+def _same(new: Any, old: Any) -> bool:
     """Return whether two arrays are bitwise identical, except for padding with NaN at their ends."""
-    if any(one is None or one.dtype.kind == "U" for one in values):
-        return np.array_equal(values[0], values[1])
-    shape = np.max([one.shape for one in values], axis=0)
-    padded = np.full((2, *shape), np.nan)
-    for one, within in zip(values, padded, strict=True):
+    if new is None or old is None or new.dtype.kind == "U":
+        return np.array_equal(new, old)
+    shape = np.maximum(new.shape, old.shape)
+    both = np.full((2, *shape), np.nan)
+    for one, within in zip((new, old), both, strict=True):
         within[tuple(map(slice, one.shape))] = one
-    return np.array_equal(padded[0], padded[1], equal_nan=True)
+    return np.array_equal(both[0], both[1], equal_nan=True)
 
 
 def _within(values: list[Any], errors: list[Any]) -> bool:

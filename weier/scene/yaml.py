@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from io import StringIO
 from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
@@ -51,14 +50,6 @@ def read_yaml(text: str) -> Document:
         raise ValueError(f"{line}{error.problem or error}") from None
     except YAMLError as error:
         raise ValueError(str(error)) from None
-
-
-def write_yaml(values: Any) -> str:
-    """Return plain values as YAML, with keys in their order."""
-    yaml, text = YAML(typ="safe", pure=True), StringIO()
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]  # the default is None
-    yaml.dump(values, text)
-    return text.getvalue()
 
 
 def number(name: str, value: Any, unit: str = NONE) -> float:
