@@ -114,6 +114,17 @@ def test_a_run_that_is_stopped_or_killed_goes_on(run, tmp_path, monkeypatch, bod
         xr.testing.assert_allclose(one.drop_vars("seconds"), other.drop_vars("seconds"), rtol=1e-12, atol=0)
 
 
+def test_a_trace_in_a_file_of_another_name_is_the_same_surface(run, tmp_path, trace):
+    wanted = [*trace[2:], "--method", "bem", "-o", tmp_path / "a.nc", "--loads"]
+    assert run("solve", *trace[:2], *wanted, "0.1")[0] == 0
+    renamed = trace[1].rename(tmp_path / "b.csv")
+    code, _, err = run("solve", "--trace", renamed, *wanted, "0.1,1")
+    assert (code, "a.nc has 1 of 2 loads" in err) == (0, True), err
+    renamed.write_text("\n".join(reversed(renamed.read_text().split())))
+    code, _, err = run("solve", "--trace", renamed, *wanted, "0.1,1")
+    assert (code, "of other surface" in err) == (1, True), err
+
+
 def test_force_solves_anew_and_keeps_the_old_file_until_it_is_done(run, tmp_path):
     path, loads = tmp_path / "a.nc", ["--loads", "0.01:3:12"]
     other = ["solve", "-D", "1.5", *SERIES[2:], *loads, "--force", "-o", path]

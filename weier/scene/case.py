@@ -23,7 +23,7 @@ from weier.scene.identity import Keys, as_text, keys_of
 from weier.scene.yaml import number
 from weier.surface.gaussian import gaussian
 from weier.surface.limits import check_resolvable
-from weier.surface.measured.length_units import UNITS
+from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile, checked_ratio, random_phases
 from weier.surface.waves import Waves

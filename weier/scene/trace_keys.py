@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 from weier.surface.measured.artefacts import DETREND, MAX_GAP, MISSING, REFUSE
 from weier.surface.measured.instruments import AXES
-from weier.surface.measured.length_units import UNITS
-from weier.surface.measured.text import SEPARATORS
+from weier.surface.measured.lines import UNITS
 from weier.surface.measured.trace import ENDS, MIRRORED
 
 
@@ -43,20 +42,14 @@ TRACE_KEYS = {
     "skip": TraceKey(int, "Number of lines above the table of a text file."),
     "rows": TraceKey(int, "Number of rows of the table."),
     "columns": TraceKey(int, "Column of heights, from 0, or columns of positions and heights.", several=True),
-    "delimiter": TraceKey(str, 'Column separator; " " stands for blanks.'),
     "decimal": TraceKey((".", ","), "Decimal mark."),
-    "thousands": TraceKey((*SEPARATORS,), "Thousands separator."),
-    "encoding": TraceKey(str, "Encoding of a text file, by its Python name."),
-    "comment": TraceKey(str, 'Prefixes of lines to skip; "" stands for empty lines.', several=True),
     "detrend": TraceKey(
         DETREND,
         "Component removed from the heights: mean, tilt (a straight line, the default) or form (a parabola).",
     ),
     "missing": TraceKey(MISSING, f"Treatment of missing heights; {REFUSE} by default."),
     "max_gap": TraceKey(int, f"Longest run of missing heights that is interpolated; {MAX_GAP} by default."),
-    "missing_value": TraceKey(
-        object, "Numbers, in the unit of the heights, and words for missing heights.", several=True
-    ),
+    "missing_value": TraceKey(object, "Numbers for missing heights, in the unit of the heights.", several=True),
     "line": TraceKey(int, "Index of the line of a map, from 0; with across alone, each line is a case."),
     "across": TraceKey(AXES, "Axis of the lines of a map, across its grooves."),
     "channel": TraceKey(object, "Channel of the file, by name or number from 0."),

@@ -43,7 +43,8 @@ def assert_same(trace, z, length):
 
 def test_a_line_scan_is_a_trace_with_its_unit():
     scan = Topography(MAP[:, 0], (400.0,), "\u00b5m")
-    assert_same(Trace.of(scan), MAP[:, 0], 400 * 1e-6)
+    assert_same(Trace.of(scan), MAP[:, 0], 4e-4)
+    assert Trace.of(scan).lambda_0 == 4e-4  # 400 * 1e-6 is 0.00039999999999999996
     with pytest.raises(ValueError, match="heights must have one unit, got unit='mm' and '\u00b5m' by itself"):
         Trace.of(scan, unit="mm")
     with pytest.raises(ValueError, match=r"length must be that of the file, 0.0004 m, got 0.001 m: leave it out"):
@@ -141,7 +142,7 @@ def test_lines_of_a_file_are_those_of_its_map(surface_topography, tmp_path):
     assert same.digest == one.digest
     with pytest.raises(ValueError, match=r"channel must be one of .*, or a number from 0, got 'Phase'"):
         Trace.read(path, line=7, channel="Phase")
-    with pytest.raises(ValueError, match=r"; skip, columns, delimiter and the like are of text: leave them out"):
+    with pytest.raises(ValueError, match=r"; skip, rows, columns, decimal are of text: leave them out"):
         Trace.read(path, line=7, columns=1)
 
 

@@ -95,17 +95,6 @@ def test_a_step_that_few_digits_leave_open_is_refused():
         on_grid(x[:6], np.ones(6), None, place)
 
 
-@pytest.mark.parametrize("step", [0.01, 0.1, 1.0])
-def test_a_row_left_out_is_missing_if_decimals_below_the_step_are_written(step):
-    x = np.delete(step * N, 1000)
-    full, length = on_grid(x, np.ones(1999), None, place, 4)
-    assert np.flatnonzero(np.isnan(full)).tolist() == [1000]
-    assert length == pytest.approx(2000 * step, rel=1e-12)
-    for decimals in (int(-np.log10(step)), None):
-        with pytest.raises(ValueError, match="positions must rise in equal steps"):
-            on_grid(x, np.ones(1999), None, place, decimals)
-
-
 @pytest.mark.parametrize(
     "x",
     [

@@ -8,7 +8,7 @@ from __future__ import annotations
 import struct
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -18,9 +18,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from weier.checks import checked_count, checked_word, shown
-from weier.surface.measured.length_units import length_unit
-from weier.surface.measured.line import Line
-from weier.surface.measured.text import Layout, NotTextError, read_columns
+from weier.surface.measured.lines import Line, length_unit
+from weier.surface.measured.text import NotTextError, read_columns
 
 INSTALL = "to read the formats of instruments, pip install 'weier[instruments]'"
 TEXT_FORMATS = ("asc", "xyz")  # text formats of SurfaceTopography
@@ -34,17 +33,17 @@ READER_ERRORS = (
 
 
 def read_lines(
-    path: Path, layout: Layout, line: int | None, across: str | None, channel: int | str | None
+    path: Path, layout: Mapping[str, Any], line: int | None, across: str | None, channel: int | str | None
 ) -> list[Line]:
     """Return the lines of a file: the one of a table of text, or the chosen lines of an instrument's file.
 
     Only `text` reads text: another reader might skip lines without a message.
     """
     try:
-        table = read_columns(path, layout)
+        table = read_columns(path, **layout)
     except NotTextError as error:
-        if layout != Layout():
-            raise ValueError(f"{error}; skip, columns, delimiter and the like are of text: leave them out") from None
+        if any(value is not None for value in layout.values()):
+            raise ValueError(f"{error}; {', '.join(layout)} are of text: leave them out") from None
         topography, sized = _read_once(path.resolve(), sha256(path.read_bytes()).digest(), channel, str(error))
         return list(topography_lines(topography, line, across, sized))
     if (line, across, channel) != (None, None, None):

@@ -21,9 +21,7 @@ REMEDIES = (
 )
 
 
-def on_grid(
-    x: Array, heights: Array, length: float | None, place: Callable[[int], str], decimals: int | None = None
-) -> tuple[Array, float]:
+def on_grid(x: Array, heights: Array, length: float | None, place: Callable[[int], str]) -> tuple[Array, float]:
     """Return heights at equal steps, NaN for omitted rows, and the length of the trace, steps times heights.
 
     Parameters
@@ -34,8 +32,6 @@ def on_grid(
         Must agree with the positions, within their rounding.
     place : callable
         The place of a height, by its index, for messages.
-    decimals : int, optional
-        Number of decimals of the positions in their text, which may end in zeros; by default that of the floats.
 
     Raises
     ------
@@ -51,7 +47,7 @@ def on_grid(
             "file, or take the column of heights alone, as in columns=1, with the length, if no row is left out"
         )
     unit = _last_digit(x)
-    number, step = _grid(x, unit, unit if decimals is None else 10.0**-decimals)
+    number, step = _grid(x, unit)
     if not step:
         even = x[0] + (x[-1] - x[0]) / rise.size * np.arange(x.size)
         at = int(np.abs(x - even).argmax())
@@ -67,11 +63,11 @@ def on_grid(
     return full, own if length is None else length
 
 
-def _grid(x: Array, unit: float, written_unit: float) -> tuple[Array, float]:
+def _grid(x: Array, unit: float) -> tuple[Array, float]:
     """Return the number of each position in a grid from the first one, and its step; 0 if there is none.
 
-    Exact positions are multiples of a step. Some may be left out if the step exceeds the unit of the last written
-    decimal. Rounded ones stand within half a unit of a straight line with one row a step.
+    Exact positions are multiples of a step. Some may be left out if the step exceeds the unit of the last decimal.
+    Rounded ones stand within half a unit of a straight line with one row a step.
     """
     rows = np.arange(float(x.size))
     usual = float(np.median(np.diff(x))) or x[-1] - x[0]
@@ -80,7 +76,7 @@ def _grid(x: Array, unit: float, written_unit: float) -> tuple[Array, float]:
     off = np.abs(x - x[0] - exact * step)
     is_exact = (off <= STEP_TOLERANCE * step).all() and (np.diff(exact) > 0).all() and exact[-1] < MAX_HEIGHTS
     if is_exact:
-        return exact, step if exact[-1] == rows[-1] or step > ROUNDING_FACTOR * written_unit else 0.0
+        return exact, step if exact[-1] == rows[-1] or step > ROUNDING_FACTOR * unit else 0.0
     return rows, _rounded_step(x, unit)
 
 

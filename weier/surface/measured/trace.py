@@ -27,10 +27,8 @@ from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
 from weier.surface.measured.artefacts import Filled
 from weier.surface.measured.instruments import read_lines, topography_lines
-from weier.surface.measured.length_units import UNITS, agreed_unit, in_words, known_unit
-from weier.surface.measured.line import Line, line_from_array
+from weier.surface.measured.lines import UNITS, Line, known_unit, line_from_array
 from weier.surface.measured.positions import on_grid
-from weier.surface.measured.text import Layout
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 
@@ -92,8 +90,6 @@ class Trace(Waves):
         Number of heights, and a digest of the heights that are solved and of their processing, twelve letters.
     line : int or None
         Index of the line in a map.
-    left_out : tuple of str
-        Lines above and below the table of a text file.
     filled : Filled
         Numbers of missing heights: interpolated, `heights`; longest run, `longest`; trimmed at the ends, `cut`.
     amplitude, phase : ndarray, shape (m,)
@@ -131,7 +127,6 @@ class Trace(Waves):
     filled: Filled
     source: str
     line: int | None
-    left_out: tuple[str, ...]
     digest: str
     period: int
     m: int
@@ -173,10 +168,11 @@ class Trace(Waves):
         if filled.cut and ends == PERIODIC:
             raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
         measured.check_sentinels(z)
-        z, length = z * height_factor, length * z.size / given
-        shortest = _checked_shortest(
-            shortest, length, z.size, UNITS[agreed_unit("the length", length_units, ()) or "m"]
-        )
+        if filled.cut:
+            length = _decimal(length * z.size / given)
+        z = z * height_factor
+        unit_of_call = known_unit("the length", length_units, (), required=False) or "m"
+        shortest = _checked_shortest(shortest, length, z.size, unit_of_call)
         level = _checked_level(z, length / z.size, detrend, ends)
         period, waves, coefficient = _waves(level, ends, length, shortest)
         contents = repr([length, shortest, ends, detrend, *filled])
@@ -192,7 +188,6 @@ class Trace(Waves):
                 "filled": filled,
                 "source": source,
                 "line": one.number,
-                "left_out": one.left_out,
                 "digest": digest_of(contents.encode() + level.tobytes()),
                 "period": period,
             },
@@ -257,12 +252,7 @@ class Trace(Waves):
         skip: int | None = None,
         rows: int | None = None,
         columns: int | Sequence[int] | None = None,
-        delimiter: str | None = None,
         decimal: str | None = None,
-        thousands: str | None = None,
-        encoding: str | None = None,
-        comment: str | Sequence[str] | None = None,
-        missing_value: float | str | Sequence[float | str] | None = None,
         **options: Any,
     ) -> Any:
         """Return a trace from a file of text with one or two columns, or from a file that an instrument wrote.
@@ -272,8 +262,9 @@ class Trace(Waves):
         path : path
             Of text, with a table of heights in one column, or positions at equal steps and heights in two. Columns
             stand between semicolons, tabs, commas or blanks. The table is one block of lines, and the heading
-            directly above it may name the units, as in `x (mm),z (um)`. The lines above and below are left out, and
-            kept in `left_out`. Whatever else is not read as numbers is refused with its line. Other files are read by
+            directly above it may name the units, as in `x (mm),z (um)`. The lines above and below are left out.
+            Whatever else is not read as numbers is refused with its line: `pandas.read_csv` reads further dialects,
+            whose arrays `weier.Trace` takes. Other files are read by
             SurfaceTopography, which `pip install 'weier[instruments]'` brings: x3p, sdf, opd, opdx, sur, plu, al3d
             and some thirty more formats.
         length : float, optional
@@ -294,17 +285,10 @@ class Trace(Waves):
             The number of lines above the table in a file of text, and of rows in the table.
         columns : int or (int, int), optional
             The column of the heights in a file of text, from 0, or those of the positions and of the heights.
-        delimiter, decimal, thousands : str, optional
-            The signs between columns, before decimals and between thousands in a file of text; " " as delimiter
-            stands for blanks.
-        encoding : str, optional
-            Encoding of a file of text, by its name in Python.
-        comment : str or list of str, optional
-            Lines of a file of text that begin with one of these are left out.
-        missing_value : float, str or list, optional
-            Numbers and words for missing heights.
+        decimal : "." or ",", optional
+            The sign before decimals in a file of text.
         **options
-            `unit`, `detrend`, `missing`, `max_gap` and `source`, as of a trace.
+            `unit`, `detrend`, `missing`, `max_gap`, `missing_value` and `source`, as of a trace.
 
         Returns
         -------
@@ -321,19 +305,7 @@ class Trace(Waves):
             the argument that settles it. If a file is no text, and SurfaceTopography cannot read it or is not
             installed; if a unit is unknown; or if its heights are no roughness.
         """
-        values = missing_value if isinstance(missing_value, list | tuple) else [missing_value]
-        numbers = [value for value in values if value is not None and not isinstance(value, str)]
-        layout = Layout.checked(
-            missing=tuple(value for value in values if isinstance(value, str)),
-            skip=skip,
-            rows=rows,
-            columns=columns,
-            delimiter=delimiter,
-            decimal=decimal,
-            thousands=thousands,
-            encoding=encoding,
-            comment=comment,
-        )
+        layout = {"skip": skip, "rows": rows, "columns": columns, "decimal": decimal}
         lines = [
             one._replace(
                 length=one.length if length is None else None,
@@ -342,15 +314,15 @@ class Trace(Waves):
             )
             for one in read_lines(checked_file(path), layout, line, across, channel)
         ]
-        options |= {
-            "missing_value": numbers,
+        options = {
+            "source": readable(Path(path).name),
+            **options,
             "length": length,
             "shortest": shortest,
             "ends": ends,
             "x_unit": x_unit,
             "height_unit": height_unit,
         }
-        options = {"source": readable(Path(path).name)} | options
         return cls._from_lines(lines, across is not None and line is None, options)
 
     @classmethod
@@ -456,7 +428,7 @@ class Trace(Waves):
     def from_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
         """Return the trace of waves, by their numbers in a period and complex amplitudes in m, and other fields."""
         trace = object.__new__(cls)
-        trace._set(waves, coefficient, {"filled": Filled(), "line": None, "left_out": (), **fields})
+        trace._set(waves, coefficient, {"filled": Filled(), "line": None, **fields})
         return trace
 
     @classmethod
@@ -538,34 +510,41 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
     if length is not None:
         unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
         scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
-        length = scale * checked_number(
-            "length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE
-        )
+        number = checked_number("length", length, "be positive and finite", lambda x: 0 < x < math.inf, units.METRE)
+        length = number if scale == 1 else _decimal(scale * number)
     if one.positions is None and one.length is None:
-        agreed_unit("the length", given, one.x_units)
+        known_unit("the length", given, one.x_units, required=False)
         if length is None:
             raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
         return z, length
     unit = UNITS[known_unit("positions", given, one.x_units)]
     if one.positions is not None:
-        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place, one.decimals)
-        return z, own * unit
-    own = float(one.length or 0) * unit
+        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place)
+        return z, _decimal(own * unit)
+    own = _decimal(float(one.length or 0) * unit)
     # Both are rounded.
     if length is not None and abs(length / own - 1) > 0.01:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
     return z, own
 
 
-def _checked_shortest(shortest: float | None, length: float, samples: int, unit: float) -> float:
+def _decimal(length: float) -> float:
+    """Return a length that is computed from decimal numbers without the rounding of floats, in twelve digits."""
+    return float(f"{length:.12g}")
+
+
+def _checked_shortest(shortest: float | None, length: float, samples: int, unit: str) -> float:
     """Return the shortest wavelength in m, from a value in the unit of length of the call or with its own unit."""
+    size = UNITS[unit]
+    if shortest is None:
+        return _decimal(2 * length / samples)
     if units.unit_of(shortest):
-        shortest = units.in_unit("shortest", shortest, units.METRE) / unit
-    least, most = 2 * length / samples / unit, length / unit
-    return unit * checked_number(
+        shortest = units.in_unit("shortest", shortest, units.METRE) / size
+    least, most = 2 * length / samples / size, length / size
+    return size * checked_number(
         "shortest",
-        least if shortest is None else shortest,
-        f"lie between two steps and the length of the trace, {least:g} and {most:g} {in_words(unit)}",
+        shortest,
+        f"lie between two steps and the length of the trace, {least:g} and {most:g} {unit}",
         lambda x: least <= x * DECIMAL_ROUNDING and x <= most * DECIMAL_ROUNDING,
     )
 

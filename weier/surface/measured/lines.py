@@ -1,13 +1,16 @@
-"""Units of length: their names, and their notation in files and arrays."""
+"""Lines of measured heights, and the notation of units of length in files and arrays."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from weier.checks import checked_word, shown
+from weier.units import unit_of
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
 UNITS = {
@@ -51,6 +54,65 @@ CELL = re.compile(
 )
 
 
+class Line(NamedTuple):
+    """Heights, with their positions and units as far as they are known.
+
+    heights : array, shape (samples,); masked, NaN or None for missing heights
+    positions : array, shape (samples,), along the line; None if it has none
+    length : length of the line, the number of heights times the step; None if unknown
+    x_units, height_units : the units that are named for positions and length, and for heights: none or more
+    periodic : whether the surface is known to repeat
+    axis, number : for a line of a map, the axis that it runs along and its number among these lines
+    numbers : in a file of text, the number of the line of each height, from 1
+    """
+
+    heights: Any
+    positions: Any = None
+    length: float | None = None
+    x_units: tuple[str, ...] = ()
+    height_units: tuple[str, ...] = ()
+    periodic: bool = False
+    axis: str = ""
+    number: int | None = None
+    numbers: tuple[int, ...] = ()
+
+    def place(self, at: int) -> str:
+        """Return the place of the height of this index, in words."""
+        return f"height {at + 1}" + (f" in line {self.numbers[at]}" if self.numbers else "")
+
+    def rising(self) -> Line:
+        """Return the line in the order of rising positions, if they fall."""
+        x = np.asarray([] if self.positions is None else self.positions, float)
+        if x.ndim != 1 or x.size < 2 or not (np.diff(x) <= 0).all():
+            return self
+        return self._replace(heights=self.heights[::-1], positions=x[::-1], numbers=self.numbers[::-1])
+
+    @property
+    def name(self) -> str:
+        """Label of the line in a map, as in "x 120"; empty if it is not from a map."""
+        return f"{self.axis} {self.number}" if self.axis else ""
+
+
+def line_from_array(heights: Any, with_positions: bool) -> Line:
+    """Return the line of an array: one of xarray may have units, and a coordinate with positions.
+
+    A coordinate without a unit is taken for a mere number of each height unless `with_positions`.
+    """
+    height_units = _units(heights)
+    dims: tuple[Any, ...] = getattr(heights, "dims", ())
+    if len(dims) != 1 or dims[0] not in getattr(heights, "coords", ()):
+        return Line(heights, height_units=height_units)
+    coordinate = heights.coords[dims[0]]
+    x_units = _units(coordinate)
+    known = bool(x_units) or with_positions
+    return Line(heights, coordinate.values if known else None, None, x_units, height_units)
+
+
+def _units(values: Any) -> tuple[str, ...]:
+    unit = unit_of(values)
+    return (length_unit(unit),) if unit else ()
+
+
 def heading_cells(heading: str, columns: int, delimiter: str) -> list[str]:
     """Return the cells of a heading, one for each column of a table; empty ones if it has none.
 
@@ -88,11 +150,6 @@ def cell_quantity(cell: str) -> str:
     return next((name for name, known in quantities for word in words if re.fullmatch(known, word)), "")
 
 
-def in_words(unit: float) -> str:
-    """Return the first name of a unit of length."""
-    return next(name for name, size in UNITS.items() if size == unit)
-
-
 def length_unit(name: str) -> str:
     """Return the unit of length for a name in a file or an array; ValueError if it is unknown."""
     known = _known(name.strip()) or _known(unicodedata.normalize("NFKC", name.strip()))
@@ -101,8 +158,8 @@ def length_unit(name: str) -> str:
     return known
 
 
-def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """Return the common unit that a call and a file or an array name, or none; ValueError if they disagree.
+def known_unit(what: str, given: Mapping[str, Any], named: Collection[str], required: bool = True) -> str:
+    """Return the common unit that a call and a file or an array name; ValueError if they disagree or name none.
 
     Parameters
     ----------
@@ -112,6 +169,8 @@ def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> 
         Arguments of the call by their names; None where one is left out.
     named : collection of str
         The units that the file or the array names.
+    required : bool
+        Whether it is an error that none is named, instead of an empty name.
     """
     own = {name: checked_word(name, unit, UNITS) for name, unit in given.items() if unit is not None}
     found = [*own.values(), *named]
@@ -120,17 +179,12 @@ def agreed_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> 
         raise ValueError(
             f"{what} must have one unit, got {' and '.join(dict.fromkeys(sources))}: leave out what is wrong"
         )
+    if required and not found:
+        raise ValueError(
+            f'{what} must have a unit: name it, as in {list(given)[-1]}="um", or unit="m" for heights and length in '
+            f"m; units are {', '.join(UNITS)}"
+        )
     return found[0] if found else ""
-
-
-def known_unit(what: str, given: Mapping[str, Any], named: Collection[str]) -> str:
-    """Return the unit that a call, a file or an array names; ValueError if none does: see `agreed_unit`."""
-    if unit := agreed_unit(what, given, named):
-        return unit
-    raise ValueError(
-        f'{what} must have a unit: name it, as in {list(given)[-1]}="um", or unit="m" for heights and length in m; '
-        f"units are {', '.join(UNITS)}"
-    )
 
 
 def _known(name: str) -> str:
