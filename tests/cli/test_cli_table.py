@@ -42,7 +42,7 @@ def rows(text):
 
 
 def test_its_examples_run(run):
-    shown = [example for example in examples(described("table")) if "--study" not in example]  # one curve is no study
+    shown = examples(described("table"))
     assert len(shown) == 3
     for example in shown:
         assert run(*example[1:])[0] == 0, shlex.join(example)
@@ -147,4 +147,3 @@ def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):
     assert float(second["resistance_percentile_90 (ohm m^2)"]) == pytest.approx(np.percentile(in_si[:, 1], 90))
     assert "resistance_numerical_error (g_0/p_0*)" in rows(run("table", "many.nc")[1])[0]
     assert float(second["mean_pressure (Pa)"]) > 1e6
-    assert run("table", "many.nc", "--study", "none")[0] == 1

@@ -110,10 +110,8 @@ def test_yield_that_cannot_be_judged_is_named(method):
         ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
         ({"mu_1": 0.0}, "mu_1 must be positive .*, got 0.0"),
         ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
-        ({"rho_1": -1e-9}, "rho_1 must be finite and not negative, got -1e-09"),
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
         ({"rho_2": None}, "got rho_1$"),
-        ({"lambda_0": 0.0}, "lambda_0 must be positive and finite, got 0.0"),
         ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
         ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
     ],
@@ -160,11 +158,8 @@ def test_a_curve_in_si_units_keeps_its_coordinates():
     assert found.indexes["mean_pressure"].tolist() == found.mean_pressure.values.tolist()
     assert found.resistance.values == pytest.approx(bodies.resistance(CURVE.resistance.values), rel=1e-15)
     assert (found.D, found.m, found.solution_method) == (1.25, 2, "bem")
-    units = {
-        name: found[name].attrs.get("units", "1")
-        for name in ("mean_pressure", "compliance", "resistance", "patch_count")
-    }
-    assert units == {"mean_pressure": "Pa", "compliance": "m", "resistance": "ohm m^2", "patch_count": "1"}
+    units = [found[name].attrs.get("units") for name in ("mean_pressure", "compliance", "resistance", "patch_count")]
+    assert units == ["Pa", "m", "ohm m^2", "1"]
     assert found.compliance.long_name == "compliance"
     assert not any("normalised_by" in values.attrs for values in found.variables.values())
     assert (found.attrs["lambda_0"], found.attrs["g_0"]) == (1e-4, 1e-7)
@@ -180,15 +175,6 @@ def test_single_variables_are_converted_with_their_dataset():
     assert (
         bodies.resistance(CURVE.resistance.variable).tolist() == bodies.resistance(CURVE.resistance.values).tolist()
     )
-
-
-def test_fields_have_si_units():
-    bodies, field = interface(), fields(Profile(1.25, 5, 2, 1.0), 0.1)
-    found = bodies.in_si(field)
-    assert (found.x.units, found.pressure.units, found.gap.units) == ("m", "Pa", "m")
-    # The contacts carry the load, and the gap is that of the mean plane.
-    assert found.pressure.mean().item() == pytest.approx(found.attrs["mean_pressure"], rel=1e-2)
-    assert found.gap.mean().item() == pytest.approx(found.attrs["mean_gap"], rel=1e-2)
 
 
 def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
@@ -347,9 +333,8 @@ def test_fields_and_events_are_in_units_of_their_trace():
 def test_two_bodies_alone_have_no_scale():
     bodies = interface(lambda_0=None, g_0=None)
     assert bodies.composite_modulus == interface().composite_modulus
-    for use in (lambda: bodies.full_contact_pressure, lambda: bodies.pressure(0.1), lambda: bodies.in_si(CURVE)):
-        with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series, in m"):
-            use()
+    with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series, in m"):
+        bodies.pressure(0.1)
     with pytest.raises(ValueError, match=r"lambda_0 and g_0 must be given together, .*: g_0 is missing"):
         interface(g_0=None)
 

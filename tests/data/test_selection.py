@@ -3,23 +3,17 @@
 import math
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 
 import weier
-from tests.scenes import blank, curves_in
+from tests.scenes import blank
 from weier import Profile
-from weier.api.rows import surface_row
 from weier.data import curves, dataset
-from weier.pipeline.needed_curves import SURFACE
-from weier.scene import load
 
 METHODS = ["demelio", "bem"]
 LOADS = np.geomspace(1e-3, 4, 40)
@@ -141,6 +135,13 @@ def test_an_unknown_label_says_what_is_there(path, labels, message):
         keys(path, **labels)
 
 
+def test_nothing_is_read_before_it_is_asked_for(path):
+    with weier.open_dataset(path) as data:
+        bem = data.weier.cases(D=1.5).sel(solution_method="bem").compliance
+        assert not bem.variable._in_memory
+        assert bem.values.shape == (4, 40)
+
+
 def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
     """Its handle is what a process would keep, and netCDF refuses to write what is open."""
     mine = tmp_path / "mine.nc"
@@ -156,100 +157,7 @@ def test_a_file_is_closed_and_what_is_copied_over_it_is_read(path, tmp_path):
     shutil.copyfile(path, mine)
     with weier.open_dataset(mine) as data:
         np.testing.assert_array_equal(data["compliance"].values, before)
-    if sys.platform == "linux":
-        held = [
-            link
-            for descriptor in Path("/proc/self/fd").iterdir()
-            if (link := os.path.realpath(descriptor)).endswith("mine.nc")
-        ]
-        assert held == []
-
-
-PART = 500
-OVER_LOADS = ("compliance", "resistance", "contact_fraction", "residual", "compliance_error", "resistance_error")
-METHODS_OF_MANY = ["archard", "demelio", "layer", "bem"]
-MEMORY = 70  # MB, for 1660 MB of curves: a part of it, block by block, and the caches of the files
-MEMORY_CASES = 4e-3  # MB a case: its parameters, and where its curves are
-
-GATHER = """
-import resource, sys
-from pathlib import Path
-from tests.scenes import curves_in, write_data
-from weier.scene import load
-folder = Path(sys.argv[1])
-few, many = (curves_in(load(folder / f"{name}.yaml"), folder / "curves") for name in ("few", "many"))
-write_data(few, folder / "few.nc")
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-write_data(many, folder / "many.nc")
-print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
-"""
-
-LOOK = """
-import resource, sys
-import weier
-weier.open_dataset(sys.argv[2]).weier.cases(D=1.25).compliance.sel(solution_method="bem").values
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-found = weier.open_dataset(sys.argv[1]).weier.cases(D=[1.25 + 7 / 2**20, 1.25 + (int(sys.argv[3]) - 2) / 2**20])
-found = found.compliance.sel(solution_method="bem").values
-assert found.shape[0] == 2, found.shape
-print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
-"""
-
-
-def peak(program, *arguments):
-    """What a program prints: MB that it took more than for a small part of the same."""
-    command = [sys.executable, "-c", program, *map(str, arguments)]
-    return float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-
-
-# Curves of 1660 MB
-@pytest.fixture(scope="module", params=[pytest.param((100_000, 40), marks=pytest.mark.slow)])
-def size(request):
-    return request.param
-
-
-def dimensions(start, count):
-    """D of so many cases, each another one, to the last digit."""
-    return 1.25 + np.arange(start, start + count) / 2**20
-
-
-@pytest.fixture(scope="module")
-def many(size, tmp_path_factory):
-    (count, number), folder = size, tmp_path_factory.mktemp("many")
-    loads = np.geomspace(1e-3, 4, number)
-    for name, cases in (("few", 100), ("many", count)):
-        product = {"D": {"from": 1.25, "to": float(dimensions(0, cases)[-1]), "count": cases}, "gamma": 5, "m": 3}
-        fields = {"title": name, "loads": loads.tolist(), "methods": METHODS_OF_MANY}
-        fields |= {"max_cases": cases, "studies": {"one": {"product": product}}}
-        (folder / f"{name}.yaml").write_text(yaml.safe_dump(fields))
-    full, random = curves_in(load(folder / "many.yaml"), folder / "curves"), np.random.default_rng(1)
-    for part in (*full.surfaces, *full.parts):
-        for numbers in np.array_split(np.arange(count), count // PART):
-            rows = {part.keys[number]: row_of(part, number, random) for number in numbers.tolist()}
-            full.store.append(part.kind, rows, "test")
-    return folder
-
-
-def row_of(part, number, random):
-    """What a job stores: of a surface, or a curve of random numbers."""
-    if part.kind.method == SURFACE:
-        return surface_row(part.product.case(number).profile)
-    return {"status": 0, "points": 1600, **{name: random.random(len(part.kind.loads)) for name in OVER_LOADS}}
-
-
-def test_many_cases_are_gathered_and_read_in_little_memory(many, size):
-    count, _ = size
-    assert peak(GATHER, many) < MEMORY + MEMORY_CASES * count
-    assert peak(LOOK, many / "many.nc", many / "few.nc", count) < MEMORY + MEMORY_CASES * count
-    full = curves_in(load(many / "many.yaml"), many / "curves")
-    (bem,) = [part for part in full.parts if part.kind.method == "bem"]
-    with xr.open_dataset(many / "many.nc") as data:
-        assert data.sizes["case"] == count
-        assert data["D"].values.tolist() == dimensions(0, count).tolist()
-        for name in ("compliance", "status"):
-            assert data[name].values[-9:, -1].tolist() == full.store.read(bem.kind, bem.keys[-9:], name).tolist()
-        curves = [values for values in data.values() if values.ndim == 3 and values.dtype.kind == "f"]
-        assert sum(values.nbytes for values in curves) > 2 * MEMORY * 2**20
+    assert not [link for link in Path("/proc/self/fd").iterdir() if os.path.realpath(link).endswith("mine.nc")]
 
 
 PROFILES = [

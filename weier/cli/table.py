@@ -20,8 +20,7 @@ from weier.data.files import write_text
     help="Write the mean of each ensemble, the cases of a study that differ in phases, seed or file alone, with the "
     "standard deviation and the numerical error.",
 )
-@click.option("--study", multiple=True, help="Use the cases of this study; repeatable.")
-def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool, study: tuple[str, ...]) -> None:
+def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool) -> None:
     """Write the curves of a file as a table, also in SI units.
 
     CONTACT is a netCDF file, of a scene or of `weier solve`, in SI units if the loads of the scene are. The table has
@@ -29,7 +28,6 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool,
 
     \b
     weier table results/paper/contact.nc curves.csv
-    weier table results/paper/contact.nc rough.csv --study rough
     weier table curve.nc --si bodies.yaml
     weier table results/paper/contact.nc --ensemble --si bodies.yaml
     """  # noqa: D301 - click wants the character
@@ -39,8 +37,7 @@ def table(contact: Path, path: Path | None, bodies: Path | None, ensemble: bool,
     from weier.data.selection import as_cases
 
     with dataset.open_dataset(contact) as data:
-        curves = data.weier.cases(study=list(study)) if study else as_cases(data)
-        curves = curves if bodies is None else read_bodies(bodies).in_si(curves)
+        curves = as_cases(data) if bodies is None else read_bodies(bodies).in_si(as_cases(data))
         text = str(table_of(curves, ensemble).to_csv(index=False))
     if path is None:
         click.echo(text, nl=False)
