@@ -18,7 +18,6 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
-from weier.surface.loads import LoadsOf
 from weier.surface.waves import Waves
 
 
@@ -122,13 +121,12 @@ class Interface(Bodies):
         def in_si(solved: xr.Dataset) -> xr.Dataset:
             return with_pressures_in(self.in_si(solved), unit)
 
-        with converting(in_si):
-            solved = solve_under(surface, loads, self.loads_of(loads), method, **options)
-        return in_si(in_order(solved, position))
+        def loads_of(one: Waves) -> Array:
+            return self.at(one).normalised_pressure(loads)
 
-    def loads_of(self, pressures: Array) -> LoadsOf:
-        """Return the function from a surface to its loads in p_0* under pressures in Pa."""
-        return lambda surface: self.at(surface).normalised_pressure(pressures)
+        with converting(in_si):
+            solved = solve_under(surface, loads, loads_of, method, **options)
+        return in_si(in_order(solved, position))
 
     def find_pressure(
         self,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy  # Its submodules are loaded on first use.
@@ -39,13 +39,6 @@ ABOVE = 1 + 1e-12  # full contact has no gap left by rounding at this multiple o
 WIDER = 10.0  # growth factor of the distance to a load that is certainly on one side
 JUMP = 1e-6  # relative difference from the target above which the quantity jumps past it
 QUANTITIES = ("resistance", "compliance", "contact_fraction")
-
-
-class Value(NamedTuple):
-    """A quantity under one load, and its stated error."""
-
-    value: float
-    error: float
 
 
 def wanted_quantity(*wanted: ArrayLike | None) -> tuple[str, ArrayLike]:
@@ -137,7 +130,7 @@ class _Search:
         # Compliance is compared as indentation, which is accurate under light loads.
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.least, self.full = math.log(EXACT.least_load), math.log(ABOVE * profile.full_contact_load)
-        self.known = dict[float, Value]()
+        self.known = dict[float, tuple[float, float]]()  # the quantity, and its stated error, by ln p
 
     def load(self, target: float) -> tuple[float, float]:
         """Return the load, and its error, in p_0*."""
@@ -146,7 +139,7 @@ class _Search:
 
         def rising(log_load: float) -> float:
             """Return a function that increases with the load and vanishes at the target."""
-            return self.sign * (self.at(log_load).value - value)
+            return self.sign * (self.at(log_load)[0] - value)
 
         low = high = self.full
         width = FIRST_DECADES * math.log(10)
@@ -159,23 +152,23 @@ class _Search:
     def _distance(self, root: float, rising: Callable[[float], float], side: int) -> float:
         """Return the distance from the root, in ln p, beyond which the side of the target is certain."""
         distance = LOG_ACCURACY
-        while side * rising(root + side * distance) <= self.at(root + side * distance).error:
+        while side * rising(root + side * distance) <= self.at(root + side * distance)[1]:
             if root + side * distance >= self.full:
                 break
             distance *= WIDER
         return distance
 
-    def at(self, log_load: float) -> Value:
-        """Return the quantity under one load."""
+    def at(self, log_load: float) -> tuple[float, float]:
+        """Return the quantity under one load, and its stated error."""
         if log_load not in self.known:
             found: Any = CurveTask(self.profile, EXACT.name, {}, np.array([math.exp(log_load)])).solve()[0]
             value = found.indentation if self.name == "compliance" else getattr(found, self.name)
-            self.known[log_load] = Value(float(value[0]), float(getattr(found, f"{self.name}_error")[0]))
+            self.known[log_load] = float(value[0]), float(getattr(found, f"{self.name}_error")[0])
         return self.known[log_load]
 
     def _check(self, value: float) -> None:
         """Refuse a value that is attained at no load, or at all loads beyond full contact."""
-        (low, at_low), (high, at_high) = sorted((self.at(load).value, load) for load in (self.least, self.full))
+        (low, at_low), (high, at_high) = sorted((self.at(load)[0], load) for load in (self.least, self.full))
         if not low < value < high:
             unit = VARIABLES[self.name].unit
             ends = (

@@ -75,7 +75,7 @@ class Call(NamedTuple):
     def own_loads(self, surface: Waves) -> Array:
         """Return these loads in p_0* for a surface."""
         loads = self.distinct_loads
-        return loads if self.bodies is None else self.bodies.loads_of(loads)(surface)
+        return loads if self.bodies is None else self.bodies.at(surface).normalised_pressure(loads)
 
     def solve(
         self, workers: int, known: Mapping[str, Known] | None = None
