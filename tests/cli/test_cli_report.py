@@ -8,6 +8,7 @@ import pytest
 
 import weier
 from weier.api.task import CurveTask
+from weier.cli import report
 from weier.methods.errors import ConvergenceError
 from weier.methods.load_progress import reporting_to
 
@@ -36,8 +37,8 @@ def lines(tmp_path, monkeypatch):
 
 
 def test_a_table_has_the_scatter_of_the_lines_in_the_unit_of_the_pressures(run, lines, tmp_path):
-    """In every format. CSV has five digits, and netCDF all digits of each line."""
-    outputs = [word for suffix in ("csv", "svg", "nc") for word in ("-o", f"report.{suffix}")]
+    """In every format. Text has the digits that errors leave, and netCDF all digits of each line."""
+    outputs = [word for suffix in ("csv", "tex", "md", "svg", "nc") for word in ("-o", f"report.{suffix}")]
     assert run("report", *FILES, *PRESSURES, *outputs)[0] == 0
     resistance = weier.Interface(**BODIES).solve(lines, [1e6, 10**6.5, 1e7]).resistance.values[:, 0]
     table = pd.read_csv("report.csv")
@@ -47,11 +48,30 @@ def test_a_table_has_the_scatter_of_the_lines_in_the_unit_of_the_pressures(run, 
     for name, expected in (("10 %", low), ("median", median), ("90 %", high)):
         assert table[f"resistance, {name} (ohm m^2)"].to_numpy() == pytest.approx(expected, rel=6e-5), name
     assert (table["resistance, numerical error (ohm m^2)"] > 0).all()
+    (row,) = (line for line in (tmp_path / "report.md").read_text().splitlines() if line.startswith("| 3.1623 |"))
+    assert [float(cell) for cell in row.strip("| ").split(" | ")] == table.iloc[1].tolist()
+    assert "3.1623 &" in (tmp_path / "report.tex").read_text()
     with weier.open_dataset("report.nc") as data:
         assert (data.mean_pressure.units, data.resistance.units) == ("MPa", "ohm m^2")
         assert data.mean_pressure.values == pytest.approx([1, 10**0.5, 10], rel=1e-15)
         assert data.resistance.values[:, 0] == pytest.approx(resistance, rel=1e-9)
     assert "(MPa)" in (tmp_path / "report.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "expected"),
+    [(1.23456789, 1e-9, 1.2346), (1.23456789, 0.02, 1.23), (1.2e-9, 4e-9, 1e-9), (3.456e-12, 3.456e-12, 3.5e-12)],
+)
+def test_numbers_are_rounded_to_the_digits_that_errors_leave(value, error, expected):
+    assert report._rounded(value, error) == expected
+
+
+def test_all_columns_are_of_each_line(run, lines):
+    assert run("report", *FILES, *PRESSURES, "--all", "-o", "all.csv")[0] == 0
+    table = pd.read_csv("all.csv")
+    exact = weier.Interface(**BODIES).solve(lines, [1e6, 10**6.5, 1e7]).resistance.values.ravel()
+    assert len(table) == 9
+    assert table["resistance (ohm m^2)"].to_numpy() == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore:.*no patches")  # the warning of the line that fails
@@ -112,7 +132,7 @@ def test_a_workbook_has_numbers(run, lines):
     [
         (["a.csv"], "a report needs the two bodies, by --si, and the mean pressures, by --pressures"),
         (["a.csv", *PRESSURES, "-o", "b.csv"], "b.csv exists: name another file, or overwrite it by --force"),
-        (["a.csv", *PRESSURES, "-o", "b.doc"], "the name must end in one of .csv, .xlsx, .png"),
+        (["a.csv", *PRESSURES, "-o", "b.doc"], "the name must end in one of .csv, .xlsx, .tex, .md"),
         (["a.csv", *PRESSURES, "-o", "b.xlsx"], "this command needs openpyxl: pip install 'weier[excel]'"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),
         (["a.csv", "none.csv", *PRESSURES], "there is no file none.csv"),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from weier.api.task import CurveTask, Outcome
 from weier.data.variables import Status
 from weier.kernels.arrays import Array
@@ -25,7 +27,8 @@ def curve_row(curve: CurveTask, outcome: Outcome) -> dict[str, Any]:
         unconverged = isinstance(outcome, ConvergenceError)
         return {"status": Status.not_converged if unconverged else Status.not_applicable}
     solution, seconds = outcome
-    return {"status": Status.solved, "seconds": seconds, **solution.values(), **_bounds(curve, solution)}
+    more = derived(curve.profile, curve.loads, solution) | _bounds(curve, solution)
+    return {"status": Status.solved, "seconds": seconds, **solution.values(), **more}
 
 
 def _bounds(curve: CurveTask, solution: Curve) -> dict[str, Array]:
@@ -34,6 +37,15 @@ def _bounds(curve: CurveTask, solution: Curve) -> dict[str, Array]:
     if not find_method(curve.method).numerical or math.isinf(surface.m) or math.isnan(surface.tail_amplitude):
         return {}
     return infinite_series_bounds(surface, curve.loads, solution.compliance, solution.values()["compliance_error"])
+
+
+def derived(surface: Waves, loads: Array, solution: Curve) -> dict[str, Array]:
+    """Return the mean gap and, with a contact fraction A, kappa = A E* h'/p, where p_0* = pi E* g_0/lambda_0."""
+    gap = {"mean_gap": surface.total_amplitude - solution.compliance}
+    if solution.contact_fraction is None:
+        return gap
+    slope = surface.rms[1] if math.isfinite(surface.rms[1]) else math.nan
+    return gap | {"area_coefficient": solution.contact_fraction * slope / (np.pi * loads)}
 
 
 def surface_row(surface: Waves) -> dict[str, Any]:

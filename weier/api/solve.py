@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from weier.api.progress import showing
+from weier.api.rows import derived
 from weier.api.task import CurveTask, Known
 from weier.checks import checked_flag, checked_number, checked_workers, shown
 from weier.data import dataset, provenance
@@ -184,7 +185,8 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_secon
     """Return one curve with its labels and settings, over mean_pressure, or over the same pressures in Pa."""
 
     def labelled(loads: Array, solution: Curve, **others: Any) -> xr.Dataset:
-        values = {name: value for name, value in solution.values().items() if edges or np.ndim(value) < 2}
+        found = solution.values() | derived(curve.profile, loads, solution)
+        values = {name: value for name, value in found.items() if edges or np.ndim(value) < 2}
         labels = curve.profile.labels | {"phases": curve.profile.listed_phases, "solution_method": curve.method}
         settings = all_settings(find_method(curve.method), curve.settings)
         data = dataset.curve(loads, values | others, labels, settings)

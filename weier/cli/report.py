@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from importlib import import_module
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from weier.cli import options
+from weier.data import markdown
 from weier.data.ensembles import CLOSE_CUTOFFS
 from weier.data.files import replacing, write_text
 from weier.scene import Grouping
@@ -32,10 +34,11 @@ COLUMNS = {
     "contact_fraction_median": "contact fraction, median",
     "contact_pressure_median": "mean pressure of the contacts, median",
 }
-DIGITS = "%.5g"
-TABLES, PICTURES, DATA = (".csv", ".xlsx"), (".png", ".pdf", ".svg"), ".nc"
+MAX_DIGITS = 5
+TABLES, PICTURES, DATA = (".csv", ".xlsx", ".tex", ".md"), (".png", ".pdf", ".svg"), ".nc"
+PACKAGES = {".xlsx": "openpyxl", ".tex": "jinja2"}
 WRITABLE = options.writable(*TABLES, *PICTURES, DATA)
-UNIT = re.compile(r" \(.*\)$")
+UNIT, STATISTIC = re.compile(r" \(.*\)$"), re.compile(r"_(median|percentile_\d+|numerical_error)$")
 
 
 @click.command(
@@ -53,13 +56,15 @@ UNIT = re.compile(r" \(.*\)$")
     multiple=True,
     type=options.FILE,
     callback=lambda context, option, paths: [WRITABLE(context, option, path) for path in paths],
-    help="Write here, by the suffix: a table as .csv or .xlsx, a figure as .png, .pdf or .svg, all curves as .nc; "
-    "repeatable. By default, the table is printed.",
+    help="Write here, by the suffix: a table as .csv, .xlsx, .tex or .md, a figure as .png, .pdf or .svg, all "
+    "curves as .nc; repeatable. By default, the table is printed.",
 )
+@click.option("--all", "everything", is_flag=True, help="Write tables of all columns and digits, one row per line.")
 @options.FORCE
 def report(
     files: Sequence[Path],
     outputs: Sequence[Path],
+    everything: bool,
     force: bool,
     bodies: Path | None,
     pressures: options.Pressures | None,
@@ -71,7 +76,7 @@ def report(
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
     over the lines, its 10 and 90 % percentiles and its largest numerical error, in the unit of the pressures and in
-    SI units, in five digits. After Ctrl-C, it is of the lines that are solved.
+    SI units, rounded to the first digit of the numerical error. After Ctrl-C, it is of the lines that are solved.
 
     \b
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
@@ -81,8 +86,8 @@ def report(
         raise click.UsageError("a report needs the two bodies, by --si, and the mean pressures, by --pressures")
     for path in outputs:  # before anything is read
         options.check_free(path, force)
-        if path.suffix == ".xlsx":
-            import_module("openpyxl")  # an extra installs it; the error names it
+        if path.suffix in PACKAGES:
+            import_module(PACKAGES[path.suffix])  # an extra installs it; the error names it
     from weier.cli.call import Call  # xarray takes half a second, and the help needs none of it
     from weier.cli.result import check_solved, table_of
     from weier.data import dataset
@@ -98,20 +103,17 @@ def report(
     data, count = call.in_units(solved), len({line.digest for line in lines})
     counted = f"{count} of {of_all}" if count < of_all else f"{count}"
     title = f"{counted} line{'s' * (of_all > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
-    table = _columns(table_of(data, ensemble=True))
+    table = table_of(data) if everything else _columns(table_of(data, ensemble=True))
     for path in outputs:
         if path.suffix == DATA:
             dataset.write(data, path, title, "solved")
         elif path.suffix in PICTURES:
             call.draw(solved, path, "resistance", Grouping(median_over=("trace",) * (count > 1)))
-        elif path.suffix == ".csv":
-            write_text(path, table.to_csv(index=False, float_format=DIGITS))
         else:
-            with replacing(path) as temporary, temporary.open("wb") as file:
-                table.to_excel(file, index=False, engine="openpyxl")
+            _write_table(table, path)
     click.echo(title, err=bool(outputs))
     if not outputs:
-        click.echo(table.to_string(index=False, float_format=lambda value: DIGITS % value))
+        click.echo(_markdown(table), nl=False)
     if stop is not None:
         raise stop
     check_solved(curves)
@@ -133,9 +135,38 @@ def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
 
 
 def _columns(ensemble: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of a report under their headings, with units."""
+    """Return the columns of a report under their headings, with units, rounded as their numerical errors allow."""
     names = {UNIT.sub("", name): name for name in ensemble}
-    headings = {
-        names[name]: meaning + names[name].removeprefix(name) for name, meaning in COLUMNS.items() if name in names
-    }
-    return ensemble[list(headings)].rename(columns=headings)
+    found = {}
+    for name, meaning in COLUMNS.items():
+        if name in names:
+            values = ensemble[names[name]]
+            errors = ensemble.get(names.get(f"{STATISTIC.sub('', name)}_numerical_error"), 0 * values)
+            found[meaning + names[name].removeprefix(name)] = list(map(_rounded, values, errors))
+    return type(ensemble)(found)
+
+
+def _rounded(value: float, error: float) -> float:
+    """Return a value rounded to the first digit of its error, and an error to its second; at most five digits."""
+    if not (value and math.isfinite(value)):
+        return value
+    below = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) if error > 0 else MAX_DIGITS
+    return float(f"{value:.{min(max(below + 1 + (value == error), 1), MAX_DIGITS)}g}")
+
+
+def _write_table(table: pd.DataFrame, path: Path) -> None:
+    """Write a table in the format of a suffix."""
+    if path.suffix == ".csv":
+        write_text(path, table.to_csv(index=False))
+    elif path.suffix == ".tex":
+        write_text(path, table.to_latex(index=False, escape=True, float_format=str))
+    elif path.suffix == ".md":
+        write_text(path, _markdown(table))
+    else:
+        with replacing(path) as temporary, temporary.open("wb") as file:
+            table.to_excel(file, index=False, engine="openpyxl")
+
+
+def _markdown(table: pd.DataFrame) -> str:
+    head, *rows = ([markdown.plain(str(cell)) for cell in row] for row in (table, *table.to_numpy().tolist()))
+    return f"{markdown.table(head, rows)}\n"

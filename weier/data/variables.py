@@ -221,6 +221,14 @@ VARIABLES = {
         comment="The mean of half the pressure times the displacement, which is p h minus the integral of h over p.",
         optional=True,
     ),
+    "mean_gap": Variable(CURVE, "mean gap", "g_0", "d", comment="The sum of the amplitudes minus the compliance."),
+    "area_coefficient": Variable(
+        CURVE,
+        "coefficient of the contact fraction in p/(E* h')",
+        comment="The kappa in A = kappa p/(E* h'), with the contact fraction A, the mean pressure p, the contact "
+        "modulus E* = 2 M and the root mean square slope h'. NaN for methods without a contact fraction, "
+        "and where h' is infinite.",
+    ),
     "patch_count": Variable(CURVE, "contacts in one period, 0 in full contact", optional=True),
     "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),
     "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, optional=True),
