@@ -17,7 +17,6 @@ from weier.kernels.arrays import Array, Flags, Indices
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
-from weier.methods.patches.inequalities import find_negative_intervals, minima_outside
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pressure_and_gap import complementary_residuals, cotangent_integrals, values_on_segments
 from weier.methods.patches.segments import ContactState, contact_pieces
@@ -33,23 +32,18 @@ from weier.methods.patches.surface import (
 )
 from weier.surface.waves import Waves
 
-# largest advance of an edge, in finest waves: beyond it, the edge may have passed a minimum and a maximum of the gap
-# between two of the `SAMPLES` samples of the slope
-MAX_ADVANCE = 0.15
+# largest advance of an edge, in finest waves: half a wave has one dip of k_1 at most, so that `MIN_LOAD_FRACTION`
+# tells of a jump; with 1 the same events are found in fewer loads (docs/patches.md, "Births and mergers")
+MAX_ADVANCE = 0.5
 # least increment of the load over its trapezoidal rule: half-way between the 2/3 of an edge that has just jumped over
 # a contact and the 1 of rates that are linear (docs/patches.md, "Births and mergers")
 MIN_LOAD_FRACTION = 5 / 6
-# largest interval of ln(p) for root-finding: over longer ones it may not be possible to follow the contacts
-MAX_ROOT_INTERVAL = 0.1
 # difference of expected loads, over the interval, below which events may have one root, as symmetric ones do; events
 # farther apart are separated first, which changes no result
 SAME_LOAD = 1e-4
 # in ln(p): closer events count as one load, and the search for a root ends at a shorter step
 MIN_INTERVAL = 1e-9
 MAX_ROOT_LOADS = 8  # loads per root search, then the interval is divided; 3 are usual
-# largest tension over the largest pressure of a contact, and overlap over the load, at an event: the located minimum
-# leaves far less, and an edge that has passed a crest far more
-MAX_VIOLATION = 1e-7
 # divisions for each finished interval, three times those from a decade to `MIN_INTERVAL`, log2(ln(10)/1e-9) = 31
 MAX_SPLITS = 100
 # samples of the slope of the gap where an edge has advanced or a contact is new, and of the gap or pressure whose
@@ -169,8 +163,7 @@ class _Search(NamedTuple):
     def state(self, load: float) -> ContactState:
         """Return the state under a load of partial contact."""
         state, _ = solve_state(self.starts, load)
-        if state is None:
-            raise ConvergenceError(f"contact is full under the mean pressure {load:.6g} p_0*")
+        assert state is not None
         return state
 
     def between(
@@ -209,16 +202,15 @@ class _Search(NamedTuple):
         """Return the events between two states, None if the interval must be divided, and the load that divides it.
 
         Events in an interval shorter than `MIN_INTERVAL` are assigned the load of the heavier state. Other intervals
-        are finished when certainly no contact has changed, or when all changes have one root and the contacts there
-        satisfy the inequalities.
+        are finished when certainly no contact has changed, or when all changes have one root.
         """
         width, middle = float(np.log(high.load / low.load)), float(np.sqrt(low.load) * np.sqrt(high.load))
         if width < MIN_INTERVAL:
             return [(high.load, event) for event in changes], middle
-        if is_certain and not changes:
-            return [], middle
-        if not is_certain or width >= MAX_ROOT_INTERVAL:
+        if not is_certain:
             return None, middle
+        if not changes:
+            return [], middle
         expected = np.sort(np.clip([_expected_load(low, high, change) for change in changes], low.load, high.load))
         widest = int(np.diff(expected, prepend=expected[0]).argmax())
         if expected[widest] - expected[widest - 1] > SAME_LOAD * (high.load - low.load):
@@ -277,7 +269,7 @@ class _Search(NamedTuple):
         Contacts are followed from the load where that minimum is positive, the lighter one for births and the
         heavier one for mergers, to the expected load and on by inverse interpolation. Each state starts from the
         nearest one in load. Without result if the changes are of both kinds, have no root or different ones, or if
-        the contacts at the root violate the inequalities or edges have jumped.
+        edges have jumped: then another event comes first.
         """
         first, surface = changes[0], self.starts.surface
         followed = [low if first.birth else high]
@@ -305,19 +297,7 @@ class _Search(NamedTuple):
             if not (is_same and np.all(_is_direct(length, rate_of_load, lighter, heavier))):
                 return None
             located.append((load, event._replace(left=y, right=y)))
-        return located if self._is_in_contact(followed[-1]) else None
-
-    def _is_in_contact(self, state: ContactState) -> bool:
-        """Return whether the contacts followed to an event satisfy the inequalities at its load.
-
-        They do not if another event comes first: an edge may have passed a crest that touches earlier, which leaves
-        tension behind it.
-        """
-        minima = minima_outside(state, state.kind.series(self.starts.surface), 0.0)
-        overlap = -float(minima["value"].min(initial=0.0))
-        height = MAX_VIOLATION * state.load * self.starts.surface.heights.period
-        limit = state.kind.limit_outside(state.load, height, MAX_VIOLATION)
-        return overlap <= limit and bool(np.all(find_negative_intervals(state)["relative"] >= -MAX_VIOLATION))
+        return located
 
 
 def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:
