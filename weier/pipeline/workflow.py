@@ -144,7 +144,8 @@ class Plan:
     def clean(self) -> None:
         """Remove what failed and killed runs have left of the drafts that this run makes."""
         for path in self._drafts:
-            for left in {*path.parent.glob(f"{path.name.partition('.')[0]}.*")} - self._drafts:
+            what = path.name.rsplit(".", 2)[0]
+            for left in {*path.parent.glob(f"{what}.[0-9]*")} - self._drafts:
                 shutil.rmtree(left, ignore_errors=True)
 
     @property
