@@ -2,7 +2,7 @@
 
 Methods are listed in `weier.methods.registry`. The fields of a method declare what it can do, its settings
 with their ranges, its look in figures and its expected seconds. What measurements compare is in
-`weier.accuracy.variants`.
+`weier.accuracy.tradeoff`.
 """
 
 from __future__ import annotations
