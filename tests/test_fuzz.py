@@ -155,6 +155,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.filterwarnings("ignore:all (phases|loads)")  # doubts about their unit
+@pytest.mark.filterwarnings("ignore:.*is for one wave")
 @examples(FEW, MANY)
 @pytest.mark.parametrize(("strategy", "check"), FUZZED, ids=NAMES)
 def test_whatever_is_given_is_taken_or_refused_in_a_sentence(strategy, check, folder, how_many):

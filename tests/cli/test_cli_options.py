@@ -41,7 +41,7 @@ BAD_INPUT = [
 ]
 
 
-@pytest.mark.filterwarnings("default:.*take gamma")
+@pytest.mark.filterwarnings("default:.*take fewer terms, a gamma")
 @pytest.mark.parametrize(("arguments", "message"), BAD_INPUT)
 def test_bad_input_is_one_sentence_and_exit_code_1(run, arguments, message):
     code, out, err = run(*arguments)
