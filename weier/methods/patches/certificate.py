@@ -45,25 +45,12 @@ def error_bound(
 ) -> float:
     """Return a bound on the error of the compliance, in g_0, from the violations of the contact conditions.
 
-    Parameters
-    ----------
-    indentation : delta of the state from first contact, or an upper bound on it, in g_0
-    load : required mean pressure P, in p_0*
+    indentation : of the state from first contact, or an upper bound on it, in g_0
+    load : required mean pressure, in p_0*
     missing : deviation of the state's mean pressure from it, plus further pressures at unknown positions, in p_0*
-    gap : eps, the largest gap on a contact or overlap anywhere, plus displacements by removed pressures, in g_0
-    pressure, width : bounds sigma_i on pressures in gaps or tensions, in p_0*, each on a separate interval of width
-        W_i, in lambda_0, shape (violations,)
-
-    Notes
-    -----
-    With D(P) the exact mean gap and sigma the largest sigma_i plus `missing`, the mean gap d of the state satisfies
-    D(P + sigma) - eps <= d <= D(P - sigma) + eps. Since h is concave and its tangent at P - sigma lies above its
-    chord from first contact,
-    D(P - sigma) - D(P) <= sigma [h(P - sigma) - h_0]/(P - sigma) <= sigma (delta + eps)/(P - sigma). So the error is
-    at most eps + sigma (delta + eps)/(P - sigma).
-
-    The largest pressures may be removed instead: their force F = sum sigma_i W_i changes the mean pressure by at most
-    F/L and displaces the surface (`largest_displacement`). The number removed minimises the bound.
+    gap : the largest gap on a contact or overlap anywhere, plus displacements by removed pressures, in g_0
+    pressure, width : bounds on pressures in gaps or tensions, in p_0*, each on a separate interval of a width, in
+        lambda_0, shape (violations,); the number of the largest that are removed minimises the bound
     """
     order = np.argsort(-pressure)
     left, force = np.append(pressure[order], 0.0), np.append(0.0, np.cumsum((pressure * width)[order]))
@@ -74,12 +61,7 @@ def error_bound(
 
 
 def largest_displacement(pressure: float | Array, force: Array, period: float) -> Array:
-    """Return a bound on the displacement, of mean 0, by pressures of at most sigma with the total force F.
-
-    Pressures of one sign displace the surface most if sigma acts on one interval of width W = F/sigma, since -2 ln|2
-    sin(pi x/L)| decreases with the distance: at most 2 F [1 + ln(L/2W)], since sin y >= 2 y/pi; in the opposite
-    direction at most 2 F ln 2. Both signs together displace it by at most 2 F [1 + max(ln(L/2W), ln 2)].
-    """
+    """Return a bound on the displacement, of mean 0, by pressures of at most `pressure` with a total force."""
     half_period_of_width = 0.5 * period * pressure / np.maximum(force, 1e-280)  # which may be 0
     return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
 
@@ -88,20 +70,14 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
     """Return the maximum of the residual on each segment, the width over which this has its force, and its roughness.
 
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
-    coefficients in T_n, in its unit.
-    The potentials are evaluated between the nodes, without the matrix and the collocation points of the solution.
+    coefficients in T_n, in its unit. Fast sums are checked against closed forms at some points.
     """
     first, crest, y = sample_points(state.segments)
     return _sizes(state.segments, first, complementary_residuals(state, series, crest, y))
 
 
 def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, Array, Array]:
-    """Return the largest sample on each segment, the width for `SAMPLED_FACTOR` times it, and the roughness.
-
-    A polynomial q of degree n, times sin(theta), is a trigonometric one of degree n + 1. De la Vallee Poussin's
-    kernel yields it from samples at m zeros of T_m, so that int |q| dt is at most pi/(m-n-1) times the sum of
-    |q| sin(theta) over them (docs/patches.md, "The bound on the compliance").
-    """
+    """Return the largest sample on each segment, the width for `SAMPLED_FACTOR` times it, and the roughness."""
     count, residual, roughness = np.diff(first), np.abs(samples), np.empty(first.size - 1)
     for points in np.unique(count):
         which = count == points
@@ -141,9 +117,6 @@ def certify(
     margin: float,
 ) -> ContactState:
     """Return the state with its largest violation, in g_0, the bound on its error, and its narrow gaps.
-
-    The bound has two parts (`error_bound`): eps is a gap on contacts or an overlap, and sigma is a tension on
-    contacts or a pressure in gaps. The residual is one or the other (`kind`).
 
     residual, residual_width, roughness : arrays over the segments, as `contact_residual` returns them
     overlaps, tensions : negative minima or intervals of gap and pressure, without those that are thin gaps; minima of
@@ -187,13 +160,7 @@ def certify(
 
 
 def crack_effect(state: ContactState, period: float) -> tuple[float, float, float]:
-    """Return displacement and mean pressure of the tension outside thin gaps, and the uncertainty of the mean gap.
-
-    With a gap w at c, pressures change by -int w dx/[2 L^2 sin^2(pi (x-c)/L)], which remains in all other gaps, with
-    the force int w dx/(2 pi L) [cot(pi (x-c)/L)], or at most its largest value on the width of another thin gap. It
-    is removed as in `error_bound`, with the value at the nearest edge as its maximum. If nothing else moves, the mean
-    gap increases by the mean of w.
-    """
+    """Return displacement and mean pressure of the tension outside thin gaps, and the uncertainty of the mean gap."""
     cracks = state.cracks
     if cracks.contact.size == 0:
         return 0.0, 0.0, 0.0
@@ -219,12 +186,7 @@ def crack_effect(state: ContactState, period: float) -> tuple[float, float, floa
 
 
 def gap_uncertainty(error: float, height: float) -> float:
-    """Return the uncertainty of gaps, in g_0, in a state that is exact for heights within `error`, 4 times it.
-
-    An estimate if part of the error comes from tension or load (docs/patches.md, "The bound on the compliance").
-
-    height : the total amplitude, to which rounding is relative
-    """
+    """Return the uncertainty of gaps for a height error, both in g_0, and the total amplitude, which is rounded."""
     return 4 * error + FIELD_ROUNDING * height
 
 
@@ -264,12 +226,7 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
 
 
 def _missing_cracks(state: ContactState, period: float) -> Effect:
-    """Return the effect of gaps in the intervals of tension, times `SAFETY_FACTOR`.
-
-    A gap in a parabola of tension is 2^(1/2) times as wide as the interval. One of half-width b adds pi^2 b^2 q^2/L,
-    with the tangent pressure q there: B (2/r)^(1/2)/sqrt(1-t^2) for an isolated contact of edge strength B, and about
-    1 if gaps are narrow.
-    """
+    """Return the effect of gaps in the intervals of tension ("Missing gaps"), times `SAFETY_FACTOR`."""
     if state.tensions.size == 0:
         return 0.0, 0.0
     of, t, b = state.tensions.T
@@ -282,14 +239,7 @@ def _missing_cracks(state: ContactState, period: float) -> Effect:
 
 
 def _crack_error(state: ContactState, period: float) -> Effect:
-    """Return the error of the effect of cracks.
-
-    The tension q_0 at the middle of a crack has the error k e/(2 pi r sqrt(1-t^2)), the pressure of a residual e T_k
-    on its contact. With b^2 = 4 q_0/kappa, the error of the rise pi^2 b^2 q^2/L is 4 pi^2 q^2/(kappa L) times that.
-    Here kappa = 2^(1/2) A/b^(3/2) and q^2 = 2 B^2/b. The nearest edge, at the distance l, changes the rise by a
-    relative 4 (b/l)^2: twice (b/l)^2, for edges on both sides, and `SAFETY_FACTOR`. The half-width has half of these
-    relative errors.
-    """
+    """Return the error of the effect of cracks ("Thin gaps"); `near` is that of the nearest edge, 4 (b/l)^2."""
     cracks, segments = state.cracks, state.segments
     if cracks.contact.size == 0:
         return 0.0, 0.0
@@ -306,14 +256,7 @@ def _crack_error(state: ContactState, period: float) -> Effect:
 
 
 def _missing_contacts(state: ContactState, series: CosineSeries) -> Effect:
-    """Return the effect of contacts that may be born in narrow gaps.
-
-    A gap g with the error e may hide a contact with an overlap of at most e - g. With the half-width b of the
-    overlap, the compliance of the contact per unit force is at least chi = -2 ln(pi b/L), less the relief by the
-    nearest other contact, from which the force is taken. The gap closes at the rate tau = R - u' with the mean
-    pressure, where the displacement u' is at least -2 L ln 2. So the contact takes the force tau/chi, which lowers
-    the resistance by tau^2/(chi L).
-    """
+    """Return the effect of contacts that may be born in narrow gaps ("Births")."""
     gaps, period = state.narrow_gaps, series.period
     if gaps.size == 0:
         return 0.0, 0.0
@@ -330,22 +273,9 @@ def _missing_contacts(state: ContactState, series: CosineSeries) -> Effect:
 
 
 def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
-    """Return the effect of errors of the edges by height errors e (`height_error`).
+    """Return the effect of errors of the edges by height errors (`height_error`).
 
-    An edge that advances by delta lowers the resistance by 2 pi^2 B^2 delta/L, with the tangent pressure B/s^(1/2) at
-    the edge; for a narrow contact, this is the derivative of -2 L f^2 ln a. At an edge with the pressure A s^(1/2),
-    height errors of e in the middle and -e at the edges add about e/(2^(1/2) pi l^(1/2) s^(1/2)), with l the smaller
-    half-width of contact and gap: this is the effect of the curvature 4 e/a^2 on a Hertzian contact, and twice that
-    of the tension e/(2 pi b) on a crack. The edge moves until this singularity vanishes.
-
-    The gap between the crest of a light contact and the plane has the error 4 e, and hence the force F the error 4
-    e/chi with chi = -2 ln(pi a/L), which moves both edges by 2 a e/(chi F), since a^2 is proportional to F. On crests
-    other than the highest and its equals, rounding of amplitudes and displacements adds to e. Rounding of the
-    curvature kappa = 4 F/a^2 moves the edges by half its relative error. The force follows from the strengths of the
-    edges, for a Hertz contact: F = pi a^(3/2) k_1/sqrt(8).
-
-    Just above a birth F is of the order of e, and the strengths and a are hardly known. The error of F is divided by
-    chi, so that F from the density is known, and the strengths of contacts are at most sqrt(8) F/(pi a^(3/2)).
+    On crests other than the highest and its equals, rounding of amplitudes and displacements adds to them.
     """
     L, A = series.period, np.maximum(np.abs(segment_strengths(state)), 1e-300)
     contacts = state.kind.contacts_of(state.segments.extent, L)

@@ -37,7 +37,6 @@ from weier.methods.patches.surface import (
     CosineSeries,
     Sides,
     evaluate_at,
-    evaluate_series,
     from_crests,
     in_order,
 )
@@ -49,41 +48,19 @@ MAX_SQUARE = 4.0
 SETTLED_MOVE = 0.1
 
 
-class EdgeMoves(NamedTuple):
-    """One step of Newton's method.
-
-    outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
-    relative : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
-    """
-
-    outward: Sides
-    relative: float
-
-
 @kernel
 def edge_moves(
-    first_node: Indices, r: Array, gap: Array, b: Array, a: Array, right_sign: float, curvature_k_0: float
-) -> tuple[Sides, Flags, float, Array]:
-    """Return the moves `outward`, which gaps close, the move `relative`, and the heights of the singular parts.
+    first_node: Indices, r: Array, gap: Array, force: Array, b: Array, right_sign: float, curvature_k_0: float
+) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
+    """Return the fields of `NewtonStep` from `a` on, from forces and their expansion b.
 
-    The gap on the right of a contact closes if its squared width becomes negative. A singular part has the height 2
-    pi r |psi|.
-
-    The values at the ends are psi = sum (+-1)^k b_k and phi = sum (+-1)^k (k+1) a_k, from the coefficients of psi in
-    T_k and of its regular part in U_k. The slope of psi inward is -sum (+-1)^k k^2 b_k. All have the sign of the left
-    end, where a gap opens.
-
-    A contact narrower than the adjacent gaps is Hertzian, with psi/phi = (a^2 - r^2)/(2 r^2) -+
-    (c - x_c)/r at its ends. The mean of both is half the growth of the squared half-width, and half their difference
-    is the shift of the centre, at most a half-width. At an edge of a narrow gap, the value for the gap replaces the
-    Hertzian one, and the opposite edge determines both Hertzian values.
-
-    Both ends of a gap that is narrower than both contacts give its growth (`_gap_growth`): it grows by their mean,
-    and half their difference shifts it.
+    All values at the ends have the sign of the left end, where a gap opens. A contact narrower than the adjacent gaps
+    is Hertzian. At an edge of a narrow gap, the value for the gap replaces the Hertzian one, and the opposite edge
+    determines both Hertzian values. A gap narrower than both contacts grows by the mean of its ends.
     """
-    n = r.size
+    n, a = r.size, regular_part(first_node, b)
     psi, phi, slope, singular = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
-    outward, closed, relative = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
+    outward, closed, move = np.empty((n, 2)), np.empty(n, np.bool_), 0.0
     for j in range(n):
         for side in range(2):
             at_end, regular, inward, sign = 0.0, 0.0, 0.0, 1.0 if side == 0 else right_sign
@@ -97,8 +74,9 @@ def edge_moves(
         singular[j] = 2 * np.pi * r[j] * max(abs(psi[j, 0]), abs(psi[j, 1]))
     for j in range(n):  # contacts in wide gaps are Hertzian
         first, last = (0 if gap[j - 1] >= 2 * r[j] else 1), (1 if gap[j] >= 2 * r[j] else 0)
-        left = _hertzian_ratio(psi[j, first], phi[j, first])
-        right = _hertzian_ratio(psi[j, last], phi[j, last])
+        # Overlap moves an edge outward even if phi differs from Hertz's.
+        left = psi[j, first] / max(abs(phi[j, first]), 1e-300)
+        right = psi[j, last] / max(abs(phi[j, last]), 1e-300)
         growth, shift = _width_growth(0.5 * (left + right)), min(max(0.5 * (right - left), -1.0), 1.0)
         outward[j, 0], outward[j, 1] = (growth - shift) * r[j], (growth + shift) * r[j]
     for j in range(n):  # narrow gaps move their own edges
@@ -115,14 +93,9 @@ def edge_moves(
             outward[k, 0] = -half * (widening + shift)
     for j in range(n):
         narrowest = min(r[j], 0.5 * min(gap[j], gap[j - 1]))
-        relative = max(relative, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
-    return outward, closed, relative, singular
-
-
-@kernel
-def _hertzian_ratio(psi: float, phi: float) -> float:
-    """Return psi/|phi| at an edge: overlap moves it outward even if phi differs from Hertz's."""
-    return psi / max(abs(phi), 1e-300)
+        move = max(move, max(abs(outward[j, 0]), abs(outward[j, 1])) / narrowest)
+    vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
+    return a, outward, move, vanishing, merging, singular, move < SETTLED_MOVE and not changes
 
 
 @kernel
@@ -135,9 +108,8 @@ def _width_growth(linear: float) -> float:
 def _gap_growth(psi: float, inward_slope: float, r: float, b: float, curvature_k_0: float) -> float:
     """Return the first-order growth of an interval of half-width b between two segments, from one edge.
 
-    kappa b^2 is proportional to b k_1 - 3 k_0/4 for gaps between contacts, and to b k_1 + k_0/4 for contacts between
-    gaps. The square of the width grows by 1 - 4 k_0 over this. If this is not positive, the interval shrinks at an
-    edge with overlap beyond it and grows at one in tension.
+    If the curvature is not positive, the interval shrinks at an edge with overlap beyond it and grows at one in
+    tension.
     """
     k_0, k_1 = psi * np.sqrt(r / 2), (inward_slope + psi / 4) * np.sqrt(0.5 / r)
     curvature = b * k_1 + curvature_k_0 * k_0
@@ -165,25 +137,6 @@ class ContactProblem(NamedTuple):
         """Return the height minus its maximum, or the tension of full contact, at distances from crests."""
         return np.asarray(evaluate_at(self.series, crest, y, 0) + self.highest)
 
-    def forcing_at_nodes(self, punches: Punches) -> Array:
-        """Return the height minus its maximum, or the tension of full contact, at the nodes."""
-        segments = punches.segments
-        return evaluate_at_nodes(
-            self.series, segments.crest, segments.centre, segments.first_node, punches.offset, self.highest
-        )
-
-
-@kernel
-def evaluate_at_nodes(
-    series: CosineSeries, crest: Indices, centre: Array, first_node: Indices, offset: Array, more: float
-) -> Array:
-    """Return a series minus its maximum plus a constant, at the nodes of segments."""
-    value = np.empty(offset.size)
-    for j in range(centre.size):
-        for i in range(first_node[j], first_node[j + 1]):
-            value[i] = evaluate_series(series, crest[j], centre[j] + offset[i])[0] + more
-    return value
-
 
 class Iterate(NamedTuple):
     """Contacts with centres in [0, L), and initial forces of a step.
@@ -199,9 +152,10 @@ class NewtonStep(NamedTuple):
     """Solution on the contacts of a guess, and changes of the set of contacts.
 
     b, a : coefficients of psi in T_k, of its regular part in U_k
-    moves : of the edges
+    outward : how far each edge moves out of its contact, in lambda_0, shape (contacts, 2)
+    move : the largest move of an edge over the half-width of its contact or an adjacent gap, if that is smaller
     vanishing : contacts without force
-    merging : contacts whose gap on the right vanishes
+    merging : contacts whose gap on the right vanishes, or has a negative squared width
     singular : height of the singular part of the pressure, 2 pi r |psi(+-1)|, in g_0, shape (contacts,)
     settled : whether the iteration has begun to converge for all contacts; none vanishes or merges
     """
@@ -210,7 +164,8 @@ class NewtonStep(NamedTuple):
     forces: Forces
     b: Array
     a: Array
-    moves: EdgeMoves
+    outward: Sides
+    move: float
     vanishing: Flags
     merging: Flags
     singular: Array
@@ -231,30 +186,11 @@ def make_guess(problem: ContactProblem, segments: Segments, tolerance: float) ->
 def take_step(problem: ContactProblem, guess: Iterate, residual: float) -> NewtonStep:
     """Solve for the pressure on given contacts to a residual, in g_0, and compute the moves of their edges."""
     punches, segments, kind = guess.punches, guess.punches.segments, problem.kind
-    forcing = problem.forcing_at_nodes(punches)
-    forces = solve_forces_on_contacts(punches, forcing, problem.load, guess.force, residual)
+    crest, y = np.repeat(segments.crest, segments.node_count), punches.at_nodes(segments.centre) + punches.offset
+    forces = solve_forces_on_contacts(punches, problem.forcing(crest, y), problem.load, guess.force, residual)
     b, extent = expansion(punches, forces.force), (segments.first_node, segments.half_width, punches.gap)
-    changes = _edge_changes(*extent, forces.force, b, kind.right_sign, kind.curvature_k_0)
-    a, outward, relative, vanishing, merging, singular, settled = changes
-    moves = EdgeMoves(outward, relative)
-    return NewtonStep(punches, forces, b, a, moves, vanishing, merging, singular, settled)
-
-
-@kernel
-def _edge_changes(
-    first_node: Indices,
-    r: Array,
-    gap: Array,
-    force: Array,
-    b: Array,
-    right_sign: float,
-    curvature_k_0: float,
-) -> tuple[Array, Sides, float, Flags, Flags, Array, bool]:
-    """Return the fields of `NewtonStep` and of its moves that follow from forces and their expansion b."""
-    a = regular_part(first_node, b)
-    outward, closed, relative, singular = edge_moves(first_node, r, gap, b, a, right_sign, curvature_k_0)
-    vanishing, merging, changes = _changes(first_node, gap, force, outward, closed)
-    return a, outward, relative, vanishing, merging, singular, relative < SETTLED_MOVE and not changes
+    changes = edge_moves(*extent, forces.force, b, kind.right_sign, kind.curvature_k_0)
+    return NewtonStep(punches, forces, b, *changes)
 
 
 @kernel
@@ -283,7 +219,7 @@ def _changes(
 def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node_count: Indices) -> Iterate:
     """Return the guess after a step, with new node counts: edges moved, contacts removed and merged."""
     old, series = step.punches.segments, problem.series
-    shift, growth = _shift_and_growth(step.moves.outward)
+    shift, growth = _shift_and_growth(step.outward)
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
         b, _ = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
@@ -301,7 +237,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
     twice the square of the present ones, since the strength B changes with the edges as well.
     """
-    punches, outward, gap = step.punches, step.moves.outward, step.punches.gap
+    punches, outward, gap = step.punches, step.outward, step.punches.gap
     old, (shift, growth) = punches.segments, _shift_and_growth(outward)
     b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
@@ -309,9 +245,8 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     force = transfer_forces(old, b, np.arange(gap.size), moved)
     narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
-    left = 2 * step.moves.relative**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
-    forces, moves = step.forces._replace(force=force), step.moves._replace(outward=left)
-    return step._replace(punches=moved, forces=forces, b=b, a=a, moves=moves)
+    left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
+    return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)
 
 
 def _shift_and_growth(outward: Sides) -> tuple[Array, Array]:

@@ -180,11 +180,7 @@ def solve_forces_on_contacts(
 
 
 def solve_tangent(punches: Punches, forces: Forces, reduction: float) -> Forces:
-    """Return the derivative of a solution with respect to the mean pressure, on fixed edges.
-
-    It has the mean 1 and displaces a flat surface by R on all contacts; to first order the motion of the edges has no
-    effect. For gaps the forcing is 1, a tension that increases the mean gap by R.
-    """
+    """Return the derivative of a solution with respect to the mean pressure, on fixed edges."""
     kind, none = punches.kind, np.zeros(punches.offset.size)
     if forces.even is not None:
         return Forces(*kind.close(kind.increment * forces.even, forces.even, 1.0, punches.period))
@@ -221,12 +217,7 @@ def _solve_directly(punches: Punches, forcing: Array, load: float) -> Forces:
 def _solve_iteratively(
     punches: Punches, forcing: Array, load: float, start: Array, least: float, reduction: float
 ) -> Forces:
-    """Solve by conjugate gradients with fast sums.
-
-    The sum of the forces of contacts is preserved by subtracting `shift` times M^-1 1 from each preconditioned
-    residual M^-1 r; d changes by `shift`. Forces and heights are scaled by the load, since products at light loads
-    would underflow.
-    """
+    """Solve by conjugate gradients with fast sums, scaled by the load, since products would underflow."""
     kind, segments, unit = punches.kind, punches.segments, load * punches.period
     forcing, force, least = forcing / unit, start / unit, least / unit
     inverse = kind.invert_punches(segments.half_width, segments.middle, punches.period)
@@ -273,10 +264,7 @@ def expansion(punches: Punches, force: Array) -> Array:
 
 @kernel
 def regular_part(first_node: Indices, b: Array) -> Array:
-    """Return coefficients in U_k of phi, where psi = (1-t^2) phi plus a linear function, contact by contact.
-
-    With (1-t^2) U_k = (T_k - T_(k+2))/2, a_k = a_(k+2) - 2 b_(k+2); the last two of each contact are 0.
-    """
+    """Return coefficients in U_k of phi, where psi = (1-t^2) phi plus a linear function, contact by contact."""
     a = np.zeros(b.size)
     for j in range(first_node.size - 1):
         for k in range(first_node[j + 1] - 3, first_node[j] - 1, -1):
@@ -288,9 +276,8 @@ def regular_part(first_node: Indices, b: Array) -> Array:
 def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> tuple[Array, Array]:
     """Return coefficients of psi corrected so that psi, at rounding level at the edges, vanishes there.
 
-    Rounding of heights has the same size in all degrees and enters the coefficient of T_k with the factor k. The
-    corrections for contacts are therefore proportional to the variance, k^2, and those for gaps, with the power 0,
-    uniform; b_0, and so the force, is preserved. Return the coefficients of the regular part as well.
+    The corrections are proportional to the variance of rounding, k^power, and preserve b_0, and so the force. Return
+    the coefficients of the regular part as well.
     """
     changed = b.copy()
     for j in range(first_node.size - 1):
@@ -307,13 +294,7 @@ def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> tuple[Array
 def moved_expansion(
     first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array
 ) -> tuple[Array, Array]:
-    """Return the coefficients of psi when segments have moved: to second order the solution, after Newton's step.
-
-    Return the coefficients of its regular part as well.
-
-    At a point whose coordinate t changes by w = (dc + t dr)/r, psi becomes psi + w [(1-t^2) phi' - t phi], and the
-    bracket is sum -k a_(k-1) T_k for phi = sum a_k U_k, since sqrt(1-t^2) U_k = sin((k+1) theta).
-    """
+    """Return the coefficients of psi when segments have moved, and of its regular part."""
     moved = b.copy()
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]

@@ -69,8 +69,7 @@ def _probe_points(
 ) -> tuple[Array, Indices]:
     """Return ascending points in the intervals between segments, and the interval of each point.
 
-    In each interval they are closer together at its ends. The crests of the series and the midpoints between them are
-    added, to resolve adjacent crests.
+    They are closer together at the ends, and contain the crests of the series and the midpoints between them.
     """
     n, length = 2 * crest.size, distances_between(origin, centre, half_width, period)
     turning, count, total = np.empty(n), np.empty(length.size, np.int64), n
@@ -126,10 +125,7 @@ def _minima_between(
 ) -> Records:
     """Return negative minima of a residual less a margin between segments: of a gap, or of a pressure.
 
-    Near an edge, a gap is proportional to s^(3/2) and a pressure to s^(1/2), with the distance s from it. A negative
-    minimum there may be much narrower than the distance of probes, but the quotient by these powers is smooth. At the
-    edges it follows from their strength k_1, (4 pi/3) k_1 s^(3/2) or k_1 s^(1/2), if they are regular. Minima above
-    the limit are excluded without refinement.
+    Minima above the limit are excluded without refinement. At edges that are not regular the strength is unknown.
     """
     extent, period, power = segments.extent, series.period, kind.residual_power
 
@@ -199,9 +195,7 @@ def _negative_intervals(
 def _sample_expansion(a: Array) -> tuple[Array, Array]:
     """Return points t, denser than the nodes, and the values of an expansion there.
 
-    A positive sample below both neighbours is moved to the zero of the derivative, the minimum, which may be
-    negative. The parabola through three equidistant samples falls below the middle one by at most an eighth of the
-    larger rise.
+    A positive sample below both neighbours is moved to the minimum, which may be negative.
     """
     count = SAMPLES_PER_NODE * a.size + 1
     t, sample = np.empty(count + 1), np.empty(count + 1)
@@ -278,11 +272,6 @@ def _brackets(
 ) -> Brackets:
     """Return the probes, ascending in each interval, next to which a minimum may lie below the limit.
 
-    Such a probe is not higher than its neighbours in the same interval, of which the edges are the outermost. The
-    vertex of the parabola through the three lies within half the wider spacing, hence at most half the curvature
-    times its square below the probe. A minimum is excluded if it would stay above the limit at `MAX_FALL` times that
-    depth.
-
     value, factor : at the probes; the quotient is smooth
     margin : margin subtracted from the values
     at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
@@ -321,8 +310,7 @@ def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFa
     """Return negative minima of a function in brackets, by Newton's method on differences in all of them at once.
 
     The first half of the steps finds the minimum of the quotient by the edge factor, the other half the minimum of
-    the function. A bracket is dropped as soon as its minimum is certainly positive. The result is the lowest value
-    evaluated, since differences across two adjacent crests may miss both.
+    the function. The result is the lowest value evaluated, since differences across two crests may miss both.
     """
     low, middle, high, interval = brackets
     if middle.size == 0:

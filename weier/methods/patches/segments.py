@@ -218,11 +218,7 @@ def make_segments(crest: Indices, origin: Array, centre: Array, half_width: Arra
 
 
 def estimate_node_count(extent: Extent, series: CosineSeries, tolerance: float) -> Indices:
-    """Return the number of nodes for the waves on each segment and for the edges of its neighbours.
-
-    The coefficients decay like rho^-k, where rho belongs to Bernstein's ellipse through the nearest such edge: at the
-    distance mu r, ln(rho) = ln(1 + mu + sqrt(mu (mu + 2))).
-    """
+    """Return the number of nodes for the waves on each segment and for the edges of its neighbours."""
     finest = float(series.wavenumber[-1])
     return np.asarray(count_nodes(*extent, series.period, finest, node_factors(tolerance)))
 
@@ -256,11 +252,7 @@ def _round_up(count: float) -> float:
 
 
 def node_factors(tolerance: float, factors: Sequence[Sequence[float]] = NODE_FACTORS) -> tuple[float, float, float]:
-    """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), each linear in the digits of the tolerance.
-
-    k_f r are the radians of the finest wave in the half-width, and rho belongs to the nearest edge of a neighbour
-    (docs/patches.md, "Chebyshev polynomials").
-    """
+    """Return K_0, K_1 and K_2 of K_0 + K_1 k_f r + K_2/ln(rho), each linear in the digits of the tolerance."""
     digits = -float(np.log10(tolerance))
     least, per_radian, per_neighbour = (constant + slope * digits for constant, slope in factors)
     return least, max(1.0, per_radian), per_neighbour

@@ -188,7 +188,7 @@ def converge(
         counts = node_counts(segments.first_node, segments.half_width, step.b, enough)
         if _ends(step, limits, last_move) and np.array_equal(counts, segments.node_count):
             return step, carried_along(step, limits.rounding), steps
-        last_move, now = step.moves.relative, next_guess(problem, step, limits.tolerance, counts)
+        last_move, now = step.move, next_guess(problem, step, limits.tolerance, counts)
     raise _no_set(problem.load)
 
 
@@ -230,18 +230,18 @@ def _converged(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """
     if last_move == np.inf or step.forces.residual >= limits.target:
         return False
-    is_settled = step.moves.relative > SETTLED_MOVE * last_move  # each error is the square of the previous one
+    is_settled = step.move > SETTLED_MOVE * last_move  # each error is the square of the previous one
     return sum((float(step.singular.max()) < limits.target, is_settled, _is_small(step, limits))) > 1
 
 
 def _is_small(step: NewtonStep, limits: Limits) -> bool:
     """Return whether the moves of the next step, the squares of these, are below the target."""
-    return step.moves.relative**2 < TARGET * limits.tolerance
+    return step.move**2 < TARGET * limits.tolerance
 
 
 def _ends(step: NewtonStep, limits: Limits, last_move: float) -> bool:
     """Return whether the next step would change the solution by less than the target."""
-    move = step.moves.relative
+    move = step.move
     if not (step.settled and _is_small(step, limits) and move < SETTLED_MOVE * last_move):
         return False
     return max(step.forces.residual, float(step.singular.max()) * move) < limits.target
@@ -360,7 +360,7 @@ def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
     solved, segments, kind = found.solved, found.solved.punches.segments, found.state.kind
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    released = float((strength**2 * solved.moves.outward).sum()) if found.step is not solved else 0.0
+    released = float((strength**2 * solved.outward).sum()) if found.step is not solved else 0.0
     # The increment of gaps is the increment of the tension, which opens them.
     resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
-    return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.moves.outward)
+    return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.outward)

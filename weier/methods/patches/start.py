@@ -132,10 +132,7 @@ def _nodal_contacts(
 
 @kernel
 def _contacts_between_nodes(gap: Array, contact: Flags, spacing: float) -> Intervals:
-    """Return the contacts on crests that stand above the plane between nodes.
-
-    A crest is the parabola through three nodes of the gap, in g_0, whose minimum may be negative between them.
-    """
+    """Return the contacts on crests that stand above the plane between nodes, by parabolas through the gap."""
     n, count, found = gap.size, 0, np.empty((2, gap.size // 2 + 1))
     for i in range(n):
         after = (i + 1) % n
@@ -219,11 +216,10 @@ def isolated_gaps(series: CosineSeries, load: float) -> ContactState | None:
 
 
 def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merges: bool) -> ContactState | None:
-    """Return segments on crests under these forces or tensions, without nodes.
+    """Return segments on crests under these forces or tensions, without nodes; None if they are not isolated.
 
-    On a parabola the half-width is 2 (amount/curvature)^(1/2). On flatter crests, edges are moved until the series
-    itself has no singularity there, and segments that then overlap are merged if that is allowed. None is returned if
-    there are no segments, if one is too wide, or if they are so wide that they act on each other.
+    On crests too flat for a parabola, edges are moved until the series itself has no singularity there, and segments
+    that then overlap are merged if that is allowed.
     """
     crest = np.flatnonzero(amount > 0)
     if crest.size == 0:
@@ -260,10 +256,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
 
 @kernel
 def _solve(matrix: NDArray[np.float64], right: Array) -> Array:
-    """Solve linear equations in place, by elimination without pivoting: cheaper to compile than LAPACK's.
-
-    The matrix of displacements is positive definite, so that the pivots are positive until the one of the plane.
-    """
+    """Solve linear equations in place, by elimination without pivoting: cheaper to compile than LAPACK's."""
     n = right.size
     for i in range(n):
         for j in range(i + 1, n):
@@ -282,11 +275,8 @@ def _solve(matrix: NDArray[np.float64], right: Array) -> Array:
 def _forces_on_crests(series: CosineSeries, total: float, widest: float) -> Array:
     """Return the forces of Hertzian contacts on crests, shape (crests,); all 0 if they are not found.
 
-    A contact of half-width a is displaced by F (1 - 2 ln(pi a/L)) under its force F, and by the forces of the others.
-    On the crest -kappa x^2/2 - q x^4 the force is F = kappa a^2/4 + 3 q a^4/4.
-    The logarithm, which hardly changes, is taken from the previous step, so that the equations are linear. `OFFSET`
-    shifts all displacements and the plane alike, since the sum of the forces is given. Crests with negative forces
-    are dropped, and crests above the plane added. Forces lift no point by more than 2 ln 2 times their sum, so that
+    On the crest -kappa x^2/2 - q x^4 the force is F = kappa a^2/4 + 3 q a^4/4. `OFFSET` shifts all displacements and
+    the plane alike, since the sum of the forces is given. Forces lift no point by more than 2 ln 2 times their sum:
     crests farther below the plane need not be tried.
     """
     position, offset, curvature, period = (
