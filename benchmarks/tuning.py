@@ -56,7 +56,6 @@ PATCHES_CONSTANTS = (
     ("punches", "NEIGHBOURS"),
     ("patches.pair_sums", "LEAF_POINTS"),
     ("patches.pair_sums", "MAX_DIRECT"),
-    ("patches.start", "MANY_WAVES"),
 )
 FACTORS = (0.5, 2.0)
 HEADER = ("module", "number", "cost if halved", "cost if doubled")

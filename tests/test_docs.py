@@ -36,7 +36,7 @@ from weier.scene import keys
     [
         ("index", 5),
         ("one_load", 50),
-        pytest.param("measured", 20, marks=pytest.mark.second_attempt),
+        ("measured", 20),
         *((page, 20) for page in plots.NOT_RUN),
     ],
 )

@@ -11,7 +11,6 @@ from weier.methods.patches.segments import (
     Cracks,
     coefficient_tails,
     contact_pieces,
-    end_sums,
     estimate_node_count,
     make_segments,
     more_nodes,
@@ -66,12 +65,6 @@ def test_values_at_edges_of_gaps_are_those_of_the_contacts_that_follow(period):
     np.testing.assert_array_equal(GAPS.at_contacts(values), [[2, 3], [4, 5], [6, 1]])
     assert CONTACTS.contacts_of((origin, centre, half_width), period)[1] is centre
     np.testing.assert_array_equal(CONTACTS.at_contacts(values), values)
-
-
-def test_sums_at_the_ends():
-    first, a = np.array([0, 3, 5]), np.array([1.0, 2.0, 4.0, 3.0, 5.0])
-    np.testing.assert_array_equal(end_sums(first, a, 0), [[1 - 2 + 4, 7], [3 - 5, 8]])
-    np.testing.assert_array_equal(end_sums(first, a, 1), [[1 - 4 + 12, 17], [3 - 10, 13]])
 
 
 @pytest.mark.parametrize("ratio", [1.01, 1.1, 2.0, 30.0])

@@ -10,20 +10,11 @@ from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches, westergaard
-from weier.methods.patches import solver, start
+from weier.methods.patches import start
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import make_series, surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
-
-
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-def test_contacts_are_sorted_by_left_edges_within_the_period(period):
-    centre, r = np.array([0.02, 0.5, 1.3]) * period, np.array([0.05, 0.1, 0.02]) * period
-    edges, half_width, order = solver._sorted_contacts((np.zeros(3), centre, r), period)
-    np.testing.assert_array_equal(order, [2, 1, 0])
-    np.testing.assert_allclose(edges / period, [[0.28, 0.32], [0.4, 0.6], [0.97, 1.07]], rtol=1e-12)
-    np.testing.assert_allclose(half_width, r[order])
 
 
 def assert_complementary(profile: Profile, load: float, points: int = 4001) -> patches.Solution:
@@ -171,12 +162,11 @@ def test_translation_and_mirror_change_nothing(load):
     np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
 
 
-@pytest.mark.second_attempt
 def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
     """A hundred contacts on a period of 100 lambda_0, where rounding of the sums exceeds 1e-13."""
     profile = Profile(1.45, "11/10", 3, 1.0)
     with pytest.raises(
-        ConvergenceError, match=r"known to .* because of rounding, not to the tolerance of 1e-13: take .* or more"
+        ConvergenceError, match=r"known to .* not to the tolerance of 1e-13: take .* or more"
     ) as error:
         patches.curve(profile, [0.76], tolerance=1e-13)
     least = float(str(error.value).split("take ")[1].split()[0])
@@ -193,28 +183,6 @@ def test_thousands_of_waves_under_a_light_load():
     heavy = patches.curve(profile, 1.0)
     assert heavy.patch_count[0] > 500
     assert heavy.residual[0] < 1e-10
-
-
-@pytest.mark.second_attempt
-@pytest.mark.parametrize(
-    ("tolerance", "expected"), [(1e-8, [1e-8, 1e-9]), (2e-12, [2e-12, 1e-12]), (1e-12, [1e-12, 1e-10])]
-)
-def test_a_second_attempt_is_tighter_or_looser_if_rounding_limits_it_and_the_last(tolerance, expected, monkeypatch):
-    """The first one fails, and then both."""
-    starts, tried, real = start.Starts(Profile(1.5, 3, 1), tolerance), [], solver.solve_in_stages
-
-    def failing(surface, guess, tolerance, accepted):
-        tried.append(tolerance)
-        if len(tried) == 1 or len(tried) > 2:
-            raise solver.ConvergenceError("it fails")
-        return real(surface, guess, tolerance, accepted)
-
-    monkeypatch.setattr(solver, "solve_in_stages", failing)
-    assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
-    assert tried == pytest.approx(expected, rel=1e-15, abs=0)
-    with pytest.raises(solver.ConvergenceError, match="it fails"):
-        solver.solve_state(starts, 0.3)
-    assert len(tried) == 4
 
 
 # A resolved curve, gaps (1.5), contacts beside a merger, a thousand waves, and twin crests.

@@ -124,18 +124,6 @@ def test_contacts_that_do_not_sink_in_or_carry_another_load_are_refused():
             check_violation(wrong, wrong.kind.imbalance(wrong, 1.0)[0], 1.0, 1e-10)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("profile", "load"),
-    [(Profile(1.25, "5/2", 7), 0.3), (Profile(1.9969740225659736, "7/3", 5, 2.1988175416599183), 16.7166415671536)],
-)
-def test_a_long_period(profile, load):
-    """It is 64 or 81 lambda_0, where positions are rounded to 1e-14; and no node makes up for rounding."""
-    curve = patches.curve(profile, load)
-    assert curve.residual < 1e-10 * max(load, 1)
-    assert curve.work < 10
-
-
 @pytest.mark.parametrize("below", [0.0, 1e-13, 1e-12, 1e-11])
 def test_a_gap_of_rounding_size_is_closed(below):
     """A merger of 2 contacts: the last gap between them is 4e-8 wide, and its tension 1e-12 of the load."""
@@ -161,7 +149,7 @@ def test_a_contact_born_in_a_gap_changes_the_problem_that_is_solved(above, toler
     assert starts.guess(load).kind is GAPS
     state, steps = solve_state(starts, load)
     assert state.kind is CONTACTS
-    assert (state.segments.centre.size, state.route.corrections, state.route.attempts) == (4, 1, 1)
+    assert (state.segments.centre.size, state.route.corrections) == (4, 1)
     assert 3 < state.route.steps == steps < 10
     assert state.error < 1e-12
 
@@ -175,7 +163,6 @@ def test_a_gap_that_opens_by_less_than_the_residual_is_not_added():
     assert abs(loose.resistance - tight.resistance) <= loose.resistance_error
 
 
-@pytest.mark.second_attempt
 @pytest.mark.parametrize(
     ("profile", "load"),
     [
@@ -245,12 +232,9 @@ def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, du
     scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
     wider = exact._replace(half_width=exact.half_width + 1e-4 * scale)
     step = take_step(problem, make_guess(problem, wider, TOLERANCE), 1e-15)
-    none = np.empty(0, NEGATIVE), np.empty(0), np.empty(0)
     tangent = solve_tangent(step.punches, step.forces, 1e-10)
     wrong, right = (
-        stages._with_resistance(
-            stages.Converged(step, end, stages.contact_state(problem, end), none[0], none[0], *none, 0.0), tangent
-        ).resistance
+        stages._with_resistance(stages.contact_state(problem, end), step, end, tangent).resistance
         for end in (step, carried_along(step, 0.0))
     )
     assert abs(wrong - wave.resistance) > 1e-5 * scale

@@ -8,7 +8,6 @@ from weier.methods import patches, westergaard
 from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import start
 from weier.methods.patches.gaps import GAPS
-from weier.methods.patches.surface import make_series
 
 
 def gap_with_a_parabola(at, depth, curvature, n=16):
@@ -77,46 +76,6 @@ def test_a_contact_across_the_end_of_the_period_is_counted_on(nodes, runs):
     assert (first.tolist(), last.tolist()) == runs
 
 
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-def test_isolated_contacts_are_hertz_s(period):
-    """Two crests of different heights, whose forces obey F_i [1 - 2 ln(pi a_i/L)] - 2 F_j ln|2 sin| = z_i - d."""
-    series = make_series(np.array([1.0, 1e-5, 1.0]), [1, 2, 3], np.array([0.0, 1.0, np.pi]), period)
-    load = 3e-6 / period
-    guess = start.isolated_contacts(series, load)
-    crest, a = guess.segments.crest, guess.segments.half_width
-    assert crest.size == 2
-    force = series.crest_curvature[crest] * a**2 / 4
-    assert force.sum() == pytest.approx(load * period, rel=1e-9, abs=0)
-    position = series.crest_position[crest]
-    other = -2 * np.log(2 * abs(np.sin(np.pi * (position[1] - position[0]) / period)))
-    sunk = force * (1 - 2 * np.log(np.pi * a / period)) + force[::-1] * other - series.crest_offset[crest]
-    assert sunk[0] == pytest.approx(sunk[1], abs=start.GUESS_TOLERANCE * force.min())
-    assert force.max() > 1.5 * force.min()
-
-
-@pytest.mark.parametrize("period", [1.0, 2.0, 9.0])
-def test_isolated_gaps_are_those_of_parabolas_of_tension(period):
-    """a^2 = 4 (S - p)/kappa on each crest of the tension."""
-    series = make_series(np.array([1.0, 1e-6, 0.5]), [1, 2, 3], np.array([0.0, 1.0, 0.0]), period)
-    load = series.maximum - 1e-4
-    guess = start.isolated_gaps(series, load)
-    (half_width,), (crest,) = guess.segments.half_width, guess.segments.crest
-    assert half_width == pytest.approx(2 * np.sqrt(1e-4 / series.crest_curvature[crest]), rel=1e-9, abs=0)
-    assert start.isolated_gaps(series, series.maximum * 1.001) is None
-
-
-def test_many_waves_start_from_a_rougher_grid_and_end_at_the_same_contacts(monkeypatch):
-    profile, loads, sizes = Profile(1.25, 5, 4, (0, 1, 1, 1)), [0.3, 2.0], []
-    usual, make_grid = patches.curve(profile, loads), start.Starts._make_grid
-    monkeypatch.setattr(start, "MANY_WAVES", 125)
-    monkeypatch.setattr(start.Starts, "_make_grid", lambda self, n: sizes.append(n) or make_grid(self, n))
-    rough = patches.curve(profile, loads)
-    assert sizes[0] == min(start.POINTS_PER_WAVE)
-    assert np.all(rough.patch_count == usual.patch_count)
-    assert np.all(abs(rough.compliance - usual.compliance) <= rough.compliance_error + usual.compliance_error)
-    assert np.all(abs(rough.resistance - usual.resistance) <= rough.resistance_error + usual.resistance_error)
-
-
 @pytest.mark.parametrize(
     ("profile", "load"),
     [
@@ -130,14 +89,3 @@ def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profi
         state = patches.solve_load(profile, load, tolerance).state
         assert state is not None
         assert state.kind is GAPS
-
-
-def test_equations_with_a_plane_are_solved_without_pivoting():
-    """A symmetric positive definite matrix, with a row and a column of ones for the plane."""
-    random = np.random.default_rng(4)
-    for n in (1, 2, 7, 32):
-        factor = random.normal(size=(n, n))
-        matrix = np.block([[factor @ factor.T + np.eye(n), np.ones((n, 1))], [np.ones((1, n)), np.zeros((1, 1))]])
-        right = random.normal(size=n + 1)
-        expected = np.linalg.solve(matrix, right)
-        np.testing.assert_allclose(start._solve(matrix, right), expected, rtol=1e-9, atol=1e-9)

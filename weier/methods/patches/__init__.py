@@ -8,9 +8,8 @@ form, and `certificate` bounds the error of h and estimates the error of R. `sol
 interface.
 """
 
-from weier.methods.patches.contact_patches import METHOD
 from weier.methods.patches.event_search import Events, events
-from weier.methods.patches.solver import Solution, curve, solve_load, solve_loads
+from weier.methods.patches.solver import METHOD, Solution, curve, solve_load, solve_loads
 from weier.methods.patches.start import TOLERANCE
 
 __all__ = [

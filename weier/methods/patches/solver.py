@@ -1,6 +1,6 @@
-"""Interface of contact patches: curves over the loads and solutions under single loads.
+"""Interface of contact patches: the method, curves over the loads and solutions under single loads.
 
-docs/patches.md: "Where a load starts" for starts and attempts, "Edges" for the strengths, "The bound on the
+docs/patches.md: "Where a load starts" for starts, "Edges" for the strengths, "The bound on the
 compliance" for the stated error.
 """
 
@@ -18,11 +18,18 @@ from weier.methods.curve import Curve
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.load_progress import count_load, keeping
-from weier.methods.patches.certificate import stated_errors
-from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
+from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Setting, Style, applies_to_resolvable
+from weier.methods.patches.certificate import sample_points, stated_errors
+from weier.methods.patches.given_edges import (
+    make_punches,
+    moved_expansion,
+    solve_forces_on_contacts,
+    transfer_forces,
+)
+from weier.methods.patches.pressure_and_gap import complementary_residuals, node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
-from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
-from weier.methods.patches.start import TOLERANCE, Starts
+from weier.methods.patches.stages import MAX_TOLERANCE, MIN_TOLERANCE, solve_in_stages
+from weier.methods.patches.start import TOLERANCE, Starts, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import (
     CosineSeries,
     Extent,
@@ -30,8 +37,11 @@ from weier.methods.patches.surface import (
     Surface,
     evaluate_at,
     nearest_crests,
+    surface_of,
 )
+from weier.methods.patches.thin_gaps import densities_on_contacts
 from weier.surface.loads import checked_loads
+from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 MIN_LOAD = 1e-300  # p_0*; squares of half-widths underflow under lighter loads
@@ -122,13 +132,12 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
 
     """
     loads, starts = check_loads(mean_pressure), Starts(profile, tolerance)
-    points, edges = list[dict[str, Any]](), list[Array]()
-    period, again = float(profile.period), 0
+    points, edges, period = list[dict[str, Any]](), list[Array](), float(profile.period)
 
     def solved() -> Curve:
         padded = np.array([*zip_longest(*edges, fillvalue=np.nan)]).reshape(-1, len(points)).T
         values: dict[str, Any] = {name: np.array([point[name] for point in points]) for name in points[0]}
-        return Curve(**values, contact_edge=padded, second_attempts=again)
+        return Curve(**values, contact_edge=padded)
 
     with keeping(lambda _: (loads[: len(points)], solved()) if points else None):
         for load in map(float, loads):
@@ -137,7 +146,6 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
             point = _curve_point(starts.surface, state, contacts[2])
             edges.append(_sorted_contacts(contacts, period)[0].ravel())
             points.append(point | {"work": steps})
-            again += state is not None and state.route.attempts > 1
             count_load()
     return solved()
 
@@ -196,35 +204,19 @@ def solve_loads(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOL
 def solve_state(starts: Starts, load: float) -> tuple[ContactState | None, int]:
     """Return the state under one load, None in full contact, and the steps to it; it depends on no other load.
 
-    The second attempt is tighter. If rounding limits the target of the first one, the second one is looser instead:
-    its target is the first tolerance, and its bound may still meet the tolerance.
-    ConvergenceError is raised if two attempts fail, or if the bound on the error exceeds the tolerance of the starts.
+    ConvergenceError is raised if there is none, or if the bound on its error exceeds the tolerance of the starts.
     """
     if load >= starts.surface.full_contact_load:
         return None, 0
-    failure, best, steps = ConvergenceError(""), np.inf, 0
-    first = min(max(starts.tolerance, MIN_TOLERANCE), MAX_TOLERANCE)
-    second = max(first / MAX_OVER_TARGET, MIN_TOLERANCE) if first > MIN_TOLERANCE else first / TARGET
-    for attempt, relative in enumerate((first, second), 1):
-        try:
-            guess = starts.guess(load)
-            guess = guess._replace(route=guess.route._replace(attempts=attempt))
-            state, more = solve_in_stages(starts.surface, guess, relative, max(first, relative))
-        except ConvergenceError as error:
-            failure = error
-        else:
-            steps += more
-            if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
-                return state, steps
-            best = min(best, known)
-    if best < np.inf:
-        cause = " because of rounding" if second > first else ""
-        failure = ConvergenceError(
-            f"the compliance under the mean pressure {load:.6g} p_0* is known to {best:.1e} g_0{cause}, not to the "
-            f"tolerance of {starts.tolerance:g}: take {MARGIN * best:.1e} or more",
-            best,
-        )
-    raise failure
+    relative = min(max(starts.tolerance, MIN_TOLERANCE), MAX_TOLERANCE)
+    state, steps = solve_in_stages(starts.surface, starts.guess(load), relative)
+    if (known := state.error + _rounding(starts.surface)) <= starts.tolerance:
+        return state, steps
+    raise ConvergenceError(
+        f"the compliance under the mean pressure {load:.6g} p_0* is known to {known:.1e} g_0, not to the "
+        f"tolerance of {starts.tolerance:g}: take {MARGIN * known:.1e} or more",
+        known,
+    )
 
 
 def make_solution(surface: Surface, state: ContactState | None, mean_pressure: float) -> Solution:
@@ -253,3 +245,65 @@ def check_loads(mean_pressure: ArrayLike) -> Array:
     if loads[0] < MIN_LOAD:
         raise ValueError(f"mean_pressure must be at least {MIN_LOAD:g} p_0* for contact patches, got {loads[0]:g}")
     return loads
+
+
+def run_kernels() -> None:
+    """Solve for one contact and for one gap with the solvers of few and of many, and take both kinds of sums.
+
+    Nothing starts from boundary elements, which may still be compiled by another process.
+    """
+    one_wave, light = Profile(D=1.25, gamma=2, m=1), 1e-3
+    surface = surface_of(one_wave)
+    nearly_full = surface.full_contact_load - light
+    for guess in (isolated_contacts(surface.heights, light), isolated_gaps(surface.tensions, nearly_full)):
+        assert guess is not None
+        kind, series = guess.kind, guess.kind.series(surface)
+        curve(one_wave, guess.load)
+        state, _ = solve_in_stages(surface, guess, TOLERANCE)
+        punches, none = make_punches(state.segments, series.period, kind, most=0), np.zeros_like(state.coefficient)
+        solve_forces_on_contacts(punches, none + kind.increment, guess.load, none, 0.0, 1.0)
+        segments, first, b = state.segments, np.zeros(1, np.int64), state.coefficient
+        still = np.zeros_like(segments.half_width)
+        moved_expansion(segments.first_node, segments.half_width, b, b, still, still)
+        transfer_forces(segments, b, first, punches)
+        for singular in (False, True):
+            densities_on_contacts(segments.first_node, state.coefficient, first, np.zeros((1, 1)), singular)
+        _, crest, y = sample_points(state.segments)
+        complementary_residuals(state, series, crest, y)
+
+
+METHOD = Method(
+    name="patches",
+    label="contact patches",
+    summary="contact edges as unknowns, ten digits; finite m",
+    solve=curve,
+    returns=(
+        "compliance_error",
+        "resistance_error",
+        "indentation",
+        "contact_fraction",
+        "contact_fraction_error",
+        "elastic_energy",
+        "patch_count",
+        "residual",
+        "work",
+        "contact_edge",
+    ),
+    settings={
+        "tolerance": Setting(
+            TOLERANCE,
+            f"accepted error of the compliance, in g_0, in {TOLERANCES}; the stated bound is within it",
+            TOLERANCES,
+        ),
+    },
+    takes_traces=True,
+    least_load=MIN_LOAD,
+    applies=applies_to_resolvable,
+    numerical=True,
+    style=Style("#000000", (), "d"),
+    by_load=lambda **settings: True,
+    run_kernels=run_kernels,
+    seconds=lambda profile, loads, **settings: (
+        CURVE_SECONDS + 7e-4 * loads.size * profile.waves_per_period[-1] ** 0.8
+    ),
+)

@@ -2,7 +2,7 @@
 
 docs/patches.md, "The stages of a load", has the four stages and their limits; "Given edges", "Moves of edges" and
 "Inequalities" derive their parts. `converge` is stage 1, `segment_corrections` stage 2, `contact_residual` stage 3
-and `_certified` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
+and `certify` stage 4. Limits are heights, in g_0; a pressure in a gap is multiplied by its width.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # then vanishes again
 MAX_TOLERANCE = 1e-6
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
-# the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
+# the residual of the equations.
 MAX_OVER_TARGET = 10.0
 TARGET = MAX_OVER_TARGET**-2  # ratio of the iteration's target to the tolerance, which limits the sum of all parts
 
@@ -87,46 +87,22 @@ class Limits(NamedTuple):
     margin: float
 
 
-class Converged(NamedTuple):
-    """Segments whose edges have converged, with their violations of the contact conditions.
-
-    solved, step : the last solution on given edges, and the step after it, on the edges of the state
-    state : without resistance and certificate
-    minima, negative : minima outside the segments below a margin, and intervals on them, as `MINIMUM` and `NEGATIVE`
-    residual, width, roughness : arrays over the segments, as `contact_residual` returns them
-    height : the largest residual, in g_0
-    """
-
-    solved: NewtonStep
-    step: NewtonStep
-    state: ContactState
-    minima: Records
-    negative: Records
-    residual: Array
-    width: Array
-    roughness: Array
-    height: float
-
-
-def solve_in_stages(
-    surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
-) -> tuple[ContactState, int]:
+def solve_in_stages(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
     """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
 
     tolerance : tolerance of the residual, relative to the scale of the load
-    accepted : the tolerance by which the state is judged, if larger
 
     ConvergenceError is raised if steps or corrections do not end, or if the state fails a check. Segments have at
     most `MAX_NODES` nodes.
     """
     problem = ContactProblem(guess.kind.series(surface), guess.load, guess.kind)
-    kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
+    kind, series, (_, steps, corrections) = problem.kind, problem.series, guess.route
     # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
-    # conjugate gradients. A second attempt takes no part of the route of the first.
-    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
+    # conjugate gradients.
+    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT
     first = max(tolerance, MAX_TOLERANCE) if is_large else tolerance
     limits, now = load_limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
-    coarser: Converged | None = None  # residual before nodes were added
+    coarser = np.inf  # height of the residual before nodes were added
     while steps < MAX_STEPS:
         solved, step, more = converge(problem, now, limits, MAX_STEPS - steps)  # stage 1
         steps, state = steps + more, contact_state(problem, step)
@@ -137,12 +113,12 @@ def solve_in_stages(
         added, remaining, minima = segment_corrections(problem, step, state, limits, wrong)
         count = state.segments.node_count
         if len(added) > 0 or not remaining.all():
-            corrections, coarser = corrections + 1, None
+            corrections, coarser = corrections + 1, np.inf
             now = rearrange(problem, step, state.segments, remaining, added, limits.tolerance, count)
             other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
             if other.kind is not state.kind:
                 route = guess.route._replace(steps=steps, corrections=corrections)
-                return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
+                return solve_in_stages(surface, other._replace(route=route), tolerance)
             continue
         if limits.tolerance > tolerance:
             limits = load_limits(problem, state.segments.half_width, tolerance)
@@ -151,14 +127,18 @@ def solve_in_stages(
             continue
         residual, width, roughness = contact_residual(state, series)  # stage 3
         height = kind.residual_height(state.segments.half_width) * residual
-        found = Converged(solved, step, state, minima, negative, residual, width, roughness, float(height.max()))
         short = (height > limits.allowed) & (count < MAX_NODES)
         # More nodes do not reduce rounding, and in gaps they increase it.
-        if short.any() and (coarser is None or found.height < coarser.height):
-            coarser, now = found, next_guess(problem, step, tolerance, more_nodes(count, short))
+        if short.any() and height.max() < coarser:
+            coarser, now = float(height.max()), next_guess(problem, step, tolerance, more_nodes(count, short))
             continue
-        best = coarser if coarser is not None and coarser.height < found.height else found
-        state = _certified(best, surface, limits, accepted or tolerance)  # stage 4
+        # Stage 4. The resistance is an energy, with the square of the reduction as relative error.
+        tangent = solve_tangent(solved.punches, solved.forces, max(np.sqrt(EPS), tolerance))
+        overlaps, tensions = kind.overlaps_and_tensions(minima, negative)
+        state = _with_resistance(state, solved, step, tangent)
+        state, tensions = with_cracks(state, series, step.punches, tangent, tensions, float(residual.max()))
+        violations = residual, width, roughness, overlaps, tensions
+        state = certify(state, *violations, series, surface.total_amplitude, tolerance, limits.margin)
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
     raise _no_set(problem.load)
 
@@ -200,23 +180,16 @@ def follow_contacts(surface: Surface, start: ContactState, load: float) -> Conta
     return contact_state(problem, step)
 
 
-def _scale(problem: ContactProblem) -> float:
-    """Return the scale of a load, min(p L, 1), in g_0.
-
-    A line load p L causes a displacement of p L times a logarithm.
-    """
-    return min(problem.load * problem.series.period, 1.0)
-
-
 def load_limits(problem: ContactProblem, half_width: Array, tolerance: float) -> Limits:
     """Return the limits of a load for a relative tolerance of its residual."""
-    wanted = tolerance * _scale(problem) * problem.kind.share(half_width.size)
+    scale = min(problem.load * problem.series.period, 1.0)  # A line load displaces by p L times a logarithm.
+    wanted = tolerance * scale * problem.kind.share(half_width.size)
     displacement = problem.load * problem.kind.rounded_width(problem.series.period, half_width)
     rounding = max(COMPLIANCE_ROUNDING * displacement, FIELD_ROUNDING * min(displacement, 1.0))
     target = max(TARGET * wanted, rounding)
     most = MAX_OVER_TARGET * target
     allowed = max(wanted, most)
-    uncertainty = gap_uncertainty(allowed + MAX_TENSION * _scale(problem), problem.series.total_amplitude)
+    uncertainty = gap_uncertainty(allowed + MAX_TENSION * scale, problem.series.total_amplitude)
     margin = problem.kind.uniform(uncertainty)
     return Limits(tolerance, target, target / MAX_OVER_TARGET, most, allowed, rounding, margin)
 
@@ -305,8 +278,6 @@ def segment_corrections(
 def _thin_gaps(state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is less than half as wide as the narrowest to be added."""
     r, (_, thinness) = state.segments.half_width, state.kind.limits_within()
-    if gap.min() >= 2 * thinness * r.max():
-        return np.zeros(r.size, bool)
     return np.asarray(gap < 2 * thinness * np.minimum(r, np.roll(r, -1)))
 
 
@@ -315,8 +286,6 @@ def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]
 
     Each interval is widened to the width of the new gap or contact, except at the ends of the segment.
     """
-    if negative.size == 0:
-        return np.empty((0, 2))
     pieces, middle = [], state.segments.middle
     for j in np.unique(negative["segment"]):
         centre, r, here = middle[j], state.segments.half_width[j], negative["segment"] == j
@@ -339,28 +308,15 @@ def contact_state(problem: ContactProblem, step: NewtonStep) -> ContactState:
     return ContactState(problem.kind, problem.load, -step.forces.plane, segments, a)
 
 
-def _certified(found: Converged, surface: Surface, limits: Limits, accepted: float) -> ContactState:
-    """Return the state with its resistance, its thin gaps and its certificate."""
-    # The resistance is an energy, with the square of the reduction as relative error.
-    series = found.state.kind.series(surface)
-    tangent = solve_tangent(found.solved.punches, found.solved.forces, max(np.sqrt(EPS), limits.tolerance))
-    overlaps, tensions = found.state.kind.overlaps_and_tensions(found.minima, found.negative)
-    state, tensions = with_cracks(
-        _with_resistance(found, tangent), series, found.step.punches, tangent, tensions, float(found.residual.max())
-    )
-    sizes = found.residual, found.width, found.roughness
-    return certify(state, *sizes, overlaps, tensions, series, surface.total_amplitude, accepted, limits.margin)
-
-
-def _with_resistance(found: Converged, tangent: Forces) -> ContactState:
+def _with_resistance(state: ContactState, solved: NewtonStep, step: NewtonStep, tangent: Forces) -> ContactState:
     """Return the state with its resistance, and with the strengths B of the tangent pressure at its edges.
 
     Edges that have moved since the last solution have released energy, which is included.
     """
-    solved, segments, kind = found.solved, found.solved.punches.segments, found.state.kind
+    segments, kind = solved.punches.segments, state.kind
     psi = end_sums(segments.first_node, expansion(solved.punches, tangent.force), 0)
     strength = kind.strength_factor * np.abs(psi) * np.sqrt(0.5 * segments.half_width)[:, None]
-    released = float((strength**2 * solved.outward).sum()) if found.step is not solved else 0.0
+    released = float((strength**2 * solved.outward).sum()) if step is not solved else 0.0
     # The increment of gaps is the increment of the tension, which opens them.
     resistance = -kind.right_sign * (tangent.plane + 2 * np.pi**2 / solved.punches.period * released)
-    return found.state._replace(resistance=resistance, tangent_strength=strength, edge_move=found.step.outward)
+    return state._replace(resistance=resistance, tangent_strength=strength, edge_move=step.outward)

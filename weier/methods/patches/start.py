@@ -50,9 +50,7 @@ MAX_RESOLVED_ANGLE = (
 )
 # contacts whose forces are found as line forces, by dense equations, in as many steps; 3 or 4 are usual
 MAX_ISOLATED = 32
-# points per finest wave of the grids that are tried in turn. Only `MANY_WAVES` or more start on the first one, which
-# misses contacts at the cost of a step or two (`python -m benchmarks tuning`).
-POINTS_PER_WAVE, MANY_WAVES = (8, 16, 32), 10_000
+POINTS_PER_WAVE = 16, 32  # points per finest wave of the grids that are tried in turn
 GRID_TOLERANCE = 1e-5  # largest residual of boundary elements for a guess, in g_0
 # default tolerance of the compliance, in g_0, for which the numbers of nodes are compared: for 1e-4, contacts were
 # chosen at loads at which gaps are up to three times as fast
@@ -89,8 +87,7 @@ class Starts:
             return isolated._replace(route=Route("crests"))
         if (isolated := isolated_gaps(self.surface.tensions, load)) is not None:
             return isolated._replace(route=Route("tensions"))
-        is_large = self.profile.waves_per_period[-1] >= MANY_WAVES
-        for per_wave in POINTS_PER_WAVE if is_large else POINTS_PER_WAVE[1:]:
+        for per_wave in POINTS_PER_WAVE:
             if (found := self._contacts_on_grid(load, per_wave)) is not None:
                 return contacts_guess(self.surface, load, found)._replace(route=Route("grid"))
         raise ConvergenceError(f"a grid shows no contacts to start from under the mean pressure {load:.6g} p_0*")
