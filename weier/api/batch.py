@@ -117,10 +117,11 @@ def solve_batch(
     ):
         new = solve_curves(to_solve, workers, progress)
         for number, curve in curves:
-            describe_case(rows, number, cases[number], loads)
-            outcome = outcomes[curve.series] if curve.series in outcomes else next(new)
-            if curve.series is not None:
-                outcomes[curve.series] = outcome
+            if curve.method == cases[number].methods[0]:
+                describe_case(rows, number, cases[number], loads)
+            outcome = outcomes[series] if (series := curve.series) in outcomes else next(new)
+            if series is not None:
+                outcomes[series] = outcome
             if isinstance(outcome, Exception):
                 failed(f"{curve.profile.describe()}, {curve.method}: {outcome}")
             store(number, curve, curve_row(curve, outcome))

@@ -135,7 +135,6 @@ class _Search:
     def load(self, target: float) -> tuple[float, float]:
         """Return the load, and its error, in p_0*."""
         value = target - self.offset
-        self._check(value)
 
         def rising(log_load: float) -> float:
             """Return a function that increases with the load and vanishes at the target."""
@@ -143,7 +142,11 @@ class _Search:
 
         low = high = self.full
         width = FIRST_DECADES * math.log(10)
+        if not rising(low) > 0:  # attained at all loads beyond full contact, or at none
+            raise ValueError(self._limits(value))
         while rising(low) > 0:
+            if low == self.least:
+                raise ValueError(self._limits(value))
             high, low, width = low, max(low - width, self.least), 2 * width
         root = float(scipy.optimize.brentq(rising, low, high, xtol=LOG_ACCURACY))
         off = max(self._distance(root, rising, side) for side in (-1, 1))
@@ -166,17 +169,15 @@ class _Search:
             self.known[log_load] = float(value[0]), float(getattr(found, f"{self.name}_error")[0])
         return self.known[log_load]
 
-    def _check(self, value: float) -> None:
-        """Refuse a value that is attained at no load, or at all loads beyond full contact."""
-        (low, at_low), (high, at_high) = sorted((self.at(load)[0], load) for load in (self.least, self.full))
-        if not low < value < high:
-            unit = VARIABLES[self.name].unit
-            ends = (
-                f"{self._shown(end + self.offset, unit)}, under {self._shown(math.exp(load), NORMALISED_PRESSURE)}"
-                for end, load in ((low, at_low), (high, at_high))
-            )
-            got = self._shown(value + self.offset, unit)
-            raise ValueError(f"{self.name} must lie between {', and '.join(ends)}, got {got}")
+    def _limits(self, value: float) -> str:
+        """Return the message for a value that no load gives, or all loads beyond full contact."""
+        unit, found = VARIABLES[self.name].unit, sorted((self.at(load)[0], load) for load in (self.least, self.full))
+        ends = (
+            f"{self._shown(end + self.offset, unit)}, under {self._shown(math.exp(load), NORMALISED_PRESSURE)}"
+            for end, load in found
+        )
+        got = self._shown(value + self.offset, unit)
+        return f"{self.name} must lie between {', and '.join(ends)}, got {got}"
 
     def _shown(self, value: float, unit: str) -> str:
         """Return a value with its unit, in SI if the scales have one for it."""
