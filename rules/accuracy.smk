@@ -1,4 +1,4 @@
-# Measurements of the methods, each with a page and a figure: snakemake --cores 2 tradeoff, convergence or extremes
+# Measurements of the methods, each with a page, and some with a figure beside it: snakemake --cores 2 tradeoff, convergence or extremes
 SETTINGS = {
     "tradeoff": ["accuracy/tradeoff.yaml"],
     "convergence": ["accuracy/infinite.yaml"],
@@ -26,13 +26,7 @@ rule measure:
     input:
         settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
     output:
-        page="results/{study}/{study}.md",
-        pdf="results/{study}/{study}.pdf",
-        svg="results/{study}/{study}.svg",
-        csv="results/{study}/{study}.csv",
-        png=report(
-            "results/{study}/{study}.png", category="methods", subcategory="{study}"
-        ),
+        "results/{study}/{study}.md",
     log:
         "results/logs/{study}/measure.log",
     wildcard_constraints:
@@ -47,7 +41,7 @@ rule measure:
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
-        "--output {output.page:q} 2>&1 | tee -i {log:q}"
+        "--output {output:q} 2>&1 | tee -i {log:q}"
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

@@ -1,7 +1,6 @@
 """Measurements of weier itself: errors, computing time, and coverage of the stated errors.
 
-`python -m weier.accuracy NAME` writes results/NAME/NAME.md; `snakemake --cores 2 NAME` also draws the figure of
-tradeoff, extremes and convergence.
+`python -m weier.accuracy NAME` writes results/NAME/NAME.md, and tradeoff and extremes draw a figure beside it.
 
 | name | what it measures |
 |---|---|
@@ -10,7 +9,6 @@ tradeoff, extremes and convergence.
 | `extremes` | stability at the limits of floats |
 | `tradeoff` | speed against accuracy of all variants of methods |
 
-`variants` lists what is compared, `runner` runs a variant, `reference` computes the reference, `families` draws hard
-series, `metrics` computes errors, `runs` fills a dataset, and `page` makes a command and its page of a
-measurement. Imports the pipeline and all folders below it.
+`runner` runs a variant, `reference` computes the reference and errors, `families` draws hard series, and `page` makes
+a command and its page of a measurement. Imports all folders but the command line.
 """
