@@ -59,10 +59,7 @@ def numbers(path):
 
 PROBLEMS = {
     "all terms": ([*SERIES, "--tolerance", "0.01"], ["auto"]),
-    "R of an infinite series": (
-        ["-D", "1.2", "--gamma", "5", "-m", "inf", "--tolerance", "0.2", "--set", "auto.quantity=resistance"],
-        ["auto", "demelio"],
-    ),
+    "an infinite series": (["-D", "1.2", "--gamma", "5", "-m", "inf", "--tolerance", "0.2"], ["auto", "demelio"]),
     "several": (SERIES, ["layer", "bem", "patches", "demelio"]),
 }
 

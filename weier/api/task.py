@@ -54,7 +54,7 @@ class CurveTask(NamedTuple):
         method = find_method(self.method)
         method.check_applies(self.profile)
         start = clock()
-        if self.known is None or not method.by_load(**self.settings):
+        if self.known is None or not method.by_load:
             return method.solve(self.profile, self.loads, **self.settings), clock() - start
         known, seconds = self.known[:2], self.known.seconds
         lacking = self.loads[~np.isin(self.loads, known[0])]
