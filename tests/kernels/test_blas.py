@@ -29,21 +29,15 @@ def two_threads():
     OpenBLASController.clear_controlling_thread(force=True)
 
 
-@pytest.mark.parametrize(
-    ("place", "name", "method", "settings"),
-    [
-        (given_edges, "_solve_directly", "patches", {}),
-    ],
-)
-def test_the_dense_solvers_take_one(monkeypatch, place, name, method, settings):
-    seen, real = [], getattr(place, name)
+def test_the_dense_solver_takes_one(monkeypatch):
+    seen, real = [], given_edges._solve_directly
 
     def watched(*given):
         seen.append(threads())
         return real(*given)
 
-    monkeypatch.setattr(place, name, watched)
-    weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, method, **settings)
+    monkeypatch.setattr(given_edges, "_solve_directly", watched)
+    weier.solve(weier.Profile(D=1.25, gamma=5, m=1), LOADS, "patches")
     assert seen
     assert all(threads_seen == {1} for threads_seen in seen)
     assert threads() == {2}

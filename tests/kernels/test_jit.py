@@ -1,10 +1,8 @@
 """The cache of compiled kernels: named by what it was made from."""
 
-import os
 import re
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -38,19 +36,13 @@ def package(tmp_path):
     return folder
 
 
-def start(package, program=CALL, **environment):
-    cache = package.parent.parent / "cache"
-    own = {"NUMBA_CACHE_DIR": str(cache), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1", **environment}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen([sys.executable, "-c", program], cwd=package.parent, env=own, **pipes)
-
-
-def run(package, program=CALL, **environment):
-    """The value of the kernel, and whether it was compiled."""
-    process = start(package, program, **environment)
-    said, errors = process.communicate()
-    assert process.returncode == 0, errors
-    return said.strip(), "compiling theory" in errors
+def run(package, program=CALL, said="compiling theory"):
+    """The value of the kernel, and whether it was compiled, or a warning was given."""
+    own = {"NUMBA_CACHE_DIR": str(package.parent.parent / "cache"), "PATH": "", "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=package.parent, env=own, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip(), said in done.stderr
 
 
 @compiled
@@ -64,42 +56,9 @@ def test_kernels_are_compiled_again_for_a_constant_of_another_module(package):
 
 
 @compiled
-def test_processes_that_compile_at_once_agree(package):
-    processes = [start(package) for _ in range(3)]
-    assert [process.communicate()[0] for process in processes] == ["1\n"] * 3
-    assert run(package) == ("1", False)
-
-
-@compiled
-def test_a_killed_compiler_leaves_a_cache_that_works(package):
-    for pause in (0.6, 1.2):
-        process = start(package)
-        time.sleep(pause)
-        process.kill()
-        process.communicate()
-    assert run(package)[0] == "1"
-    assert run(package) == ("1", False)
-
-
-@compiled
-@pytest.mark.skipif(os.getuid() == 0, reason="root may write to any folder")
-def test_a_folder_that_is_closed_gives_a_warning(package):
-    cache = package.parent.parent / "cache"
-    cache.mkdir()
-    cache.chmod(0o555)
-    process = start(package)
-    said, errors = process.communicate()
-    assert (process.returncode, said) == (0, "1\n")
-    assert "kernels are compiled for this run alone" in errors
-
-
-@compiled
 def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_cache_beside_the_sources(package):
     (package.parent.parent / "cache").write_text("a file")
-    process = start(package)
-    said, errors = process.communicate()
-    assert (process.returncode, said) == (0, "1\n")
-    assert "kernels are compiled for this run alone" in errors
+    assert run(package, said="kernels are compiled for this run alone") == ("1", True)
     assert not any(package.rglob("*.nbi"))
 
 

@@ -82,9 +82,8 @@ print(max(worst.values()))
 
 
 @compiled
-@pytest.mark.parametrize("count", [30, pytest.param(300, marks=pytest.mark.slow)])
-def test_signals_end_any_call_soon_and_leave_nothing_behind(count):
-    done = subprocess.run([sys.executable, "-c", PROGRAM, str(count), "1"], capture_output=True, text=True)
+def test_signals_end_any_call_soon_and_leave_nothing_behind():
+    done = subprocess.run([sys.executable, "-c", PROGRAM, "20", "1"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < 2, done.stderr  # seconds: no kernel takes longer than half a second
 

@@ -61,22 +61,7 @@ def test_three_waves_are_a_nested_integral(D, gamma, p):
     assert cascade.contact_fraction(p, D, gamma, 3) == pytest.approx(exact, rel=2e-5, abs=0)
 
 
-@pytest.mark.parametrize("m", [1, 2, 5, 12])
-def test_light_contacts_are_hertzian_on_every_scale(m):
-    """Each wave is steeper than the one before by so much that no peak comes near its full contact."""
-    for p in (1e-9, 1e-5):
-        exact = float(cascade.contact_fraction(p, 1.9, 1e6, m))
-        assert cascade.hertzian_fraction(p, 1.9, 1e6, m) == pytest.approx(exact, rel=5e-5, abs=0)
-    # moments of the pressure of Hertz's contacts: int 2^s (1 - t^2)^(s/2) dt, by quadrature
-    if m == 2:
-        half = quad(lambda t: (1 - t**2) ** 0.25, 0, 1)[0]
-        area = 2 / math.pi * (2 / math.pi * math.sqrt(2) * half) * 0.01**0.75 * 5 ** (-0.25 / 2)
-        assert cascade.hertzian_fraction(0.01, 1.25, 5, 2) == pytest.approx(area, rel=1e-12)
-        assert area == pytest.approx(0.0130, abs=5e-5)
-
-
-@pytest.mark.parametrize(("D", "gamma", "m"), [(1.25, 5, 2), (1.5, 2, 3)])
-@pytest.mark.parametrize("p", [0.05, 3.0])
+@pytest.mark.parametrize(("D", "gamma", "m", "p"), [(1.25, 5, 2, 0.05), (1.5, 2, 3, 3.0)])
 def test_the_pressures_carry_the_load(D, gamma, m, p):
     """The mean pressure is the integral of the fraction above each pressure."""
     top = p + sum(gamma ** ((D - 1) * n) for n in range(m))

@@ -14,7 +14,7 @@ from weier.methods.method import Range
 from weier.methods.settings import check_names, checked_settings
 from weier.surface.profile import random_phases
 
-INFINITE = Profile(1.25, 5, np.inf, random_phases(1))
+INFINITE = Profile(1.02, 10, np.inf, random_phases(1))
 
 
 @pytest.mark.parametrize("method", registry.METHODS, ids=lambda method: method.name)

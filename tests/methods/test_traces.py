@@ -1,7 +1,6 @@
 """Measured surfaces by the numerical methods: the waves of a series, closed forms of one contact, and refusals."""
 
 import math
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from scipy.integrate import quad
 
 import weier
 from weier.methods.errors import NotApplicableError
-from weier.methods.patches.surface import surface_of
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
 
@@ -126,15 +124,3 @@ def test_traces_and_series_are_cases_beside_each_other():
     assert np.isnan(both.compliance_lower[:2]).all()  # no bound on a series that is not there
     assert np.isfinite(both.compliance[2]).all()
     assert len(set(both.key.values)) == 3
-
-
-def test_what_contact_patches_hold_grows_with_the_waves_and_not_with_their_square():
-    trace = Trace(random_heights(4001, 8004), 1e-3, ends="periodic", unit="m")
-    tracemalloc.start()
-    surface_of(trace)
-    memory = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert memory < 4001 * 1e4  # bytes: each wave at each crest would be four times as much, or more
-    exact, grid = (weier.solve(trace, [0.1], method) for method in ("patches", "bem"))
-    assert np.all(np.abs(grid.compliance - exact.compliance) <= grid.compliance_error)
-    np.testing.assert_array_equal(exact.patch_count, grid.patch_count)

@@ -14,7 +14,7 @@ import numpy as np
 from weier.kernels.arrays import Array
 from weier.methods import westergaard
 from weier.surface.profile import Profile
-from weier.theory.bounds import compliance_bounds, resistance_bounds
+from weier.theory.bounds import resistance_bounds
 
 
 class Noise(NamedTuple):
@@ -69,8 +69,7 @@ def within_band(profile: Profile, p: Array, curve: Array, noise: Noise, stated: 
     (h, R), total = curve, profile.total_amplitude
     band = total - 1 + stated[0].max() + noise.height * total
     one = westergaard.compliance(p)
-    low, high = compliance_bounds(one, band)
-    within = (low <= h - total + 1) & (h - total + 1 <= high)
+    within = np.abs(h - total + 1 - one) <= band
     low, high = resistance_bounds(p, one, band, first_contact=0.0)
     R_error = noise.slope * R + stated[1]
     return bool(np.all(within & (low - R_error <= R) & (R - R_error <= high)))

@@ -5,32 +5,23 @@ run in parallel instead, one per core.
 """
 
 from contextlib import ContextDecorator
-from threading import Lock
+from typing import Any, ClassVar
 
-from threadpoolctl import OpenBLASController, get_cached_controller
+from threadpoolctl import get_cached_controller
 
 
 class _OneThread(ContextDecorator):
-    """A context or decorator for the whole process: the last thread to leave restores BLAS's only setting."""
+    """A context or decorator for the whole process, which may be nested."""
 
-    _lock, _inside = Lock(), 0
+    _limits: ClassVar[list[Any]] = []
 
     def __enter__(self) -> None:
         import scipy.linalg  # noqa: F401 - which has a library beside that of numpy, and must be loaded for it
 
-        with self._lock:
-            if self._inside == 0:
-                self._limits = get_cached_controller().limit(limits=1, user_api="blas")
-            self._inside += 1
+        self._limits.append(get_cached_controller().limit(limits=1, user_api="blas"))
 
     def __exit__(self, *failure: object) -> None:
-        with self._lock:
-            self._inside -= 1
-            if self._inside == 0:
-                # Until it is released, threadpoolctl heeds one thread: the one that set the limit, then this one.
-                OpenBLASController.clear_controlling_thread(force=True)
-                self._limits.restore_original_limits()
-                OpenBLASController.clear_controlling_thread(force=True)
+        self._limits.pop().restore_original_limits()
 
 
 one_thread = _OneThread()

@@ -26,14 +26,9 @@ from weier.methods.errors import NotApplicableError
 from weier.methods.method import CURVE_SECONDS, Method, Style
 from weier.surface.profile import Profile
 
-MIN_LOG_LOAD, MAX_LOG_LOAD = (
-    -690.0,
-    math.log(1e4),
-)  # ln xi of a table: lighter loads are refused, heavier waves are flat
+MIN_LOG_LOAD, MAX_LOG_LOAD = -690.0, math.log(1e4)  # ln xi of a table: heavier waves are flat
 ACCURACY = 1e-4  # relative error of the tables due to the spacings below (tests/methods/test_cascade.py)
-CONVERGENCE_TOLERANCE = (
-    1e-5  # relative change of a table by one more wave below which the tables of longer series are the same
-)
+CONVERGENCE_TOLERANCE = 1e-5  # relative change by one more wave below which tables of longer series are the same
 MAX_TABLES = 200  # one table takes some 20 ms
 LIGHT_TABLES = 25  # beyond, 2^-k, the distance of the exponent of F_k from 1, is negligible
 # Spacings of the rows of a table, in arsinh of ln xi below 0 and in ln xi above, and rows on each side of a kink.
@@ -115,19 +110,6 @@ def exceedance(pressure: float, mean_pressure: ArrayLike, D: float, gamma: float
 def contact_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
     """Return the contact area over the nominal area, 0 for m = inf; the arguments are those of `exceedance`."""
     return exceedance(0.0, mean_pressure, D, gamma, m)
-
-
-def hertzian_fraction(mean_pressure: ArrayLike, D: float, gamma: float, m: float) -> Array:
-    """Return the contact fraction if the contacts of each wave are Hertzian, far from full contact on every scale.
-
-    It is a product of m factors, each the ratio of moments of the pressure on successive waves.
-    """
-    log_area, order = np.zeros(()), 0.0
-    for n in range(int(m) - 1, -1, -1):
-        moment = scipy.special.beta(0.5, 1 + order / 2) / np.pi
-        log_area += np.log(moment) + order * math.log(2) + (order - 1) / 2 * n * (D - 1) * math.log(gamma)
-        order = (order + 1) / 2
-    return np.asarray(np.exp(log_area) * np.asarray(mean_pressure, float) ** order)
 
 
 def _fraction(finest: Finest, xi: Array, step: float, waves: int) -> Array:

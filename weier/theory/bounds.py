@@ -6,7 +6,7 @@ concave and within G of the truncated one, h, so that for p' < p (and reversed, 
 
     R(p) <= [H(p) - H(p')]/(p - p') <= [h(p) - h(p') + 2 G]/(p - p').
 
-All but the last two functions take any consistent units.
+The first three functions take any consistent units.
 """
 
 from __future__ import annotations
@@ -19,49 +19,13 @@ from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
 
-def compliance_bounds(compliance: ArrayLike, amplitude: ArrayLike) -> tuple[Array, Array]:
-    """Return bounds h - G and h + G on the compliance of the complete series (27).
-
-    Parameters
-    ----------
-    compliance : array_like, shape (..., loads)
-        Compliance h of the truncated series.
-    amplitude : array_like, shape (...)
-        Total amplitude G of the terms left out.
-
-    Returns
-    -------
-    lower, upper : ndarray, shape (..., loads)
-
-    Notes
-    -----
-    The bounds hold in the datum of the truncated series: h = sum of the g_n retained - mean gap. In its own
-    datum, with all g_n in that sum, the complete series lies G higher, within [h, h + 2 G].
-    """
-    h, G = np.asarray(compliance, float), np.asarray(amplitude, float)[..., None]
-    return h - G, h + G
-
-
 def complete_bounds(
     compliance: ArrayLike, amplitude: ArrayLike, full_contact: ArrayLike, error: ArrayLike = 0.0
 ) -> tuple[Array, Array]:
     """Return bounds h and h + 2 G on the compliance of the complete series, counted from its own sum g_n (27).
 
-    Parameters
-    ----------
-    compliance : array_like
-        Compliance h of the truncated series, in its own datum.
-    amplitude : array_like
-        Total amplitude G of the terms left out.
-    full_contact : array_like
-        Compliance of the complete series at full contact, the sum of all g_n, which it never exceeds.
-    error : array_like
-        Bound on the error of h.
-
-    Returns
-    -------
-    lower, upper : ndarray
-        Of the shape to which the arguments broadcast, within [0, full contact].
+    h is the compliance of the truncated series in its own datum, known within `error`, and G the total amplitude of
+    the terms left out. No compliance exceeds the sum of all g_n, `full_contact`. The arguments broadcast.
     """
     h, top = np.asarray(compliance, float), np.asarray(full_contact, float)
     return np.clip(h - error, 0, top), np.clip(h + 2 * np.asarray(amplitude, float) + error, 0, top)
@@ -103,18 +67,6 @@ def resistance_bounds(
     -----
     Each p' gives a valid bound, and so does the best of the tabulated p'. A finer table of loads gives tighter
     bounds. Nothing is assumed of the curve beyond the last load. Work and memory grow with loads^2.
-
-    Examples
-    --------
-    One wave (12), where the waves left out have 5 % of its amplitude:
-
-    >>> import numpy as np
-    >>> from weier.methods import westergaard
-    >>> from weier.theory import bounds
-    >>> p = np.linspace(0.01, 1, 100)
-    >>> lower, upper = bounds.resistance_bounds(p, westergaard.compliance(p), 0.05, first_contact=0.0)
-    >>> print(f"{lower[49]:.2f} < {westergaard.resistance(0.5):.2f} < {upper[49]:.2f}")
-    0.12 < 0.69 < 1.40
 
     """
     p, h, off = np.broadcast_arrays(*(np.asarray(values, float) for values in (mean_pressure, compliance, error)))
