@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from weier import units
 from weier.api.progress import showing
-from weier.checks import checked_numbers, shown
+from weier.checks import checked_count, checked_numbers, shown
 from weier.data import variables
 from weier.data.provenance import NORMALISED
 from weier.data.si import marked
@@ -17,7 +17,7 @@ from weier.methods import bem, patches
 from weier.methods.patches.distribution import fraction_above
 from weier.surface.limits import check_resolvable
 from weier.surface.loads import checked_load
-from weier.surface.waves import Waves, checked_surface
+from weier.surface.waves import MAX_POINTS, Waves, checked_surface
 
 # The meaning and unit of each variable.
 ATTRIBUTES = {
@@ -84,7 +84,7 @@ def fields(profile: Waves, mean_pressure: float, points: int | None = None) -> x
     load = checked_load(mean_pressure)
     check_resolvable(checked_surface(profile))
     contact = patches.solve_load(profile, load)
-    points = bem.checked_points(profile, points)
+    points = int(bem.points_of(profile)) if points is None else checked_count("points", points, 1, MAX_POINTS)
     x = np.linspace(0.0, profile.period, points, endpoint=False)
     curves = {"x": x, "pressure": contact.pressure(x), "gap": contact.gap(x), "displacement": contact.displacement(x)}
     ends = {"left": contact.edges[:, 0], "right": contact.edges[:, 1]}

@@ -7,11 +7,11 @@ run in parallel instead, one per core.
 from contextlib import ContextDecorator
 from typing import Any, ClassVar
 
-from threadpoolctl import get_cached_controller
+from threadpoolctl import OpenBLASController, get_cached_controller
 
 
 class _OneThread(ContextDecorator):
-    """A context or decorator for the whole process, which may be nested."""
+    """A context or decorator for the whole process: the last thread to leave restores what the first one found."""
 
     _limits: ClassVar[list[Any]] = []
 
@@ -21,7 +21,10 @@ class _OneThread(ContextDecorator):
         self._limits.append(get_cached_controller().limit(limits=1, user_api="blas"))
 
     def __exit__(self, *failure: object) -> None:
+        # Until it is released, threadpoolctl heeds one thread: the one that set the limit, then this one.
+        OpenBLASController.clear_controlling_thread(force=True)
         self._limits.pop().restore_original_limits()
+        OpenBLASController.clear_controlling_thread(force=True)
 
 
 one_thread = _OneThread()

@@ -28,13 +28,7 @@ COMPILING_SECONDS = ContextVar("seconds", default=0.0)
 
 @functools.cache
 def cache_folder() -> Path:
-    """Return the folder of compiled kernels, named by a digest of their code and of the versions that compiled it.
-
-    Raises
-    ------
-    OSError
-        If there is no folder to keep anything in: see `cache_root`.
-    """
+    """Return the folder of compiled kernels, named by a digest of their code and of the versions that compiled it."""
     from importlib.metadata import version  # this import takes longer than all imports above
 
     made_of = digest_of_modules(*KERNELS), OPTIONS, version("numba"), version("rocket-fft")

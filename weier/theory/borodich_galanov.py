@@ -16,13 +16,6 @@ from weier.kernels.arrays import Array
 def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
     """Return positive roots x_1 <= x_2 of 2 lambda x^3 - 3 x^2 + 1 = 0, lambda = C_2/C_1 (B.8), (B.9).
 
-    Raises
-    ------
-    ValueError
-        If epsilon lies outside [0, 1).
-
-    Notes
-    -----
     With x = 1/(2 sin t), (B.8) is sin 3 t = lambda. The arc tangent keeps all digits of 3 t where the roots merge,
     epsilon = 0, and where x_2 grows without bound, epsilon = 1.
     """
@@ -34,12 +27,7 @@ def tangent_roots(epsilon: ArrayLike) -> tuple[Array, Array]:
 def stiffness_bounds(epsilon: ArrayLike) -> tuple[Array, Array]:
     """Return lower and upper bound on k/k_H, with k_H the stiffness of the smooth punch at the same force (B.16).
 
-    They bound the contact conductance alike, by (2).
-
-    Raises
-    ------
-    ValueError
-        If epsilon lies outside [0, 1).
+    They bound the contact conductance alike, by (2). `epsilon` lies in [0, 1).
     """
     epsilon = _checked(epsilon)
     first, second = tangent_roots(epsilon)

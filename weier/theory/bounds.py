@@ -44,18 +44,10 @@ def resistance_bounds(
     no higher than the upper bound: R <= [h(p) - h(p') + 2 G]/(p - p') for every p' < p, and
     R >= [h(p') - h(p) - 2 G]/(p' - p) for every p' > p.
 
-    Parameters
-    ----------
-    mean_pressure : array_like, shape (..., loads)
-        Mean pressures p >= 0, in any order. Broadcasts against `compliance`.
-    compliance : array_like, shape (..., loads)
-        Compliance h of the truncated series.
-    amplitude : array_like, shape (...)
-        Total amplitude G of the terms left out.
-    first_contact : array_like, shape (...), optional
-        Compliance of the truncated series at p = 0, sum g_n - max z: it tightens the upper bound at light loads.
-    error : array_like, shape (..., loads)
-        Bound on the error of each h. A large error at one load widens the bounds at that load alone.
+    Loads p >= 0 of any order and the compliance h of the truncated series, with a bound on the `error` of each h,
+    have the shape (..., loads). The total `amplitude` G of the terms left out and the compliance at `first_contact`,
+    sum g_n - max z, which tightens the upper bound at light loads, have the shape (...). A large error at one load
+    widens the bounds at that load alone.
 
     Returns
     -------

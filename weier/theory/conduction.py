@@ -52,24 +52,8 @@ def composite_modulus(
 ) -> Array:
     """Return composite modulus M of two bodies, 1/M = (1 - nu_1)/mu_1 + (1 - nu_2)/mu_2 (3).
 
-    Parameters
-    ----------
-    nu_1, nu_2 : array_like
-        Poisson's ratios, in (-1, 0.5].
-    mu_1, mu_2 : array_like, optional
-        Shear moduli, in Pa or any other unit, which is that of M. One may be inf: a rigid body.
-    E_1, E_2 : array_like, optional
-        Instead of each of them, Young's modulus E = 2 mu (1 + nu), in the same unit.
-
-    Returns
-    -------
-    ndarray
-        M, of the shape to which the arguments broadcast.
-
-    Raises
-    ------
-    ValueError
-        If a value lies outside its range, both or neither of mu and E are given, or both bodies are rigid.
+    Each body has Poisson's ratio in (-1, 0.5] and one of mu, the shear modulus, and E = 2 mu (1 + nu), Young's
+    modulus, in the unit of M. One modulus may be inf: a rigid body. ValueError is raised for other values.
     """
     moduli = shear_modulus(1, mu_1, E_1, nu_1), shear_modulus(2, mu_2, E_2, nu_2)
     softness = (1 - _checked("nu_1", nu_1)) / moduli[0] + (1 - _checked("nu_2", nu_2)) / moduli[1]

@@ -8,10 +8,9 @@ its bounds.
 from weier.methods.bem.boundary_elements import (
     METHOD,
     POINTS_PER_WAVE,
-    checked_points,
     curve,
     points_of,
     within_few_points,
 )
 
-__all__ = ["METHOD", "POINTS_PER_WAVE", "checked_points", "curve", "points_of", "within_few_points"]
+__all__ = ["METHOD", "POINTS_PER_WAVE", "curve", "points_of", "within_few_points"]

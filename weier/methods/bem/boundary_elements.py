@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from weier.checks import checked_number
 from weier.kernels.arrays import Array
 from weier.methods.bem import active_set, stated_errors
 from weier.methods.bem.grids import full_contact_pressure
@@ -52,7 +51,7 @@ def curve(
     mean_pressure : array_like, shape (loads,)
         Positive and increasing, in p_0*.
     points : int, optional
-        Nodes in one period; by default `POINTS_PER_WAVE` for each of the finest waves.
+        Nodes in one period, more than two for each of the finest waves; by default `POINTS_PER_WAVE` for each.
     max_residual : float
         Largest residual that is accepted, in g_0.
     staircase : "removed" or "kept"
@@ -70,7 +69,7 @@ def curve(
     Raises
     ------
     ValueError
-        If the loads are not positive and increasing, or there are too few points for the finest wave, or too many.
+        If the loads are not positive and increasing, or the period has too many waves.
     ConvergenceError
         If a load leaves a larger residual.
 
@@ -83,7 +82,7 @@ def curve(
     polygon, and the contact edges move by whole nodes.
 
     """
-    loads, points = checked_loads(mean_pressure), checked_points(profile, points)
+    loads, points = checked_loads(mean_pressure), int(points_of(profile)) if points is None else points
     full = min(full_contact_load(profile, points), profile.full_contact_load)
     found, partial = list[tuple[NodalSolution, Corrected]](), loads[loads < full]
     corrected = in_continuum if staircase == "removed" else on_nodes
@@ -144,19 +143,6 @@ def with_errors(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> 
 def full_contact_load(profile: Waves, points: int) -> float:
     """Return the mean pressure of full contact at the nodes: above it h = sum g_n and R = 0."""
     return float(-full_contact_pressure(profile.sampled_height(points), profile.period).min())
-
-
-def checked_points(profile: Waves, points: int | None = None) -> int:
-    """Return the points per period, given or by default; ValueError if they are too few for a wave, or too many."""
-    default, least = int(points_of(profile)), 2 * profile.waves_per_period[-1]
-    count = checked_number(
-        "points",
-        default if points is None else points,
-        f"be a whole number above {least}, two for each of the finest waves in a period ({default} is the default)",
-        lambda count: count > least and count == count // 1,
-    )
-    check_points(count)
-    return int(count)
 
 
 def points_of(

@@ -21,7 +21,6 @@ MAX_STEP = 2.0  # largest change of a logarithm in a step: tangents of exponenti
 MIN_POWER = 0.02  # lower limit of d ln w/d ln p in the length of a step
 GUESS_HALVINGS = 16  # halvings of the error of ln sin^2(pi a), at most 700
 MIN_CLOSED_SINE = 0.9  # sin^2(pi a) from which the initial guess is full contact
-MAX_NUMBERS = 2**20  # matrix entries of the loads that are solved together: 8 MB
 
 
 class Mesh(NamedTuple):
@@ -215,34 +214,11 @@ def attainable(log_load: Array, tolerance: float) -> Array:
 def solve_waves(
     log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, guess: Array | None = None
 ) -> Solutions:
-    """Solve the wave under each load, independently of the other loads.
+    """Solve the wave under each load ln xi, from guessed states or others.
 
-    Parameters
-    ----------
-    log_load : array, shape (loads,)
-        ln xi.
-    closure : Closure
-        Closure of the layer, in the units of this wave.
-    mesh : Mesh
-        Mesh from `midpoints`.
-    tolerance : float
-        Largest relative residual.
-    guess : array, shape (loads, K + 1), optional
-        Initial states.
-
-    Returns
-    -------
-    Solutions
-        The residual of a load that does not converge exceeds the tolerance or is NaN.
+    The residual of a load that does not converge exceeds the tolerance or is NaN.
     """
     start = _first_guess(log_load, closure, mesh) if guess is None else guess
-    size = max(MAX_NUMBERS // (mesh.rise.size + 1) ** 2, 1)
-    batches = (slice(first, first + size) for first in range(0, log_load.size, size))
-    parts = [_solve_some(log_load[some], closure, mesh, tolerance, start[some]) for some in batches]
-    return Solutions(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-def _solve_some(log_load: Array, closure: Closure, mesh: Mesh, tolerance: float, start: Array) -> Solutions:
     state, residual = _newton(start, log_load, closure, mesh, attainable(log_load, tolerance))
     h, rate, tangent = _finish(state, log_load, closure, mesh)
     residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may not detect a singular matrix
