@@ -76,7 +76,9 @@ def test_cotangent_integrals_are_those_of_direct_quadrature(period):
     )
     expected = [integrate(state, period, at, "cot") for at in x]
     for origin in (0.0, -period):
-        found = pressure_and_gap.cotangent_integrals(state, period, np.full(x.size, origin), x - origin)
+        found = pressure_and_gap.cotangent_integrals(
+            state.segments, state.coefficient, period, np.full(x.size, origin), x - origin
+        )
         np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
 
 

@@ -6,7 +6,6 @@ import pytest
 
 from tests.methods.patches.westergaard_states import KINDS
 from weier import Profile, Trace
-from weier.methods.patches import surface
 from weier.methods.patches.surface import (
     distances_between,
     evaluate_at,
@@ -96,12 +95,6 @@ def test_heights_near_a_crest_and_far_from_it(name, dual):
     assert slope == pytest.approx(curvature * y, rel=1e-15)
 
 
-def test_crests_of_one_height_by_symmetry_need_no_more_digits(monkeypatch):
-    monkeypatch.setattr(surface, "crest_heights", None)
-    for series in surface_of(SURFACES["mirrored trace"])[:2]:
-        assert np.sum(series.crest_offset == 0) == 2
-
-
 def test_twin_crests_are_distinguished_in_all_digits():
     """A coarse wave that is off by 1e-12 lifts one of two crests of the fine one over the other."""
     profile = Profile(1.5, 2, 2, (1e-12, np.pi))
@@ -134,10 +127,3 @@ def test_positions_are_counted_from_the_image_of_the_nearest_crest(period):
     order, turns = in_order(x, period)
     np.testing.assert_array_equal(turns / period, [-1, 0, 0, 0, 1, -2])
     np.testing.assert_array_equal(order, [1, 2, 4, 0, 3, 5])
-
-
-def test_the_first_index_is_that_of_numpy():
-    x = np.array([0.0, 0.25, 0.25, 0.25, 1.0, 3.0])
-    for count in range(x.size + 1):
-        for value in (-1.0, 0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0):
-            assert surface.first_from(x[:count], value) == np.searchsorted(x[:count], value)

@@ -179,23 +179,17 @@ def pair_nodes(one: Tree, other: Tree, period: float, same: bool) -> tuple[Pairs
 
 
 @kernel
-def _fill_far_block(
-    low: float, high: float, other_low: float, other_high: float, period: float, dipoles: bool, block: Array
-) -> None:
-    """Compute the kernel between the Chebyshev points of two nodes, row by row."""
+def _chebyshev_points(low: float, high: float) -> tuple[Array, Array]:
+    """Return origins and offsets of the Chebyshev points of a node."""
     middle, half = interval(low, high)
-    other_middle, other_half = interval(other_low, other_high)
-    for i in range(ORDER):
-        for j in range(ORDER):
-            block[i * ORDER + j] = (middle - other_middle) + (half * POINT[i] - other_half * POINT[j])
-    replace_by_influence(block, period, dipoles)
+    return np.full(ORDER, middle), half * POINT
 
 
 @kernel
-def _fill_near_block(
+def _fill_block(
     origin: Array, offset: Array, origins: Array, offsets: Array, period: float, dipoles: bool, block: Array
 ) -> None:
-    """Compute the kernel between the points of two leaves, row by row."""
+    """Compute the kernel between two sets of points, row by row."""
     width = origins.size
     for i in range(origin.size):
         row = block[i * width : (i + 1) * width]
@@ -220,7 +214,8 @@ def _make_blocks(
     low, high, points, depth = tree.low, tree.high, tree.position.size, tree.depth
     for pair in range(far.shape[0]):
         a, b = far[pair, 0], far[pair, 1]
-        _fill_far_block(low[a], high[a], low[b], high[b], period, dipoles, far_block[pair])
+        one, other = _chebyshev_points(low[a], high[a]), _chebyshev_points(low[b], high[b])
+        _fill_block(*one, *other, period, dipoles, far_block[pair])
     near_start = np.empty(near.shape[0] + 1, np.int64)
     near_start[0] = 0
     for pair in range(near.shape[0]):
@@ -233,7 +228,7 @@ def _make_blocks(
         first, last = leaf_points(points, depth, near[pair, 1])
         origin, offset = tree.origin[start:end], tree.offset[start:end]
         block = near_block[near_start[pair] : near_start[pair + 1]]
-        _fill_near_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dipoles, block)
+        _fill_block(origin, offset, tree.origin[first:last], tree.offset[first:last], period, dipoles, block)
     return far_block, near_block, near_start
 
 
@@ -328,9 +323,7 @@ def _direct_sums(
     """Return the sums of `potential`, in the same order of differences as near pairs."""
     total, row = np.zeros(at.size), np.empty(at.size)
     for s in range(f.size):
-        for i in range(at.size):
-            row[i] = (origin[s] - at[i]) + (offset[s] - at_offset[i])
-        replace_by_influence(row, period, dipoles)
+        _fill_block(origin[s : s + 1], offset[s : s + 1], at, at_offset, period, dipoles, row)
         for i in range(at.size):
             total[i] += f[s] * row[i]
     return total
@@ -343,7 +336,8 @@ def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, pe
     block = np.empty(ORDER**2)
     for pair in range(far.shape[0]):
         to, of = far[pair, 0], far[pair, 1]
-        _fill_far_block(source.low[of], source.high[of], target.low[to], target.high[to], period, dipoles, block)
+        one = _chebyshev_points(source.low[of], source.high[of])
+        _fill_block(*one, *_chebyshev_points(target.low[to], target.high[to]), period, dipoles, block)
         for j in range(ORDER):
             for i in range(ORDER):
                 field[to, i] += block[j * ORDER + i] * moment[of, j]
@@ -353,7 +347,7 @@ def _potential(source: Tree, f: Array, target: Tree, far: Pairs, near: Pairs, pe
         first, last = leaf_points(f.size, source.depth, near[pair, 1])
         block = near_block[: (last - first) * (end - start)]
         origin, offset = source.origin[first:last], source.offset[first:last]
-        _fill_near_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dipoles, block)
+        _fill_block(origin, offset, target.origin[start:end], target.offset[start:end], period, dipoles, block)
         for s in range(first, last):
             for a in range(start, end):
                 total[a] += block[(s - first) * (end - start) + a - start] * f[s]

@@ -71,14 +71,12 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
     return force
 
 
-def cotangent_integrals(state: ContactState, period: float, origin: Array, y: Array) -> Array:
-    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y."""
-    return _cotangent_integrals(state.segments, state.coefficient, period, origin, y)
-
-
 @kernel
-def _cotangent_integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
-    """Return the integrals of `cotangent_integrals`: quadrature far from a segment, by the addition theorem."""
+def cotangent_integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
+    """Return int rho cot(pi (x-s)/L) ds at any x = origin + y: far from a segment, by quadrature.
+
+    There the addition theorem gives the cotangent.
+    """
     integral, factor = np.zeros(y.size), np.pi / period
     for j in range(segments.centre.size):
         r, a = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]]
@@ -147,22 +145,14 @@ def at_point(value: float, t: float, r: float, is_gap: bool) -> float:
     return value * np.sqrt(end_distance) * (r * end_distance if is_gap else 1.0)
 
 
+@kernel
 def values_on_segments(
-    state: ContactState, period: float, origin: Array, y: Array, integrated: bool
+    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, integrated: bool
 ) -> tuple[Flags, Array]:
     """Return whether each point origin + y lies on a segment, and the density there or its integral, or 0.
 
     rho is the pressure on a contact or the slope of a gap, whose integral is the gap.
     """
-    inside, value = _values_on_segments(state.segments, state.coefficient, period, origin, y, integrated)
-    return inside, value
-
-
-@kernel
-def _values_on_segments(
-    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, integrated: bool
-) -> tuple[Flags, Array]:
-    """Return the values of `values_on_segments`."""
     inside, value = np.zeros(y.size, np.bool_), np.zeros(y.size)
     middle = segments.origin + segments.centre
     for i in range(y.size):
@@ -262,7 +252,8 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_ga
 
 def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:
     """Return the pressure or the gap at the distances y from crests of the state's series."""
-    inside, value = values_on_segments(state, series.period, series.crest_position[crest], y, state.kind.is_slope)
+    density, origin = (state.segments, state.coefficient), series.crest_position[crest]
+    inside, value = values_on_segments(*density, series.period, origin, y, state.kind.is_slope)
     if is_gap != state.kind.is_slope:
         value = np.zeros(y.size)
         value[~inside] = complementary_residuals(state, series, crest[~inside], y[~inside])
