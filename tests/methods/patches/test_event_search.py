@@ -201,7 +201,7 @@ def test_two_crests_of_nearly_one_height():
     profile = Profile(1.25, 2, 2, (1e-7, np.pi))
     event = patches.events(profile, 1e-12, 1e-3)
     np.testing.assert_array_equal(event.birth, [True])
-    around = patches.curve(profile, event.mean_pressure[0] * np.array([1 - 1e-6, 1 + 1e-6]))
+    around = patches.curve(profile, event.mean_pressure[0] * np.array([1 - 1e-9, 1 + 1e-9]))
     np.testing.assert_array_equal(around.patch_count, [1, 2])
 
 
