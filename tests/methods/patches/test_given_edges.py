@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from numpy.polynomial.chebyshev import chebval
 
 from tests.methods.patches.westergaard_states import KINDS
 from weier.kernels.blas import one_thread
@@ -10,7 +9,6 @@ from weier.methods.patches.given_edges import (
     displacement,
     expansion,
     make_punches,
-    moved_expansion,
     regular_part,
     solve_forces_on_contacts,
     transfer_forces,
@@ -138,24 +136,6 @@ def test_what_is_singular_at_edges_is_spread_over_the_coefficients(power):
         for parity in (2, 1):
             part = change[parity::2] / k[parity::2] ** power
             np.testing.assert_allclose(part, part[0], rtol=1e-5, atol=1e-15)
-
-
-def test_a_density_moves_with_its_segment():
-    """A place that moved by w = (dc + t dr)/r has psi + w [(1-t^2) phi' - t phi], which polynomials give exactly."""
-    first, a, b = polynomials([9, 14])
-    r, shift, growth = np.array([0.1, 2.0]), np.array([0.011, -0.1]), np.array([-0.007, 0.3])
-    moved = moved_expansion(first, r, b, a, shift, growth)
-    t = np.linspace(-1, 1, 7)
-    for j in range(2):
-        here = slice(first[j], first[j + 1])
-        angle, k = np.arccos(t[1:-1]), np.arange(first[j + 1] - first[j])[:, None]
-        phi = (a[here, None] * np.sin((k + 1) * angle) / np.sin(angle)).sum(axis=0)
-        h = 1e-6
-        beside = [(a[here, None] * np.sin((k + 1) * x) / np.sin(x)).sum(axis=0) for x in (angle - h, angle + h)]
-        slope = (beside[1] - beside[0]) / (2 * h) / -np.sin(angle)
-        at = t[1:-1]
-        expected = chebval(at, b[here]) + (shift[j] + at * growth[j]) / r[j] * ((1 - at**2) * slope - at * phi)
-        np.testing.assert_allclose(chebval(at, moved[here]), expected, atol=1e-8)
 
 
 @pytest.mark.parametrize("dual", [False, True])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.methods.patches.westergaard_states import KINDS, WAVES
 from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
@@ -10,7 +11,9 @@ from weier.methods import patches
 from weier.methods.patches import stages
 from weier.methods.patches.certificate import check_violation
 from weier.methods.patches.contacts import CONTACTS
+from weier.methods.patches.edge_iteration import ContactProblem, carried_along, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.given_edges import solve_tangent
 from weier.methods.patches.inequalities import NEGATIVE, minima_outside
 from weier.methods.patches.pressure_and_gap import complementary_residuals
 from weier.methods.patches.segments import ContactState, make_segments, segment_strengths
@@ -218,3 +221,21 @@ def test_a_shallow_missing_contact_is_seen(above):
     lowest = complementary_residuals(beyond, series, *nearest_crests(series, x)).min()
     assert lowest < -limit
     assert minima_outside(beyond, series, 0.0)["value"].min() == pytest.approx(lowest, rel=1e-3)
+
+
+@one_thread
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("wave", WAVES)
+def test_edges_that_moved_after_the_last_solution_change_the_resistance(wave, dual):
+    """By the energy released, to the square of the move: against -L ln(xi) of Westergaard's wave."""
+    exact, problem = wave.state(dual).segments, ContactProblem(wave.series(dual), wave.load, KINDS[dual])
+    scale = min(wave.half_width, 0.5 * wave.period - wave.half_width)
+    wider = exact._replace(half_width=exact.half_width + 1e-4 * scale)
+    step = take_step(problem, make_guess(problem, wider, TOLERANCE), 1e-15)
+    tangent = solve_tangent(step.punches, step.forces, 1e-10)
+    wrong, right = (
+        stages._with_resistance(stages.contact_state(problem, end), step, end, tangent).resistance
+        for end in (step, carried_along(step, 0.0))
+    )
+    assert abs(wrong - wave.resistance) > 1e-5 * scale
+    assert abs(right - wave.resistance) < 2e-3 * abs(wrong - wave.resistance)

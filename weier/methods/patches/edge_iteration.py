@@ -28,6 +28,7 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.kind import Kind
 from weier.methods.patches.segments import (
+    MAX_NODES,
     Segments,
     estimate_node_count,
     make_segments,
@@ -221,13 +222,31 @@ def next_guess(problem: ContactProblem, step: NewtonStep, tolerance: float, node
     shift, growth = _shift_and_growth(step.outward)
     moved, b = make_segments(old.crest, old.origin, old.centre + shift, old.half_width + growth, node_count), step.b
     if step.punches.matrix is not None:  # A direct solution needs no forces to start from.
-        b = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+        b, _ = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
     if step.vanishing.any() or step.merging.any():
         remaining = ~(step.vanishing | step.merging | np.roll(step.merging, 1))
         merged = np.array(merged_intervals(problem, moved, step.merging)).reshape(-1, 2)
         return rearrange(problem, step._replace(b=b), moved, remaining, merged, tolerance, node_count)
     punches = make_punches(moved, series.period, problem.kind)
     return Iterate(punches, _start_forces(old, b, np.arange(shift.size), punches))
+
+
+def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
+    """Return a step with moved edges and transferred density: the next step to first order.
+
+    Its moves are bounds on the moves of the next step: the contribution of rounding of the singularity, in g_0, and
+    twice the square of the present ones, since the strength B changes with the edges as well.
+    """
+    punches, outward, gap = step.punches, step.outward, step.punches.gap
+    old, (shift, growth) = punches.segments, _shift_and_growth(outward)
+    b, a = moved_expansion(old.first_node, old.half_width, step.b, step.a, shift, growth)
+    segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
+    moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
+    force = transfer_forces(old, b, np.arange(gap.size), moved)
+    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
+    rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
+    left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
+    return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)
 
 
 def _shift_and_growth(outward: Sides) -> tuple[Array, Array]:

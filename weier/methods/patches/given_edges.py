@@ -291,8 +291,10 @@ def vanishing_at_edges(first_node: Indices, b: Array, power: int) -> tuple[Array
 
 
 @kernel
-def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array) -> Array:
-    """Return the coefficients of psi when segments have moved."""
+def moved_expansion(
+    first_node: Indices, r: Array, b: Array, a: Array, centre_shift: Array, growth: Array
+) -> tuple[Array, Array]:
+    """Return the coefficients of psi when segments have moved, and of its regular part."""
     moved = b.copy()
     for j in range(r.size):
         first, last = first_node[j], first_node[j + 1]
@@ -303,7 +305,7 @@ def moved_expansion(first_node: Indices, r: Array, b: Array, a: Array, centre_sh
             moved[k - 1] += 0.5 * slope * motion
             if k + 1 < last:
                 moved[k + 1] += 0.5 * slope * motion
-    return moved
+    return moved, regular_part(first_node, moved)
 
 
 def transfer_forces(segments: Segments, b: Array, origin: Indices, new: Punches) -> Array:
