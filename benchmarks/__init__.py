@@ -11,5 +11,6 @@
 | `node_counts` | Chebyshev coefficients that contacts and gaps need, and the factors of their number |
 | `same_grid` | speed of weier and other programs on the same grids |
 | `to_error` | processor time of weier and other programs to a given error |
+| `truncated_resistance` | error over stated error of the resistance of infinite series |
 | `tuning` | cost with each tuned number halved and doubled |
 """

@@ -74,6 +74,15 @@ def test_a_short_solution_says_nothing(capsys):
     assert capsys.readouterr() == ("", "")
 
 
+def test_a_long_solution_is_announced(monkeypatch, capsys):
+    expected = find_method("patches").seconds(PROFILE, LOADS)
+    monkeypatch.setattr(progress, "LONG", 0.6 * expected)
+    weier.solve(PROFILE, LOADS, "patches")
+    assert f"weier.solve: {LOADS.size} loads take about {expected:.0f} s" in capsys.readouterr().err
+    weier.solve([PROFILE] * 3, LOADS[:5], "patches", workers=2)  # half of 15 loads
+    assert capsys.readouterr().err == ""
+
+
 def test_a_limit_ends_a_solution_with_a_sentence():
     """Also of other processes, between two curves."""
     message = r"max_seconds = 1e-06 ended the solution after \d+ of \d+ loads: raise it"

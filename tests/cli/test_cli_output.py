@@ -59,7 +59,10 @@ def numbers(path):
 
 PROBLEMS = {
     "all terms": ([*SERIES, "--tolerance", "0.01"], ["auto"]),
-    "an infinite series": (["-D", "1.2", "--gamma", "5", "-m", "inf", "--tolerance", "0.2"], ["auto", "demelio"]),
+    "R of an infinite series": (
+        ["-D", "1.2", "--gamma", "5", "-m", "inf", "--tolerance", "0.2", "--set", "auto.quantity=resistance"],
+        ["auto", "demelio"],
+    ),
     "several": (SERIES, ["layer", "bem", "patches", "demelio"]),
 }
 

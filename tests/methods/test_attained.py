@@ -16,6 +16,7 @@ from tests.profiles import THREE_WAVES, half_a_node_off
 from weier import Profile
 from weier.accuracy.cosines import Cosines
 from weier.methods import bem, layer, patches, westergaard
+from weier.surface.profile import random_phases
 from weier.theory.bounds import complete_bounds
 
 POWER_LAW = Cosines(np.arange(1, 49) ** -2.5, list(range(1, 49)))  # contacts many waves wide
@@ -44,6 +45,14 @@ def truncated(name):
     found = weier.solve(Profile(1.25, 5, math.inf), np.geomspace(1e-6, 3, 60), tolerance=0.3)
     more = Profile(1.25, 5, int(found.chosen_terms) + 2)
     return over_stated(found, patches.curve(more, found.mean_pressure.values), name).values
+
+
+def extrapolated():
+    """The resistance of an infinite series, against two further terms."""
+    series, loads = Profile(1.07, 2, math.inf, random_phases(16)), np.array([0.03, 0.1, 0.3, 1.0])
+    found = weier.solve(series, loads, tolerance=0.3, quantity="resistance")
+    more = series.truncated(int(found.chosen_terms) + 2)
+    return over_stated(found, patches.curve(more, loads), "resistance").values
 
 
 def of_patches(name, surface, tolerance=1e-6):
@@ -96,6 +105,7 @@ CASES = {
     "h of an infinite series": (partial(truncated, "compliance"), 0.9),
     # by chords of any concave curve between the bounds of h, which a series does not bend as
     "R of an infinite series, by chords": (partial(truncated, "resistance"), TENTH),
+    "R of an infinite series, estimated": (extrapolated, THIRD),
     "h of patches": (partial(of_patches, "compliance", FIVE_WAVES), 0.5),
     "R of patches": (partial(of_patches, "resistance", TRIANGLES), 0.5),
     "contact fraction of patches": (partial(of_patches, "contact_fraction", TRIANGLES), 0.5),

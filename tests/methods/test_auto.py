@@ -146,6 +146,49 @@ def test_the_rest_of_a_tolerance_is_never_below_that_of_patches():
     assert choice.settings["tolerance"] == 1.2e-13 - tail >= TOLERANCES.least
 
 
+def test_a_resistance_is_within_its_tolerance_or_refused():
+    found = weier.solve(THREE, LOADS, tolerance=1e-6, quantity="resistance")
+    exact = patches.curve(THREE, LOADS, 1e-13).resistance
+    assert np.all(found.resistance_error <= 1e-6 * np.maximum(exact, 1))
+    assert np.all(np.abs(found.resistance - exact) <= 1e-6 * np.maximum(exact, 1))
+    stated = patches.curve(THREE, LOADS, TOLERANCES.least)
+    with pytest.raises(OutOfReachError, match=r"tolerance must be at least .* take a larger one, or leave them out"):
+        weier.solve(THREE, LOADS, tolerance=1e-13, quantity="resistance")
+    assert np.any(stated.resistance_error > 1e-13 * np.maximum(stated.resistance, 1))
+
+
+@pytest.mark.parametrize(
+    ("series", "tolerance"),
+    [(INFINITE, 0.05), (Profile(1.1, 3, math.inf, random_phases(8)), 0.02), (Profile(1.5, 5, math.inf, 1.0), 0.2)],
+)
+def test_the_resistance_of_an_infinite_series_is_estimated(series, tolerance):
+    """Against two more terms, which leave 0.04 to 0.2 of the amplitude that is left out."""
+    loads = np.array([0.1, 0.3, 1.0])
+    found = weier.solve(series, loads, tolerance=tolerance, quantity="resistance")
+    longer = patches.curve(series.truncated(int(found.chosen_terms) + 2), loads)
+    assert np.all(found.resistance_error <= tolerance * np.maximum(found.resistance, 1))
+    assert np.all(abs(longer.resistance - found.resistance) <= found.resistance_error)
+    bounds = weier.solve(series, loads, tolerance=0.1)
+    assert np.all(found.resistance_error < 0.5 * bounds.resistance_error)
+
+
+def test_resistances_of_infinite_series_that_cannot_be_estimated_are_refused():
+    rough = Profile(1.9, 2, math.inf)
+    for loads, tolerance, message in (
+        ([0.1], 0.05, r"no tolerance is within reach: .* is known to .* each of the 1\d more .* take heavier loads"),
+        ([1e-2, 1.0], 0.5, "known to"),
+        ([1e6], 0.5, "nearly in full contact; take lighter loads"),
+    ):
+        with pytest.raises(OutOfReachError, match=message):
+            weier.solve(rough, loads, tolerance=tolerance, quantity="resistance")
+    with pytest.raises(OutOfReachError, match="three truncations, and 2 terms are the most"):
+        weier.solve(Profile(1.25, 500, math.inf), [0.1], tolerance=0.1, quantity="resistance")
+    with pytest.raises(OutOfReachError, match="tolerance must be at least") as refused:
+        weier.solve(INFINITE, [0.01], tolerance=1e-4, quantity="resistance")
+    least = float(str(refused.value).split("at least ")[1].split(",")[0])
+    assert weier.solve(INFINITE, [0.01], tolerance=least, quantity="resistance").resistance_error <= 12 * least
+
+
 def test_an_infinite_series_needs_a_tolerance_or_a_method():
     with pytest.raises(NotApplicableError, match=r"a tolerance or a method must be given where m = inf"):
         weier.solve(INFINITE, LOADS)

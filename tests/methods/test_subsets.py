@@ -29,7 +29,8 @@ CASES = [
     ("patches", Profile(1.5, 3, 3, math.pi), {"contact_edges": True}),
     ("patches", Profile(1.75, "5/2", 3, 2.0), {}),
     ("auto", SHORT, {"tolerance": 1e-2}),
-    ("auto", LONG, {"tolerance": 0.1}),
+    ("auto", SHORT, {"tolerance": 3e-2, "quantity": "resistance"}),
+    ("auto", LONG, {"tolerance": 0.02}),
 ]
 
 

@@ -111,8 +111,9 @@ def solve_batch(
             store_part(number, curve, curve.known.loads, curve.known.curve)
     to_solve = distinct(curve for _, curve in curves)
     outcomes: dict[object, Any] = {}
+    expected = sum(curve.expected for curve in to_solve) / workers
     with (
-        showing("weier.solve", loads.size * len(to_solve), max_seconds=max_seconds) as progress,
+        showing("weier.solve", loads.size * len(to_solve), max_seconds=max_seconds, expected=expected) as progress,
         keeping(begun),
     ):
         new = solve_curves(to_solve, workers, progress)

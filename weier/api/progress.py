@@ -57,14 +57,21 @@ class Progress:
 
 
 @contextmanager
-def showing(name: str, total: float, things: str = "loads", max_seconds: float | None = None) -> Iterator[Progress]:
-    """Show the progress on standard error: in one line of a terminal, or in a log by a line every `LONG` seconds."""
+def showing(
+    name: str, total: float, things: str = "loads", max_seconds: float | None = None, expected: float = 0.0
+) -> Iterator[Progress]:
+    """Show the progress on standard error: in one line of a terminal, or in a log by a line every `LONG` seconds.
+
+    If more than `LONG` seconds are expected, they are announced beforehand.
+    """
     terminal = sys.stderr.isatty()
 
     def say(far: str) -> None:
         start, end = (ERASE, "") if terminal else ("", "\n")
         print(f"{start}{name}: {far}", end=end, file=sys.stderr, flush=True)
 
+    if expected > LONG:
+        say(f"{total:.0f} {things} take about {expected:.0f} s; max_seconds limits the time, and Ctrl-C ends it")
     try:
         yield Progress(total, TERMINAL_SECONDS if terminal else LONG, say, things, max_seconds)
     finally:

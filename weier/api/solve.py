@@ -197,7 +197,7 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_secon
 
     with (
         converting(lambda solved: labelled(*solved)),
-        showing("weier.solve", curve.loads.size, max_seconds=max_seconds) as progress,
+        showing("weier.solve", curve.loads.size, max_seconds=max_seconds, expected=curve.expected) as progress,
         reporting_to(progress),
     ):
         solution, seconds = curve.solve()

@@ -49,12 +49,20 @@ class CurveTask(NamedTuple):
         parameters = (getattr(self.profile, name) for name in PARAMETERS)
         return self.method, *parameters, json.dumps(self.settings, sort_keys=True), self.loads.tobytes()
 
+    @property
+    def expected(self) -> float:
+        """The expected seconds on one core; 0 if the method refuses the curve."""
+        try:
+            return float(find_method(self.method).seconds(self.profile, self.loads, **self.settings))
+        except NotApplicableError:
+            return 0.0
+
     def solve(self) -> tuple[Curve, float]:
         """Return the solution and its seconds without compiling; raises what the method raises."""
         method = find_method(self.method)
         method.check_applies(self.profile)
         start = clock()
-        if self.known is None or not method.by_load:
+        if self.known is None or not method.by_load(**self.settings):
             return method.solve(self.profile, self.loads, **self.settings), clock() - start
         known, seconds = self.known[:2], self.known.seconds
         lacking = self.loads[~np.isin(self.loads, known[0])]

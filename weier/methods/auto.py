@@ -1,7 +1,8 @@
 """The method "auto": curves within a tolerance, by the fewest terms, and the choice of these.
 
 If terms of total amplitude G are left out, h lies in [h_k, h_k + 2 G] (docs/closed_forms.md, "Bounds on the terms
-left out"). Half of the tolerance is for these terms, the rest for the solution of the others.
+left out"). Half of the tolerance is for these terms, the rest for the solution of the others. R of an infinite series
+is estimated from successive truncations ("A tolerance of the resistance" there).
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from weier.checks import checked_number
+from weier.checks import checked_number, checked_word
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches
-from weier.methods.curve import Curve
+from weier.methods.curve import COMPLIANCE, QUANTITIES, RESISTANCE, Curve
 from weier.methods.errors import MARGIN, OutOfReachError
 from weier.methods.load_progress import converting
 from weier.methods.method import TOLERANCES, Method, Setting, Style
@@ -26,6 +27,10 @@ from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import complete_bounds, first_contact, resistance_bounds
 
 TOLERANCE = 1e-3
+MAX_LISTED = 5  # a message lists at most this many loads
+# stated error of R over the remaining differences of truncations if they decay as the amplitudes do: no error of 69
+# exceeded it, the largest was 0.88 of it (`python -m benchmarks truncated_resistance --count 40`)
+DIFFERENCE_FACTOR = 4.0
 # NaN if terms are left out
 CONTACT_QUANTITIES = "indentation", "contact_fraction", "contact_fraction_error", "elastic_energy", "patch_count"
 
@@ -58,7 +63,7 @@ class Choice:
         return f'{terms} by method "{self.method.name}", tolerance {self.settings["tolerance"]:.2g}{others}'
 
 
-def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
+def choose(profile: Waves, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Choice:
     """Choose the terms and the method for a curve within a tolerance, without solving it.
 
     Parameters
@@ -66,7 +71,10 @@ def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
     profile : Profile or Trace
         A surface with any number of terms, also inf.
     tolerance : float
-        Accepted error of the compliance, in g_0.
+        Accepted error of the compliance, in g_0; or of the resistance, relative to the larger of R and 1 g_0/p_0*:
+        if terms are left out, it is estimated from successive truncations and is no bound.
+    quantity : "compliance" or "resistance"
+        The quantity of the tolerance.
 
     Returns
     -------
@@ -76,8 +84,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
     Raises
     ------
     ValueError
-        If the tolerance is out of range; OutOfReachError, with the smallest tolerance within reach, if the terms
-        needed cannot be resolved.
+        If the tolerance or the quantity is out of range; OutOfReachError, with the smallest tolerance within reach,
+        if the terms needed cannot be resolved.
 
     Notes
     -----
@@ -85,7 +93,8 @@ def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
     middle is returned, with the error G. The kept terms are solved by contact patches, whose a-posteriori bound is
     evaluated on samples, so that the curve of the infinite series has a bound, too. A surface that is kept whole is
     solved by boundary elements if their error, which is a theorem at first contact and was never exceeded in tests at
-    other loads, meets the tolerance on a grid no finer than the default one.
+    other loads, meets the tolerance on a grid no finer than the default one. For a tolerance of the resistance all
+    terms of a finite series are kept; for an infinite one, further terms are added while it is solved.
 
     Examples
     --------
@@ -95,7 +104,10 @@ def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
 
     """
     surface = checked_surface(profile)
+    checked_word("quantity", quantity, QUANTITIES)
     wanted = checked_number("tolerance", tolerance, f"lie in {TOLERANCES}", TOLERANCES.__contains__)
+    if quantity == RESISTANCE:
+        return _for_resistance(surface, wanted)
     most_omitted = min(wanted / 2, wanted - TOLERANCES.least)
     kept, left_out = _fewest_terms(surface, most_omitted)
     if left_out > most_omitted:
@@ -104,7 +116,22 @@ def choose(profile: Waves, tolerance: float = TOLERANCE) -> Choice:
     return Choice(kept, left_out, method, {"tolerance": wanted - left_out})
 
 
-def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
+def _for_resistance(surface: Waves, tolerance: float) -> Choice:
+    # A hundredth is arbitrary: the stated error of R is checked after the solution.
+    settings = {"tolerance": min(max(1e-2 * tolerance, TOLERANCES.least), patches.TOLERANCE)}
+    if not math.isinf(surface.m):
+        patches.METHOD.check_applies(surface)
+        return Choice(surface, 0.0, patches.METHOD, settings)
+    kept, left_out = _fewest_terms(surface, tolerance / DIFFERENCE_FACTOR, least=3)
+    if kept.m < 3:
+        raise OutOfReachError(
+            f"the resistance of {surface.describe()} is estimated from three truncations, and {kept.m:g} terms are "
+            "the most that can be resolved: take a finite m"
+        )
+    return Choice(kept, left_out, patches.METHOD, settings)
+
+
+def _fewest_terms(surface: Waves, most_omitted: float, least: int = 1) -> tuple[Waves, float]:
     """Return the first terms of a surface whose tail is at most `most_omitted`, and that tail, in g_0.
 
     If more are needed than can be resolved, return the largest number of terms that can.
@@ -113,7 +140,7 @@ def _fewest_terms(surface: Waves, most_omitted: float) -> tuple[Waves, float]:
         patches.METHOD.check_applies(surface)
         return surface, 0.0
     most = terms_within(surface, MAX_WAVES)
-    kept = next((k for k in range(1, most) if surface.amplitude_beyond(k) <= most_omitted), most)
+    kept = next((k for k in range(least, most) if surface.amplitude_beyond(k) <= most_omitted), most)
     return surface.truncated(kept), surface.amplitude_beyond(kept)
 
 
@@ -129,10 +156,14 @@ def _out_of_reach(surface: Waves, kept: Waves, left_out: float, tolerance: float
     )
 
 
-def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE) -> Curve:
-    choice = choose(profile, tolerance)
+def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity: str = COMPLIANCE) -> Curve:
+    choice = choose(profile, tolerance, quantity)
+    if quantity == RESISTANCE and choice.left_out and isinstance(profile, Profile):
+        return _extrapolated(profile, choice, loads, tolerance)
     with converting(lambda solved: (solved[0], _as_curve(profile, choice, *solved))):
         solved = choice.method.solve(choice.kept, loads, **choice.settings)
+    if quantity == RESISTANCE:
+        _check_resistance(solved, loads, tolerance)
     return _as_curve(profile, choice, loads, solved)
 
 
@@ -168,11 +199,67 @@ def _with_resistance_error(choice: Choice, loads: Array, curve: Curve) -> Curve:
 
 
 def _complete(profile: Waves, loads: Array, curve: Curve, **settings: Any) -> Curve:
-    """Return a curve with the quantities that depend on all loads."""
+    """Return a curve with the quantities that depend on all loads, for a tolerance of the compliance."""
     choice = choose(profile, **settings)
     if choice.left_out:
         return _with_resistance_error(choice, loads, curve)
     return choice.method.complete(choice.kept, loads, curve, **choice.settings)
+
+
+def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: float) -> Curve:
+    """Return the curve of an infinite series with as many terms as its resistance requires, and the estimated error.
+
+    The differences of successive truncations decay about as the amplitudes, by the factor q = gamma^(D-2) a term, so
+    that the remaining ones sum to the last one times q/(1 - q). No terms are added if the tolerance cannot be
+    reached with the largest number of terms that can be resolved.
+    """
+    q, most, curves = float(profile.gamma) ** (profile.D - 2), terms_within(profile, MAX_WAVES), list[Curve]()
+    for k in range(1, most + 1):
+        # Near full contact of a truncation R vanishes, and the difference to the next truncation means nothing.
+        if loads[-1] > 0.5 * profile.truncated(k).full_contact_load:
+            continue
+        with converting(lambda _: None):  # listeners expect a curve of all terms, not of fewer
+            curves.append(choice.method.solve(profile.truncated(k), loads, **choice.settings))
+        if len(curves) < 3:
+            continue
+        solved, R = curves[-1], [curve.resistance for curve in curves[-3:]]
+        difference = np.maximum(np.abs(R[2] - R[1]), q * np.abs(R[1] - R[0]))
+        error = DIFFERENCE_FACTOR * q / (1 - q) * difference + solved.values()["resistance_error"]
+        excess = float(np.max(error / np.fmax(solved.resistance, 1))) / tolerance
+        if (excess <= 1 and k >= choice.kept.m) or q ** (most - k) * excess > 1:
+            break
+    if len(curves) < 3:
+        raise OutOfReachError(
+            f"the resistance under {loads[-1]:.6g} p_0* cannot be estimated for {profile.describe()}: the {most} "
+            "terms that can be resolved are nearly in full contact; take lighter loads"
+        )
+    if not excess <= 1:
+        least = f"tolerance must be at least {MARGIN * excess * tolerance:.1e}, got {tolerance:g}:"
+        raise OutOfReachError(
+            f"{'no tolerance is within reach:' if MARGIN * excess * tolerance >= 1 else least} the resistance of "
+            f"{profile.describe()} is known to {excess * tolerance:.1e} from the first {k} terms, and each of the "
+            f"{most - k} more that can be resolved leaves about {q:.2f} of that; take heavier loads or a finite m"
+        )
+    reached = replace(choice, kept=profile.truncated(k), left_out=profile.amplitude_beyond(k))
+    return replace(_as_curve(profile, reached, loads, solved), resistance_error=error)
+
+
+def _check_resistance(solved: Curve, loads: Array, tolerance: float) -> None:
+    """Refuse a curve whose stated error of the resistance is not within the tolerance."""
+    error = solved.values()["resistance_error"] / np.fmax(solved.resistance, 1)
+    exceeding = ~(error <= tolerance)
+    if exceeding.any():
+        listed = ", ".join(f"{load:.6g}" for load in loads[exceeding][:MAX_LISTED])
+        raise OutOfReachError(
+            f"tolerance must be at least {MARGIN * error[exceeding].max():.1e} for the resistance at these loads, "
+            f"got {tolerance:g}: the error is larger at {exceeding.sum()} of {loads.size} loads ({listed}), as next "
+            "to a birth or a merger; take a larger one, or leave them out"
+        )
+
+
+def _check(profile: Waves, **settings: Any) -> None:
+    """Refuse a quantity or a tolerance that is out of range, or out of reach."""
+    choose(profile, **settings)
 
 
 def _seconds(profile: Waves, loads: Array, **settings: Any) -> float:
@@ -190,11 +277,18 @@ METHOD = Method(
     summary="the fewest terms within a tolerance, by bem or patches (weier.choose); any m, also inf",
     solve=_solve,
     returns=tuple(dict.fromkeys([*bem.METHOD.returns, *patches.METHOD.returns, "chosen_method", "chosen_terms"])),
-    settings={"tolerance": Setting(TOLERANCE, f"accepted error of h, in g_0, in {TOLERANCES}", TOLERANCES)},
+    settings={
+        "tolerance": Setting(
+            TOLERANCE,
+            f"accepted error, in {TOLERANCES}: of h, in g_0; of R, relative to the larger of R and 1 g_0/p_0*",
+            TOLERANCES,
+        ),
+        "quantity": Setting(COMPLIANCE, "quantity of the tolerance, compliance or resistance", QUANTITIES),
+    },
     takes_traces=True,
     infinite=True,
-    check=choose,
-    by_load=True,
+    check=_check,
+    by_load=lambda quantity=COMPLIANCE, **settings: quantity == COMPLIANCE,  # R needs most terms at the heaviest load
     complete=_complete,
     style=Style("#56B4E9", (3, 0.8), "X"),
     seconds=_seconds,

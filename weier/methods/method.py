@@ -129,8 +129,9 @@ class Method:
     seconds : callable
         From a profile, loads and settings as keywords to the expected seconds of a curve on one core, right within a
         factor of 5: `CURVE_SECONDS`, and a power law with one measured number.
-    by_load : bool
-        Whether each load is solved by itself, and costs so much that a curve should go on from the known loads.
+    by_load : callable
+        From settings as keywords to whether each load is solved by itself, and costs so much that a curve should go
+        on from the loads that are known.
     complete : callable
         From a surface, loads, a Curve joined from curves of some of these loads, and settings as keywords to this
         Curve with the quantities that depend on all loads.
@@ -148,7 +149,7 @@ class Method:
     takes_traces: bool = False
     infinite: bool = False
     applies: Callable[..., None] = lambda profile: None
-    check: Callable[..., object] = lambda profile, **settings: None
+    check: Callable[..., None] = lambda profile, **settings: None
     numerical: bool = False
     uses_phases: bool = True
     least_load: float = 0.0
@@ -156,7 +157,7 @@ class Method:
     in_paper: bool = False
     style: Style = DEFAULT_STYLE
     seconds: Callable[..., float] = lambda profile, loads, **settings: CURVE_SECONDS
-    by_load: bool = False
+    by_load: Callable[..., bool] = lambda **settings: False
     complete: Callable[..., Curve] = lambda profile, loads, curve, **settings: curve
     run_kernels: Callable[[], object] = lambda: None
 

@@ -235,7 +235,7 @@ METHOD = Method(
         CURVE_SECONDS + 1.6e-7 * loads.size * points_of(profile, **settings) ** 1.25
     ),
     check=lambda profile, **settings: check_points(_grid(profile, **settings)),
-    by_load=True,
+    by_load=lambda **settings: True,
     complete=with_errors,
     # which usual curves do not reach: edges on nodes
     run_kernels=lambda: curve(Profile(D=1.25, gamma=2, m=2), [0.1, 1.0], staircase="kept"),
