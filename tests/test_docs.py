@@ -28,7 +28,7 @@ from weier.methods import registry
 from weier.pipeline import claims
 from weier.pipeline.claims import paper
 from weier.pipeline.claims.claim import cases_of, judge
-from weier.scene import keys
+from weier.scene import __main__ as scene_keys
 
 
 @pytest.mark.parametrize(
@@ -227,11 +227,11 @@ def test_formulae_need_no_network(site):
 
 def test_every_key_of_a_scene_and_kind_of_figure_is_listed(site):
     text = page(site, "scenes")
-    known = {key for part in keys.PARTS.values() for key in tuple(part.keys())}
+    known = {key for part in scene_keys.PARTS.values() for key in tuple(part.keys())}
     cells = re.findall(r"<td><p><code[^>]*>(.*?)</code>", text)
     listed = {re.sub("<[^>]*>", "", cell) for cell in cells}
     assert known | set(KINDS) <= listed
-    assert text.count("<table") == len(keys.PARTS) + 1
+    assert text.count("<table") == len(scene_keys.PARTS) + 1
 
 
 def test_all_that_is_public_is_described(site):

@@ -80,7 +80,7 @@ def test_a_long_solution_is_announced(monkeypatch, capsys):
     weier.solve(PROFILE, LOADS, "patches")
     assert f"weier.solve: {LOADS.size} loads take about {expected:.0f} s" in capsys.readouterr().err
     weier.solve([PROFILE] * 3, LOADS[:5], "patches", workers=2)  # half of 15 loads
-    assert capsys.readouterr().err == ""
+    assert "take about" not in capsys.readouterr().err
 
 
 def test_a_limit_ends_a_solution_with_a_sentence():

@@ -26,6 +26,7 @@ from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
 from weier.methods.registry import EXACT
+from weier.methods.settings import TOLERANCE
 from weier.surface.limits import check_resolvable
 from weier.surface.waves import Waves, checked_surface
 from weier.theory.bounds import first_contact
@@ -130,6 +131,7 @@ class _Search:
         # Compliance is compared as indentation, which is accurate under light loads.
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.least, self.full = math.log(EXACT.least_load), math.log(ABOVE * profile.full_contact_load)
+        self.settings = {TOLERANCE: EXACT.settings[TOLERANCE].default}
         self.known = dict[float, tuple[float, float]]()  # the quantity, and its stated error, by ln p
 
     def load(self, target: float) -> tuple[float, float]:
@@ -164,7 +166,7 @@ class _Search:
     def at(self, log_load: float) -> tuple[float, float]:
         """Return the quantity under one load, and its stated error."""
         if log_load not in self.known:
-            found: Any = CurveTask(self.profile, EXACT.name, {}, np.array([math.exp(log_load)])).solve()[0]
+            found: Any = CurveTask(self.profile, EXACT.name, self.settings, np.array([math.exp(log_load)])).solve()[0]
             value = found.indentation if self.name == "compliance" else getattr(found, self.name)
             self.known[log_load] = float(value[0]), float(getattr(found, f"{self.name}_error")[0])
         return self.known[log_load]
