@@ -36,7 +36,7 @@ from weier.scene import __main__ as scene_keys
     [
         ("index", 5),
         ("one_load", 50),
-        ("measured", 20),
+        pytest.param("measured", 20, marks=pytest.mark.second_attempt),
         *((page, 20) for page in plots.NOT_RUN),
     ],
 )

@@ -23,6 +23,7 @@ LONG_PERIOD = weier.Profile(1.5, "6/5", 4, 1.0)  # rounding is above 1e-13 g_0 a
 SERIES = [weier.Profile(1.25, 5, 3, weier.random_phases(seed)) for seed in range(3)]
 
 
+@pytest.mark.second_attempt
 def test_curves_of_another_process_have_the_same_bits():
     """So have the edges of contact, and the reasons why there is no curve are the same."""
     trace = weier.Trace(1e-6 * np.sin(np.arange(64) * 2 * np.pi / 64) ** 3, length=1e-3, unit="m")

@@ -113,12 +113,12 @@ def test_signals_while_a_kernel_returns():
 
 
 @compiled
-def test_ctrl_c_ends_compiling_at_once(tmp_path):
-    """Python alone would see it when LLVM is done with a kernel."""
+def test_ctrl_c_ends_compiling(tmp_path):
+    """Python sees it when LLVM is done with a kernel."""
     command = [sys.executable, "-m", "weier", "compile", "bem"]
     process = subprocess.Popen(command, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
     while not any(tmp_path.rglob("weier-*")):
         assert process.poll() is None
         time.sleep(0.1)
     process.send_signal(signal.SIGINT)
-    assert process.wait(2) == -signal.SIGINT
+    assert process.wait(20) == 130

@@ -52,10 +52,8 @@ class CurveTask(NamedTuple):
     @property
     def expected(self) -> float:
         """The expected seconds on one core; 0 if the method refuses the curve."""
-        try:
-            return float(find_method(self.method).seconds(self.profile, self.loads, **self.settings))
-        except NotApplicableError:
-            return 0.0
+        method = find_method(self.method)
+        return float(method.seconds(self.profile, self.loads, **self.settings)) if method.takes(self.profile) else 0.0
 
     def solve(self) -> tuple[Curve, float]:
         """Return the solution and its seconds without compiling; raises what the method raises."""

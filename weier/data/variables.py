@@ -233,6 +233,7 @@ VARIABLES = {
     "residual": Variable(CURVE, "largest violation of a contact condition", "g_0", content=QUALITY, optional=True),
     "work": Variable(CURVE, "pairs of FFTs or Newton steps", content=AUXILIARY, optional=True),
     "points": Variable(RUN, "nodes in one period", content=AUXILIARY, optional=True),
+    "second_attempts": Variable(RUN, "loads whose first attempt failed", content=AUXILIARY, optional=True),
     "settings": Variable(RUN, "settings of the method that were used, as JSON", dtype="O", content=AUXILIARY),
     "status": Variable(RUN, "whether there is a curve, or why not", dtype="i1", flags=Status, content=QUALITY),
     "contact_edge": Variable(EDGES, "left and right edge of each contact, in turn", "lambda_0"),

@@ -35,6 +35,7 @@ class Curve:
     work: Array | Indices | None = None
     contact_edge: Array | None = None
     points: int | None = None
+    second_attempts: int | None = None
     chosen_method: str | None = None
     chosen_terms: float | None = None
 
@@ -53,6 +54,8 @@ def joined(parts: Sequence[tuple[Array, Curve]]) -> tuple[Array, Curve]:
         if max(map(np.ndim, given)) == 1:
             each = [np.broadcast_to(value, own.shape) for value, (own, _) in zip(given, parts, strict=True)]
             found[name] = np.concatenate(each)[order]
+        elif name == "second_attempts":
+            found[name] = sum(given)
         elif max(map(np.ndim, given)) == 0:
             found[name] = given[-1]
     return loads[order], Curve(**found)

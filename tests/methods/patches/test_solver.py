@@ -10,7 +10,7 @@ from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches, westergaard
-from weier.methods.patches import start
+from weier.methods.patches import solver, start
 from weier.methods.patches.start import isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import make_series, surface_of
 
@@ -162,11 +162,12 @@ def test_translation_and_mirror_change_nothing(load):
     np.testing.assert_allclose(turned, np.sort(-here.centre % 1), atol=1e-11)
 
 
+@pytest.mark.second_attempt
 def test_a_bound_beyond_the_tolerance_is_no_answer_and_the_least_one_is():
     """A hundred contacts on a period of 100 lambda_0, where rounding of the sums exceeds 1e-13."""
     profile = Profile(1.45, "11/10", 3, 1.0)
     with pytest.raises(
-        ConvergenceError, match=r"known to .* not to the tolerance of 1e-13: take .* or more"
+        ConvergenceError, match=r"known to .* because of rounding, not to the tolerance of 1e-13: take .* or more"
     ) as error:
         patches.curve(profile, [0.76], tolerance=1e-13)
     least = float(str(error.value).split("take ")[1].split()[0])
@@ -319,3 +320,25 @@ def test_forces_on_crests_are_those_of_one_plane():
         height[loaded] -= force[loaded] * (1 - 2 * np.log(np.pi * half_width))
         assert np.ptp(height[loaded]) < 2e-2 * total
         assert np.all(height[~loaded] < height[loaded].min() + 2e-2 * total)
+
+
+@pytest.mark.second_attempt
+@pytest.mark.parametrize(
+    ("tolerance", "expected"), [(1e-8, [1e-8, 1e-9]), (2e-12, [2e-12, 1e-12]), (1e-12, [1e-12, 1e-10])]
+)
+def test_a_second_attempt_is_tighter_or_looser_if_rounding_limits_it_and_the_last(tolerance, expected, monkeypatch):
+    """The first one fails, and then both."""
+    starts, tried, real = start.Starts(Profile(1.5, 3, 1), tolerance), [], solver.solve_in_stages
+
+    def failing(surface, guess, tolerance, accepted):
+        tried.append(tolerance)
+        if len(tried) == 1 or len(tried) > 2:
+            raise solver.ConvergenceError("it fails")
+        return real(surface, guess, tolerance, accepted)
+
+    monkeypatch.setattr(solver, "solve_in_stages", failing)
+    assert solver.solve_state(starts, 0.3)[0].route.attempts == 2
+    assert tried == pytest.approx(expected, rel=1e-15, abs=0)
+    with pytest.raises(solver.ConvergenceError, match="it fails"):
+        solver.solve_state(starts, 0.3)
+    assert len(tried) == 4

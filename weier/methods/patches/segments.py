@@ -115,11 +115,13 @@ class Route(NamedTuple):
 
     steps : number of solutions on given edges
     corrections : number of corrections of the set of segments
+    attempts : 1, or 2 if the first one failed
     """
 
     start: Start
     steps: int = 0
     corrections: int = 0
+    attempts: int = 1
 
 
 class ContactState(NamedTuple):

@@ -59,7 +59,7 @@ MIN_TOLERANCE = 10 * FIELD_ROUNDING  # smallest relative tolerance of the residu
 # then vanishes again
 MAX_TOLERANCE = 1e-6
 # Largest allowed ratio of the stage-3 residual to the target of the iteration. It is also the ratio of the target to
-# the residual of the equations.
+# the residual of the equations, and a second attempt (`solve_state`) divides its tolerance by it.
 MAX_OVER_TARGET = 10.0
 TARGET = MAX_OVER_TARGET**-2  # ratio of the iteration's target to the tolerance, which limits the sum of all parts
 
@@ -87,19 +87,22 @@ class Limits(NamedTuple):
     margin: float
 
 
-def solve_in_stages(surface: Surface, guess: ContactState, tolerance: float) -> tuple[ContactState, int]:
+def solve_in_stages(
+    surface: Surface, guess: ContactState, tolerance: float, accepted: float | None = None
+) -> tuple[ContactState, int]:
     """Return the state in partial contact from a guess under its load, and the steps of Newton's method.
 
     tolerance : tolerance of the residual, relative to the scale of the load
+    accepted : the tolerance by which the state is judged, if larger
 
     ConvergenceError is raised if steps or corrections do not end, or if the state fails a check. Segments have at
     most `MAX_NODES` nodes.
     """
     problem = ContactProblem(guess.kind.series(surface), guess.load, guess.kind)
-    kind, series, (_, steps, corrections) = problem.kind, problem.series, guess.route
+    kind, series, (_, steps, corrections, _) = problem.kind, problem.series, guess.route
     # The set of many segments, each of some 20 nodes, is found at the loosest tolerance, which costs fewer steps of
-    # conjugate gradients.
-    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT
+    # conjugate gradients. A second attempt takes no part of the route of the first.
+    is_large = 20 * guess.segments.half_width.size > MAX_DIRECT and guess.route.attempts == 1
     first = max(tolerance, MAX_TOLERANCE) if is_large else tolerance
     limits, now = load_limits(problem, guess.segments.half_width, first), make_guess(problem, guess.segments, first)
     coarser = np.inf  # height of the residual before nodes were added
@@ -118,7 +121,7 @@ def solve_in_stages(surface: Surface, guess: ContactState, tolerance: float) -> 
             other = with_fewer_nodes(surface, state._replace(segments=now.punches.segments))
             if other.kind is not state.kind:
                 route = guess.route._replace(steps=steps, corrections=corrections)
-                return solve_in_stages(surface, other._replace(route=route), tolerance)
+                return solve_in_stages(surface, other._replace(route=route), tolerance, accepted)
             continue
         if limits.tolerance > tolerance:
             limits = load_limits(problem, state.segments.half_width, tolerance)
@@ -138,7 +141,7 @@ def solve_in_stages(surface: Surface, guess: ContactState, tolerance: float) -> 
         state = _with_resistance(state, solved, step, tangent)
         state, tensions = with_cracks(state, series, step.punches, tangent, tensions, float(residual.max()))
         violations = residual, width, roughness, overlaps, tensions
-        state = certify(state, *violations, series, surface.total_amplitude, tolerance, limits.margin)
+        state = certify(state, *violations, series, surface.total_amplitude, accepted or tolerance, limits.margin)
         return state._replace(route=guess.route._replace(steps=steps, corrections=corrections)), steps
     raise _no_set(problem.load)
 
