@@ -93,8 +93,7 @@ def _guess(model: Model, position: Array) -> Rows:
     """
     heavy = position[log_load_at(position) >= MIN_ESTIMATED_LOAD]
     log_W = np.log(archard.compliance(np.exp(log_load_at(heavy)), model.D, model.gamma, math.inf))
-    unknown = np.empty((heavy.size, 0))
-    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), unknown, unknown), MAX_GUESS_STEP)
+    rows, _ = _newton(model, Rows(heavy, log_W, np.gradient(log_W, heavy), np.empty((heavy.size, 0))), MAX_GUESS_STEP)
     for one in position[position < heavy[0]][::-1]:
         rows = merge(_scale(model, rows).rows(np.array([one]), None), rows)
     return rows

@@ -76,9 +76,9 @@ class Scale(NamedTuple):
 
     def rows(self, position: Array, guess: Array | None) -> Rows:
         """Return rows of W at these positions below full contact, from the guessed states."""
-        solved, stretch = self._solved(log_load_at(position), guess), np.cosh(position)
+        solved = self._solved(log_load_at(position), guess)
         h = np.minimum(solved.compliance, self.amplitude)
-        return Rows(position, np.log(h), solved.rate / h * stretch, solved.state, solved.tangent * stretch[:, None])
+        return Rows(position, np.log(h), solved.rate / h * np.cosh(position), solved.state)
 
     def solve(self, log_load: Array) -> tuple[Array, Array, Array]:
         """Return h, dh/d ln xi and residual in g under loads of any order, each of shape (loads,)."""
@@ -124,8 +124,8 @@ def finest_wave(bottom: float, accuracy: float) -> ComplianceTable:
 
     def waves(position: Array, _: Array | None) -> Rows:
         y = np.minimum(log_load_at(position), 0)
-        slope, nothing = -y / (1 - y) * np.cosh(position), np.zeros((y.size, 0))
-        return Rows(position, y + np.log1p(-y), slope, nothing, nothing)  # h = xi (1 - ln xi)
+        slope = -y / (1 - y) * np.cosh(position)
+        return Rows(position, y + np.log1p(-y), slope, np.zeros((y.size, 0)))  # h = xi (1 - ln xi)
 
     return ComplianceTable(tabulate(waves, lattice(bottom, 0.0), accuracy), 1.0, 0.0)
 

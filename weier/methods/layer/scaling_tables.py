@@ -69,15 +69,14 @@ def log_compression(closure: Closure, log_pressure: Array) -> tuple[Array, Array
 class Rows(NamedTuple):
     """ln W and its slope at increasing positions of ln xi, each of shape (rows,), and the waves solved for them.
 
-    Positions are those of a closure of origin 0. The states of the waves and the slopes of these have the shape
-    (rows, unknowns); there are no unknowns where W has a closed form.
+    Positions are those of a closure of origin 0. The states of the waves have the shape (rows, unknowns); there are
+    no unknowns where W has a closed form.
     """
 
     position: Array
     log_compliance: Array
     slope: Array
     state: Array
-    tangent: Array
 
     @property
     def closure(self) -> Closure:
@@ -124,8 +123,8 @@ def evaluate_midpoints(waves: WaveMap, rows: Rows, left: Array, right: Array) ->
     The cubics must agree in slope as well: near a kink the value may agree by chance.
     """
     middle, half = (left + right) / 2, (right - left) / 2
-    guess = scipy.interpolate.CubicHermiteSpline(rows.position, rows.state, rows.tangent)(middle)
-    between = waves(middle, guess)
+    # Cubics overshoot where a contact becomes full within a cell.
+    between = waves(middle, scipy.interpolate.make_interp_spline(rows.position, rows.state, k=1)(middle))
     log_W, power = log_compression(rows.closure, log_load_at(middle))
     # A cubic is wrong by 4/27 of a slope error times half the spacing.
     by_slope = 0.25 * half * np.abs(between.slope - power * np.cosh(middle))

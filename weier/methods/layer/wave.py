@@ -63,16 +63,12 @@ class Balance(NamedTuple):
 
 
 class Solutions(NamedTuple):
-    """Solutions at the loads: h, dh/d ln xi and relative residual, of shape (loads,), and the states.
-
-    The states and their derivatives with respect to ln xi have the shape (loads, M + 1).
-    """
+    """Solutions at the loads: h, dh/d ln xi and relative residual, of shape (loads,), and states (loads, M + 1)."""
 
     compliance: Array
     rate: Array
     residual: Array
     state: Array
-    tangent: Array
 
 
 def midpoints(points: int) -> Mesh:
@@ -167,15 +163,15 @@ def _newton(state: Array, log_load: Array, closure: Closure, mesh: Mesh, limit: 
     return state, error
 
 
-def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array, Array]:
-    """Return h, dh/d ln xi and the derivative of each state with respect to ln xi."""
+def _finish(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> tuple[Array, Array]:
+    """Return h and dh/d ln xi."""
     equations = _balance(state, log_load, closure, mesh)
     tangent, excess = _solve(equations.jacobian, -equations.drift), np.expm1(state[:, :-1])
     depth, load = reference_heights(state[:, -1]), np.exp(log_load)
     displacement = (mesh.edge_influence * excess).sum(axis=1) - depth.log_sine
     growth = (mesh.edge_influence * (excess + (1 + excess) * tangent[:, :-1])).sum(axis=1) - depth.log_sine
     rate = load * growth + tangent[:, -1] * _deepening(state[:, -1], load)
-    return depth.total + load * displacement, np.maximum(rate, 0.0), tangent
+    return depth.total + load * displacement, rate
 
 
 def _deepening(edge: Array, load: Array) -> Array:
@@ -220,6 +216,6 @@ def solve_waves(
     """
     start = _first_guess(log_load, closure, mesh) if guess is None else guess
     state, residual = _newton(start, log_load, closure, mesh, attainable(log_load, tolerance))
-    h, rate, tangent = _finish(state, log_load, closure, mesh)
-    residual[~np.isfinite(tangent).all(axis=1)] = np.inf  # LAPACK may not detect a singular matrix
-    return Solutions(h, rate, residual, state, tangent)
+    h, rate = _finish(state, log_load, closure, mesh)
+    residual[~np.isfinite(rate)] = np.inf  # LAPACK may not detect a singular matrix
+    return Solutions(h, np.maximum(rate, 0.0), residual, state)
