@@ -79,6 +79,20 @@ def test_each_load_is_as_accurate_as_asked_for(D, gamma, m):
         assert error <= accuracy  # and that of the mesh, 5e-6 at most
 
 
+# Cubics through the waves of the first overshoot where a contact becomes full; the second needs shorter Newton steps.
+HARD = [(1 + 1e-6, 428, 12), (1.999, 16, math.inf), (1.999, 9564, math.inf)]
+
+
+@pytest.mark.parametrize(("D", "gamma", "m"), HARD)
+def test_series_close_to_the_ends_of_D_are_solved(D, gamma, m):
+    """Two meshes agree, and neither is above Archard's estimate."""
+    loads = np.geomspace(1e-6, 30, 5)
+    h = layer.curve(Profile(D, gamma, m), loads).compliance
+    finer = layer.curve(Profile(D, gamma, m), loads, points=32).compliance
+    np.testing.assert_allclose(h, finer, atol=5e-6 * leading_amplitude(m, D, gamma), rtol=ACCURACY)
+    assert np.all(h <= archard.compliance(loads, D, gamma, m) * (1 + ACCURACY))
+
+
 def test_loads_below_those_of_floats_are_refused():
     with pytest.raises(ValueError, match="mean_pressure must be at least 1e-305 p_0"):
         layer.curve(Profile(1.5, 5, 3), [1e-306])

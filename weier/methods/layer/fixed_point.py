@@ -34,6 +34,7 @@ MIN_ESTIMATED_LOAD = -8.0  # ln xi above which the initial guess is Archard's es
 MAX_GUESS_STEP = 0.1  # change of ln W in a step at which a guess is accepted
 MAX_STEPS = 400  # Newton steps; 7 to 30 are usual
 MAX_STEP = 0.5  # largest change of ln W in a step
+MIN_PART = 1e-3  # smallest part of the way from TW to the new table that is tried if a wave does not converge
 RESIDUAL_FRACTION = 0.1  # ratio of the waves' residual to the relative error of the table
 FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically flat to the end of a table
 
@@ -102,24 +103,32 @@ def _guess(model: Model, position: Array) -> Rows:
 def _newton(model: Model, rows: Rows, limit: float) -> tuple[Rows, Array]:
     """Solve by Newton steps with the J of the linear interpolant of ln W.
 
-    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. Returns the
-    rows at the fixed point and J, once a step is at most the limit.
+    J >= 0 and its rows sum to less than 1, so that (I - J)^-1 exists. Steps are shortened to `MAX_STEP`. If a wave
+    does not converge on the new table, the table moves towards TW. Returns the rows at the fixed point and J, once a
+    step is at most the limit.
     """
     identity, top = np.eye(rows.position.size), math.log(model.infinite_amplitude)
     spline = scipy.interpolate.CubicSpline(rows.position, identity)  # the rows also determine ln W between them
-    size, change = identity, math.inf
+    image, correction, part, size, change = rows, np.zeros(len(identity)), 1.0, identity, math.inf
     for _ in range(MAX_STEPS):
+        log_W = np.minimum(image.log_compliance + part * correction, top)
+        slope = image.slope + spline(rows.position, 1) @ (log_W - image.log_compliance)
+        rows = image._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
         scale = _scale(model, rows)
-        new = scale.rows(rows.position, rows.state if rows.state.size else None)
-        if change <= limit:
+        try:
+            new = scale.rows(rows.position, rows.state if rows.state.size else None)
+        except ConvergenceError:
+            if part < MIN_PART:
+                raise
+            part /= 4
+            continue
+        if change <= limit and part == 1:
             return rows, size
         size = _sensitivity(new, scale)
-        residual = new.log_compliance - rows.log_compliance
+        residual = new.log_compliance - log_W
         step = np.linalg.solve(identity - size, residual)
         change = float(np.max(np.abs(step)))
-        log_W = np.minimum(new.log_compliance - residual + step * MAX_STEP / max(change, MAX_STEP), top)
-        slope = new.slope + spline(rows.position, 1) @ (log_W - new.log_compliance)
-        rows = new._replace(log_compliance=log_W, slope=np.maximum(slope, 0))
+        image, correction, part = new, step * MAX_STEP / max(change, MAX_STEP) - residual, 1.0
     raise ConvergenceError(
         f"the layer model of the infinite series of D = {model.D:.6g} and gamma = {model.gamma:.6g} still changes by "
         f"{change:.1e} of itself from step to step, above {limit:.1e}: choose other points, or a D further from 2",
