@@ -26,11 +26,11 @@ rule measure:
     input:
         settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
     output:
-        "results/{study}/{study}.md",
+        multiext("results/{study}/{study}", ".md", ".pdf", ".svg", ".png", ".csv"),
     log:
         "results/logs/{study}/measure.log",
     wildcard_constraints:
-        study="|".join(SETTINGS),
+        study="tradeoff|extremes",
     conda:
         "environment.yaml"
     threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
@@ -41,7 +41,14 @@ rule measure:
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
-        "--output {output:q} 2>&1 | tee -i {log:q}"
+        "--output {output[0]:q} 2>&1 | tee -i {log:q}"
+
+
+use rule measure as measure_without_figure with:
+    output:
+        "results/{study}/{study}.md",
+    wildcard_constraints:
+        study="convergence",
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

@@ -66,6 +66,15 @@ def test_numbers_are_rounded_to_the_digits_that_errors_leave(value, error, expec
     assert report._rounded(value, error) == expected
 
 
+def test_one_line_has_no_percentiles(run, lines):
+    assert run("report", "a.csv", *PRESSURES, "-o", "one.csv")[0] == 0
+    assert list(pd.read_csv("one.csv"))[:3] == [
+        "mean pressure (MPa)",
+        "resistance (ohm m^2)",
+        "resistance, numerical error (ohm m^2)",
+    ]
+
+
 def test_all_columns_are_of_each_line(run, lines):
     assert run("report", *FILES, *PRESSURES, "--all", "-o", "all.csv")[0] == 0
     table = pd.read_csv("all.csv")
@@ -104,7 +113,7 @@ def test_a_report_that_is_stopped_is_of_the_lines_that_are_solved(run, lines):
     assert (code, err) == (1, "1 of 3 lines: a.csv\nweier: enough\n")
     expected = weier.Interface(**BODIES).solve(lines[0], [1e6, 10**6.5, 1e7]).resistance.values
     table = pd.read_csv("report.csv")
-    assert table["resistance, median (ohm m^2)"].to_numpy() == pytest.approx(expected, rel=6e-5)
+    assert table["resistance (ohm m^2)"].to_numpy() == pytest.approx(expected, rel=6e-5)
 
 
 def test_heat_has_its_own_unit_in_tables_and_figures(run, lines, tmp_path):
@@ -132,6 +141,8 @@ def test_a_workbook_has_numbers(run, lines):
     [
         (["a.csv"], "a report needs the two bodies, by --si, and the mean pressures, by --pressures"),
         (["a.csv", *PRESSURES, "-o", "b.csv"], "b.csv exists: name another file, or overwrite it by --force"),
+        (["a.csv", "b.csv", *PRESSURES, "-o", "./b.csv", "--force"], "b.csv is one of FILES: name another output"),
+        (["a.csv", "--si", "bodies.yaml", "--pressures", "1MPa", "-o", "a.png"], "at least 2 pressures, got 1"),
         (["a.csv", *PRESSURES, "-o", "b.doc"], "the name must end in one of .csv, .xlsx, .tex, .md"),
         (["a.csv", *PRESSURES, "-o", "b.xlsx"], "this command needs openpyxl: pip install 'weier[excel]'"),
         (["a.csv", "long.csv", *PRESSURES], "got 1e-05 to 2e-05 m, two steps of each file by default: give 2e-05 m"),

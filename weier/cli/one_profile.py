@@ -92,7 +92,7 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
         kept.finish(curves)
     else:
         kept.save(curves)
-        where = f"in {kept.part}, from which the same command goes on"
+        where = f"in {kept.part}" + ("" if force else ", from which the same command goes on")
     if stop is not None:
         solved, count = curves.sizes["mean_pressure"], call.distinct_loads.size
         click.echo(f"weier: {solved} of {count} loads are solved, and {where}", err=True)

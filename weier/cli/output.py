@@ -34,10 +34,13 @@ class Output:
 
     The partial file, such as curve.part.nc for curve.nc, is written every `SAVE_SECONDS`, and removed at the end.
     Both state the problem: the surface, the methods with their settings, the bodies and the code.
+
+    owned : whether this run has read or written the partial file
     """
 
     def __init__(self, path: Path, call: Call) -> None:
         self.path, self.part, self.call, self.saved = path, path.with_name(f"{path.stem}.part.nc"), call, monotonic()
+        self.owned = False
         (self.surface,) = call.surfaces
         self.bodies = call.bodies and call.bodies.at(self.surface)
         given = {"methods": sorted(call.methods), "settings": call.settings}
@@ -52,6 +55,7 @@ class Output:
         found, loads = dict[str, Known](), self.call.distinct_loads
         for path in filter(Path.exists, (self.path, self.part)):
             data = self._read(path)
+            self.owned |= path == self.part
             unit = units.unit_of(data[LOADS])
             pressures = data[LOADS].values * (1.0 if self.bodies is None else units.factor(LOADS, unit, units.PASCAL))
             at = np.abs(loads[:, None] - pressures).argmin(axis=0)
@@ -105,12 +109,13 @@ class Output:
         """Write the solved loads to the partial file."""
         with warnings.catch_warnings(action="ignore"):  # the whole curve warns of yield
             self._write(curves, self.part)
-        self.saved = monotonic()
+        self.saved, self.owned = monotonic(), True
 
     def finish(self, curves: xr.Dataset) -> None:
         """Write the output file."""
         self._write(curves, self.path)
-        self.part.unlink(missing_ok=True)
+        if self.owned:
+            self.part.unlink(missing_ok=True)
 
     def _write(self, curves: xr.Dataset, path: Path) -> None:
         data = self.call.in_units(curves).drop_vars("case").assign_attrs({PROBLEM: json.dumps(self.problem)})

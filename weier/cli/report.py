@@ -85,7 +85,11 @@ def report(
     if bodies is None or pressures is None:
         raise click.UsageError("a report needs the two bodies, by --si, and the mean pressures, by --pressures")
     for path in outputs:  # before anything is read
+        if path.resolve() in {file.resolve() for file in files}:
+            raise click.BadParameter(f"{path} is one of FILES: name another output")
         options.check_free(path, force)
+        if path.suffix in PICTURES and len({*pressures[0]}) < 2:
+            raise click.BadParameter("a figure takes at least 2 pressures, got 1")
         if path.suffix in PACKAGES:
             import_module(PACKAGES[path.suffix])  # an extra installs it; the error names it
     from weier.cli.call import Call  # xarray takes half a second, and the help needs none of it
@@ -103,7 +107,7 @@ def report(
     data, count = call.in_units(solved), len({line.digest for line in lines})
     counted = f"{count} of {of_all}" if count < of_all else f"{count}"
     title = f"{counted} line{'s' * (of_all > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
-    table = table_of(data) if everything else _columns(table_of(data, ensemble=True))
+    table = table_of(data) if everything else _columns(table_of(data, ensemble=True), count > 1)
     for path in outputs:
         if path.suffix == DATA:
             dataset.write(data, path, title, "solved")
@@ -134,15 +138,19 @@ def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
     return lines
 
 
-def _columns(ensemble: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of a report under their headings, with units, rounded as their numerical errors allow."""
+def _columns(ensemble: pd.DataFrame, several: bool) -> pd.DataFrame:
+    """Return the columns of a report under their headings, with units, rounded as their numerical errors allow.
+
+    A single line has no percentiles, and its medians are called by the quantity alone.
+    """
     names = {UNIT.sub("", name): name for name in ensemble}
     found = {}
     for name, meaning in COLUMNS.items():
-        if name in names:
+        if name in names and (several or "percentile" not in name):
             values = ensemble[names[name]]
             errors = ensemble.get(names.get(f"{STATISTIC.sub('', name)}_numerical_error"), 0 * values)
-            found[meaning + names[name].removeprefix(name)] = list(map(_rounded, values, errors))
+            heading = meaning if several else meaning.removesuffix(", median")
+            found[heading + names[name].removeprefix(name)] = list(map(_rounded, values, errors))
     return type(ensemble)(found)
 
 

@@ -33,7 +33,7 @@ WHY = {
     Status.not_converged: "missed its tolerance",
 }
 # end of a column name that follows the name of a quantity
-STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error|standard_error)$")
+STATISTIC_SUFFIX = re.compile(f"_(mean|deviation|{'|'.join(PERCENTILES)}|numerical_error)$")
 
 
 def as_json(data: xr.Dataset, title: str) -> str:

@@ -20,7 +20,6 @@ from weier.methods.curve import QUANTITIES
 CASE, LOADS = "case", "mean_pressure"
 CURVE = (CASE, "solution_method", LOADS)
 RUN = ("case", "solution_method")
-LOAD_DIMS = ("case", "mean_pressure")
 EDGES = ("case", "mean_pressure", "edge")
 # Phrases that several comments share.
 DATUM = "It counts from the undeformed profile whose waves all peak together"

@@ -8,8 +8,8 @@ from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.blas import one_thread
 from weier.methods import patches
-from weier.methods.patches import stages
-from weier.methods.patches.certificate import check_violation
+from weier.methods.patches import pair_sums, stages
+from weier.methods.patches.certificate import check_violation, contact_residual
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.edge_iteration import ContactProblem, carried_along, make_guess, take_step
 from weier.methods.patches.gaps import GAPS
@@ -23,6 +23,18 @@ from weier.methods.patches.start import TOLERANCE, Starts, contacts_guess
 from weier.methods.patches.surface import nearest_crests, surface_of
 
 FOUR_WAVES = Profile(1.25, 5, 4, (0.0, 1.0, 2.0, 3.0))
+
+
+def test_fast_sums_that_are_off_are_noticed(monkeypatch):
+    """Direct sums at some of the points are the reference."""
+    state = patches.solve_load(FOUR_WAVES, 1.8).state
+    series = state.kind.series(surface_of(FOUR_WAVES))
+    assert state.segments.node_count.sum() > pair_sums.MAX_DIRECT
+    fine = contact_residual(state, series)[0].max()
+    real = pair_sums._potential
+    monkeypatch.setattr(pair_sums, "_potential", lambda *arguments: real(*arguments) - 1e-7)
+    wrong = state._replace(approach=state.approach + 1e-7)
+    assert contact_residual(wrong, series)[0].max() > 1e-8 > fine
 
 
 def solve_from_grid(profile, load):

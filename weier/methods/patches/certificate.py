@@ -70,7 +70,7 @@ def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, 
     """Return the maximum of the residual on each segment, the width over which this has its force, and its roughness.
 
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
-    coefficients in T_n, in its unit. Fast sums are checked against closed forms at some points.
+    coefficients in T_n, in its unit. At some points, the sums are direct (`potential`).
     """
     first, crest, y = sample_points(state.segments)
     return _sizes(state.segments, first, complementary_residuals(state, series, crest, y))
