@@ -256,9 +256,9 @@ def clear(message, argument):
     """One sentence that names the argument, or the rule that its value breaks."""
     assert "\n" not in message, message
     assert len(message) < MAX_MESSAGE, message
-    named = {"path": "there is no file", "surface": "profile"} | dict.fromkeys(
-        ("mu_2", "nu_1", "nu_2", "lambda_0", "g_0"), "mu_1"
-    )
+    named = {
+        "path": "there is no file",
+    } | dict.fromkeys(("mu_2", "nu_1", "nu_2", "lambda_0", "g_0"), "mu_1")
     assert argument in message or named.get(argument, argument) in message, (argument, message)
 
 

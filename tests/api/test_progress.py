@@ -63,7 +63,7 @@ def test_a_search_shows_its_progress_in_one_line_of_a_terminal_or_in_lines(monke
     weier.events(PROFILE, 1e-3, 1.0)
     first, *others = screen.getvalue().removeprefix(start).removesuffix(end).split(start or end)
     assert first.startswith("weier.events: ")
-    share = [int(line.split()[1]) for line in (first, *others)]
+    share = [int(line.split("%")[0].split()[1]) for line in (first, *others)]
     assert share == sorted(share)
     assert 0 <= share[0] < 50 < share[-1]
 
@@ -93,6 +93,13 @@ def test_a_limit_ends_a_solution_with_a_sentence():
     for limit in (0, "10"):
         with pytest.raises(ValueError, match="max_seconds must be positive"):
             weier.solve(PROFILE, LOADS, "demelio", max_seconds=limit)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_limit_keeps_the_curves_that_are_done(workers):
+    with pytest.raises(TimeoutError) as stop:
+        weier.solve([weier.Profile(1.5, 5, 3), PROFILE], LOADS, "layer", max_seconds=1e-6, workers=workers)
+    assert np.isfinite(stop.value.curve.compliance.values[0]).all()
 
 
 class Stop:

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,8 @@ def test_curves_of_another_process_have_the_same_bits():
 def test_progress_counts_the_loads_of_all_processes():
     progress = Progress(9, 0.0, print)
     outcomes = solve_curves([CurveTask(profile, "demelio", {}, LOADS) for profile in SERIES], 2, progress)
-    assert [progress.done for _ in outcomes] == [3, 6, 9]
+    assert [progress.done for _ in outcomes] == [0, 3, 6]
+    assert progress.done == 9
 
 
 def test_more_workers_than_curves_are_none_too_many():
@@ -74,6 +76,18 @@ def test_all_cores_are_those_that_the_process_may_use(monkeypatch):
     assert checks.checked_workers(np.int64(4)) == 4
 
 
+def solve_in_pool(workers):
+    return weier.solve(SERIES, LOADS, "demelio", workers=workers).compliance.values
+
+
+def test_a_process_of_a_pool_solves_its_list_alone():
+    """It is daemonic, and Python lets it start no processes."""
+    with get_context("spawn").Pool(1) as pool:
+        found = pool.map(solve_in_pool, [1, 2])
+    assert np.array_equal(*found)
+    assert np.array_equal(found[0], solve_in_pool(2))
+
+
 SCRIPT = """
 import weier
 profiles = [weier.Profile(1.25, 5, 5, weier.random_phases(seed)) for seed in range({count})]
@@ -87,6 +101,7 @@ def test_a_script_without_a_guard_gives_a_message(tmp_path):
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
     assert done.returncode == 1
     assert f"ChildProcessError: {LOST}" in done.stderr
+    assert done.stderr.count("Traceback") == 1  # none of the processes
 
 
 @pytest.mark.usefixtures("ctrl_c")

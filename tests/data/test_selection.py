@@ -216,6 +216,11 @@ def test_an_ensemble_has_means_with_their_scatter_and_the_numerical_error():
     assert table["compliance_numerical_error"][2:].isna().all()
 
 
+def test_negative_labels_that_agree_are_of_one_ensemble():
+    data = weier.solve([Profile(1.25, 5, 2, seed) for seed in (0.0, 1.0)], [0.1], ["demelio"])
+    assert len(data.assign_coords(temperature=("case", [-40.0, -40.0])).weier.ensemble()) == 1
+
+
 def test_each_set_of_parameters_has_an_ensemble_of_its_own():
     """Means over the phases alone; a surface that occurs twice, under two names too, counts once."""
     kinds = [(1.25, 3, 2), (1.5, 3, 2), (1.5, 3, 3), (1.5, "5/2", 2)]

@@ -18,7 +18,7 @@ from weier.data.si import with_pressures_in
 from weier.data.variables import VARIABLES
 from weier.kernels.arrays import Array
 from weier.methods.load_progress import converting
-from weier.surface.waves import Waves
+from weier.surface.waves import Waves, checked_surface
 
 
 class Interface(Bodies):
@@ -115,6 +115,9 @@ class Interface(Bodies):
             "pressure", pressure, "be positive", lambda p: (p > 0) & (p < np.inf), units.PASCAL
         )
         pressures = np.atleast_1d(positive)
+        surfaces: list[Any] = list(surface) if isinstance(surface, list | tuple) and surface else [surface]
+        for one in surfaces:
+            checked_surface(one, "surface")
         loads, position = np.unique(pressures, return_inverse=True)
         unit = units.unit_of(pressure[0] if isinstance(pressure, list | tuple) and pressure else pressure)
 

@@ -173,13 +173,14 @@ class _Search:
 
     def _limits(self, value: float) -> str:
         """Return the message for a value that no load gives, or all loads beyond full contact."""
-        unit, found = VARIABLES[self.name].unit, sorted((self.at(load)[0], load) for load in (self.least, self.full))
-        ends = (
-            f"{self._shown(end + self.offset, unit)}, under {self._shown(math.exp(load), NORMALISED_PRESSURE)}"
-            for end, load in found
-        )
-        got = self._shown(value + self.offset, unit)
-        return f"{self.name} must lie between {', and '.join(ends)}, got {got}"
+        unit, pressure = VARIABLES[self.name].unit, NORMALISED_PRESSURE
+        full = f"full contact under {self._shown(math.exp(self.full), pressure)}"
+        least, most = (self._shown(self.at(load)[0] + self.offset, unit) for load in (self.least, self.full))
+        limits = f"{self._shown(self.offset, unit)}, at first contact, and {most}, at {full}"
+        if self.name == "resistance":
+            lightest = self._shown(math.exp(self.least), pressure)
+            limits = f"{most}, from {full} on, and {least}, under the lightest load of {lightest}"
+        return f"{self.name} must lie between {limits}, got {self._shown(value + self.offset, unit)}"
 
     def _shown(self, value: float, unit: str) -> str:
         """Return a value with its unit, in SI if the scales have one for it."""

@@ -45,7 +45,8 @@ class Progress:
         self.done, now = done, perf_counter()
         if not 0 < done < self.total:
             return
-        far = f"{done:.0f} of {self.total:.0f} {self.things}"
+        counted = f"{done:.0%}" if self.total == 1 else f"{done:.0f} of {self.total:.0f}"
+        far = f"{counted} {self.things}"
         if self.max_seconds is not None and now - self.start > self.max_seconds:
             raise TimeoutError(
                 f"max_seconds = {self.max_seconds:g} ended the solution after {far}: raise it, or take fewer "
@@ -71,7 +72,7 @@ def showing(
         print(f"{start}{name}: {far}", end=end, file=sys.stderr, flush=True)
 
     if expected > LONG:
-        say(f"{total:.0f} {things} take about {expected:.0f} s; max_seconds limits the time, and Ctrl-C ends it")
+        say(f"{total:.0f} {things} take about {expected:.0f} s; Ctrl-C ends it")
     try:
         yield Progress(total, TERMINAL_SECONDS if terminal else LONG, say, things, max_seconds)
     finally:

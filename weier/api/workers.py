@@ -11,7 +11,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
 from threading import Thread
 
 from weier.api.progress import Progress
@@ -30,29 +30,34 @@ def solve_curves(curves: Sequence[CurveTask], workers: int, progress: Progress) 
     """Yield the outcome of each curve, in the order of `curves`; `progress` counts their loads.
 
     Other processes are spawned, since a forked process could deadlock on locks held by threads of this one. The
-    results are bitwise independent of their number.
+    results are bitwise independent of their number. A daemonic process (as of `multiprocessing.Pool`), which may not
+    start others, solves alone.
 
     Raises
     ------
     ChildProcessError
         If a process ends unexpectedly.
     """
-    if (workers := min(workers, len(curves))) > 1:
+    if (workers := min(workers, len(curves))) > 1 and not current_process().daemon:
         try:
             with ProcessPoolExecutor(workers, get_context("spawn"), _begin) as pool:
                 for curve, outcome in zip(curves, pool.map(CurveTask.outcome, curves), strict=True):
-                    progress.reach(progress.done + curve.loads.size)
                     yield outcome
+                    progress.reach(progress.done + curve.loads.size)
         except BrokenProcessPool:
             raise ChildProcessError(LOST) from None
+        except RuntimeError as error:
+            if "bootstrapping" not in str(error):
+                raise
+            raise SystemExit(1) from None  # the script lacks the guard; the parent reports it
         return
     done = 0
     for curve in curves:
         with reporting_to(progress):
             outcome = curve.outcome()
         done += curve.loads.size  # closed forms do not count their loads, and other methods solve some twice
-        progress.reach(done)
         yield outcome
+        progress.reach(done)
 
 
 def _begin() -> None:

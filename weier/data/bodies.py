@@ -6,23 +6,24 @@ By (7) and (2) the units are lambda_0, g_0, p_0* = 2 pi M g_0/lambda_0 and M (rh
 
 from __future__ import annotations
 
+import inspect
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, replace
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from weier import units
-from weier.checks import checked_number, checked_numbers
+from weier.checks import checked_number, checked_numbers, suggestion
 from weier.data.curves import contact_pressure
 from weier.data.markdown import significant
 from weier.data.si import CONVERT_DATASET, check_normalised, converted, scaled
 from weier.data.variables import LOADS
 from weier.kernels.arrays import Array
-from weier.surface.measured.trace import MIN_SLOPE, MIN_STEP, USUAL_LENGTH
+from weier.surface.measured.trace import MAX_LENGTH, MAX_SLOPE, MIN_SLOPE, MIN_STEP, USUAL_LENGTH
 from weier.surface.waves import checked_surface
 from weier.theory.conduction import (
     RANGES,
@@ -37,29 +38,42 @@ if TYPE_CHECKING:
 
 CURRENT, HEAT = ("rho_1", "rho_2"), ("k_1", "k_2")
 CONDUCTORS = "give rho_1 and rho_2, the resistivities, or k_1 and k_2, the thermal conductivities"
-SLOPE = "the root mean square slope of the coarsest wave"
-# ranges outside which a warning asks for the unit
-USUAL = {
-    **dict.fromkeys(("mu", "E"), (1e6, 1e13)),
-    "rho": (1e-8, 1e-3),
-    "k": (0.01, 1e4),
-    "hardness": (1e6, 2e11),
-    "lambda_0": (2 * MIN_STEP, USUAL_LENGTH),
-    SLOPE: (MIN_SLOPE, 1.0),
-}
+# ranges outside which a warning asks for the unit; those of lambda_0 and g_0 depend on each other
+USUAL = {"mu": (1e6, 1e13), "E": (1e6, 1e13), "rho": (1e-8, 1e-3), "k": (0.01, 1e4), "hardness": (1e6, 2e11)}
 # Mean pressure of a line contact at first yield over the hardness, 1.4 Y/3 Y (Johnson 1985, Sections 6.1 and 6.3).
 YIELD = 0.47
 # The coordinates of curves that hold the scale of a trace, in m.
 TRACE_SCALE = {"lambda_0": "trace_length", "g_0": "trace_height"}
 
 
-def _doubts(values: Mapping[str, float]) -> Iterator[str]:
-    """Yield a warning for each value of two bodies outside its usual range."""
-    for name, value in values.items():
-        least, most = USUAL.get(name.removesuffix("_1").removesuffix("_2"), (-math.inf, math.inf))
+def _doubts(bodies: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each modulus, resistivity, conductivity or hardness outside its usual range."""
+    for name, value in bodies.items():
+        least, most = USUAL.get(name[:-2], (-math.inf, math.inf))
         if value not in (0, math.inf) and not least <= value <= most:
-            unit = f" {RANGES[name][2]}" if name in RANGES else ""
-            yield f"{name} = {value:g}{unit} is not from {least:g} to {most:g}: is the unit right?"
+            usual = f"from {least:g} to {most:g} {_unit(name)}, as in solids"
+            yield f"{name} = {value:g} {_unit(name)} is not {usual}: is the unit right?"
+
+
+def _doubts_of_scale(lambda_0: float, g_0: float, full: float, modulus: float) -> Iterator[str]:
+    """Yield warnings for an unusual lambda_0 and g_0; raise ValueError beyond the limits of traces."""
+    got = f"from g_0 = {g_0:g} m over lambda_0 = {lambda_0:g} m"
+    if not 2 * MIN_STEP <= lambda_0 <= MAX_LENGTH:
+        raise ValueError(
+            f"lambda_0 must be from {2 * MIN_STEP:g} to {MAX_LENGTH:g} m, got {lambda_0:g} m: is a unit wrong?"
+        )
+    slope = math.sqrt(2) * math.pi * g_0 / lambda_0
+    if slope > MAX_SLOPE:
+        raise ValueError(
+            f"g_0 must give the coarsest wave a root mean square slope of at most {MAX_SLOPE:g}, got {slope:.3g} "
+            f"{got}: is a unit wrong?"
+        )
+    if slope < MIN_SLOPE:  # finer waves may be steeper
+        yield f"the coarsest wave has a root mean square slope of {slope:.3g}, {got}: are both in m?"
+    if lambda_0 > USUAL_LENGTH:
+        yield f"lambda_0 = {lambda_0:g} m is above {USUAL_LENGTH:g} m: is it in mm or um? Lengths are in m"
+    if full > modulus:
+        yield f"p_0* = {full:.3g} Pa exceeds the shear modulus {modulus:.3g} Pa, {got}: are both in m?"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,6 +94,14 @@ class Bodies:
     hardness_2: float | None = None
     E_1: InitVar[float | None] = None
     E_2: InitVar[float | None] = None
+    __signature__: ClassVar[inspect.Signature]  # restores the signature that `__new__` hides
+
+    def __new__(cls, **given: Any) -> Self:
+        """Refuse unknown names with the nearest known one, before the generated `__init__` does."""
+        known = cls.__signature__.parameters
+        for name in given.keys() - known.keys():
+            raise TypeError(f"Interface takes {', '.join(known)}, got {name!r}{suggestion(name, known)}")
+        return super().__new__(cls)
 
     @classmethod
     def from_texts(cls, given: Mapping[str, Any]) -> Self:
@@ -87,7 +109,7 @@ class Bodies:
         try:
             return cls(**{name: units.parsed(name, value, _unit(name)) for name, value in given.items()})
         except TypeError as error:  # a name is missing or unknown
-            raise ValueError(str(error).partition("() ")[2]) from None
+            raise ValueError(str(error).removeprefix(f"{Bodies.__name__}.__init__() ")) from None
 
     def __post_init__(self, E_1: float | None, E_2: float | None) -> None:
         moduli = {
@@ -102,7 +124,7 @@ class Bodies:
         if (self.lambda_0 is None) != (self.g_0 is None):
             missing = "lambda_0" if self.lambda_0 is None else "g_0"
             raise ValueError(f"lambda_0 and g_0 must be given together, or both left out: {missing} is missing")
-        known = {name: vars(self)[name] for name in given if name != "g_0"}
+        known = {name: vars(self)[name] for name in given if name not in TRACE_SCALE}
         for body, E in ((1, E_1), (2, E_2)):
             if E is not None:  # The warning names the given argument, E or mu.
                 known[f"E_{body}"] = 2 * (1 + known[f"nu_{body}"]) * known.pop(f"mu_{body}")
@@ -113,9 +135,10 @@ class Bodies:
                 "mu_1, mu_2, g_0 and lambda_0 must give a pressure p_0* = 2 pi M g_0/lambda_0 within the range of "
                 f"floats, got {full}"
             )
-        if self.g_0 is not None:
-            known[SLOPE] = math.sqrt(2) * math.pi * scale[1] / scale[0]
-        for doubt in _doubts(known):
+        doubts = [*_doubts(known)]
+        if self.lambda_0 is not None and self.g_0 is not None:
+            doubts += _doubts_of_scale(self.lambda_0, self.g_0, full, min(self.mu_1, self.mu_2))
+        for doubt in doubts:
             warnings.warn(doubt, stacklevel=3)  # points to the call of Interface
 
     @property
@@ -218,20 +241,21 @@ class Bodies:
         return found
 
     def warn_of_yield(self, curves: xr.Dataset) -> None:
-        """Warn once of loads at which contacts yield, or that no contact area is there to judge this."""
+        """Warn once of loads at which contacts yield, and of loads without a contact area to judge this."""
         hardness = min(filter(None, (self.hardness_1, self.hardness_2)), default=math.inf)
-        if math.isinf(hardness) or LOADS not in curves.coords or "compliance" not in curves:
+        solved = curves.get("compliance", curves.get("contact_fraction"))
+        if math.isinf(hardness) or solved is None or LOADS not in curves.coords:
             return
-        area = curves.get("contact_fraction", curves["compliance"] * math.nan)
+        area = curves.get("contact_fraction", solved * math.nan)
         pressure = curves[LOADS] * units.factor(LOADS, units.unit_of(curves[LOADS]), units.PASCAL)
         of_contacts = contact_pressure(pressure, area)
-        if (curves["compliance"].notnull() & area.isnull()).any():
+        others = [dim for dim in area.dims if dim not in pressure.dims]
+        if (unknown := (solved.notnull() & area.isnull()).any(others)).any():
             warnings.warn(
-                "whether contacts yield cannot be judged at loads without a contact fraction: some methods return "
-                "none, nor does one that leaves terms out",
+                f"whether contacts yield cannot be judged at {unknown.sum().item()} of {unknown.size} loads, which "
+                "have no contact fraction: some methods return none, nor does one that leaves terms out",
                 stacklevel=3,  # points to the call of the conversion
             )
-        others = [dim for dim in area.dims if dim not in pressure.dims]
         if (near := (of_contacts > YIELD * hardness).any(others)).any():
             pressures = pressure.where(near).min().item(), hardness, of_contacts.max().item()
             first, limit, largest = (f"{significant(one / 1e6, 3)} MPa" for one in pressures)
@@ -290,6 +314,9 @@ class Bodies:
         if hasattr(normalised, "to_dataset"):  # a curve of a trace has a scale of its own
             raise ValueError(f"normalised must be numbers, got a DataArray: {CONVERT_DATASET}")
         return scaled(numbers, self.scales[unit][0])
+
+
+Bodies.__signature__ = inspect.Signature(list(inspect.signature(Bodies.__init__).parameters.values())[1:])
 
 
 def _unit(name: str) -> str:

@@ -135,7 +135,7 @@ def open_dataset(path: str | Path) -> xr.Dataset:
     Dataset
         Over case, solution_method and mean_pressure. The coordinate `case` has a name per case, such as
         "smooth: D = 1.25, gamma = 5, m = 3, phases = 1"; the accessor `weier.cases` selects cases by D, gamma, m,
-        phases, seed or study. Close it with `close` or a `with` statement.
+        seed or study. Close it with `close` or a `with` statement.
 
     Raises
     ------

@@ -110,7 +110,7 @@ def _clusters(name: str, values: NDArray[Any]) -> Indices:
         return np.unique(values.astype(str), return_inverse=True)[1]
     known = np.where(np.isnan(values), np.inf, values)
     order = np.argsort(known)
-    above = known[order] * (1 + (CLOSE_CUTOFFS if name == CUTOFF else CLOSE))
+    above = known[order] + (CLOSE_CUTOFFS if name == CUTOFF else CLOSE) * np.abs(known[order])
     code = np.empty(values.size, int)
     code[order] = np.append(0, np.cumsum(known[order][1:] > above[:-1]))
     return code

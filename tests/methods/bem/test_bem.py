@@ -9,7 +9,7 @@ from tests.profiles import THREE_WAVES
 from tests.reference import REFERENCES, Reference
 from weier import ConvergenceError, Profile
 from weier.methods import bem, westergaard
-from weier.methods.bem import active_set
+from weier.methods.bem import active_set, stated_errors
 
 POINTS_PER_WAVE = (16, 32, 64, 128, 256)
 
@@ -159,3 +159,19 @@ def test_a_solution_does_not_depend_on_where_its_parts_end(monkeypatch, load):
         solution = active_set.NestedSolver(THREE_WAVES, 1600, 1e-10).solve_discrete(load, True)
         found.append((solution.plane, solution.work, solution.resistance))
     assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"points": 50}, "points must be a whole number above 50"), ({"staircase": "foo"}, "staircase must be")],
+)
+def test_the_curve_of_a_grid_refuses_what_it_cannot_resolve(options, message):
+    with pytest.raises(ValueError, match=message):
+        bem.curve(Profile(1.25, 5, 3), [0.1], **options)
+
+
+def test_the_error_of_R_does_not_depend_on_how_many_loads_are_compared_at_once(monkeypatch):
+    profile, loads = Profile(1.25, 5, 2, 1.0), np.geomspace(1e-3, 3, 50)
+    whole = bem.curve(profile, loads).resistance_error
+    monkeypatch.setattr(stated_errors, "LOADS_AT_ONCE", 7)
+    assert np.array_equal(bem.curve(profile, loads).resistance_error, whole)

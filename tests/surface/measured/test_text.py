@@ -360,6 +360,11 @@ def test_what_is_for_pandas_is_refused(file, text, more):
         Trace.read(file(text), **more)
 
 
+def test_a_broken_text_is_refused_with_its_encoding(file):
+    with pytest.raises(ValueError, match=r"is no text in utf-16, which its mark names .*pandas.read_csv"):
+        Trace.read(file(columns().encode("utf-16")[:-1]), **UNITS)
+
+
 @pytest.mark.parametrize("name", ["cp437", "shift_jis", "gb18030"])
 def test_a_unit_in_another_encoding_is_none(file, name):
     text = columns(heading="x (mm),z (\u00b5m)\n".replace("\u00b5", "\u00b5" if name == "cp437" else "\u03bc"))

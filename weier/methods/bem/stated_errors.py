@@ -18,6 +18,8 @@ MISSED_CREST = (2 * math.pi) ** 2 / 8
 
 MAX_POINTS = 2**21  # takes a second per load
 
+LOADS_AT_ONCE = 400  # which limits the memory for chords
+
 
 def compliance_error(profile: Waves, points: int) -> float:
     """Return error of h on `points` nodes, in g_0: the largest curvature of the surface times dx^2/8."""
@@ -61,5 +63,7 @@ def errors(
     h_error = np.where(loads < full, compliance_error(profile, points) + RESIDUAL_FACTOR * residual, rounding)
     other = np.concatenate([[0.0], loads, [full]])
     lower = np.concatenate([[first_contact(profile) - rounding], h - h_error, [profile.total_amplitude - rounding]])
-    low, high = slope_bounds(loads, h + h_error, other, lower)
+    low, high = np.zeros((2, loads.size))
+    for part in np.array_split(np.arange(loads.size), math.ceil(loads.size / LOADS_AT_ONCE)):
+        low[part], high[part] = slope_bounds(loads[part], (h + h_error)[part], other, lower)
     return h_error, np.where(loads < full, np.maximum(high - R, R - low), 0.0)

@@ -46,6 +46,10 @@ END_ROWS = 5  # rows at the start of one column that may be a count, a step or a
 # numbers with all digits in groups of three, and a single group
 GROUPED_NUMBER = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", re.ASCII)
 DIGIT_GROUP = re.compile(r"[+-]?\d{1,3}", re.ASCII)
+MARKS = {  # at the start of a file, those of UTF-32 first, which begin with those of UTF-16
+    "utf-32": (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE),
+    "utf-16": (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE),
+}
 PANDAS = "read the file by pandas.read_csv and pass the arrays to weier.Trace"
 OTHERWISE = f"say skip= or rows= for the start or end of the table, or {PANDAS}"
 
@@ -362,19 +366,24 @@ class _Table:
 
 def _text(path: Path) -> str:
     """Return the text of a file in UTF-8, UTF-16 or UTF-32 with a mark, or Windows-1252."""
-    content = path.read_bytes()
-    if content.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
-        return content.decode("utf-32")
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return content.decode("utf-16")
+    with path.open("rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    if len(content) > MAX_BYTES:
+        raise ValueError(f"{path} must be a text of at most {MAX_BYTES:.0e} bytes: keep one line of heights in it")
+    for encoding, marks in MARKS.items():
+        if content.startswith(marks):
+            try:
+                return content.decode(encoding)
+            except UnicodeError as error:
+                raise ValueError(
+                    f"{path} is no text in {encoding}, which its mark names ({error}): {PANDAS}"
+                ) from None
     if first := BINARY.search(content.rstrip(END_OF_FILE.encode())):
         line = content.count(b"\n", 0, first.start()) + 1
         raise NotTextError(
             f"{path} is no text, got the control character {first[0]!r} in line {line}: save the heights as text, "
             f"such as the sheet of a workbook as CSV, unpack an archive, leave the character out, or {PANDAS}"
         )
-    if len(content) > MAX_BYTES:
-        raise ValueError(f"{path} must be a text of at most {MAX_BYTES:.0e} bytes: keep one line of heights in it")
     try:
         return content.decode()
     except UnicodeError:
