@@ -113,6 +113,7 @@ def test_signals_while_a_kernel_returns():
 
 
 @compiled
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_compiling(tmp_path):
     """Python sees it when LLVM is done with a kernel."""
     command = [sys.executable, "-m", "weier", "compile", "bem"]
