@@ -5,6 +5,7 @@ import math
 import pytest
 
 from weier import Profile
+from weier.cli import options
 
 PROFILE = ["-D", "1.25", "--gamma", "5", "-m", "2"]
 SOLVE = ["solve", *PROFILE]
@@ -12,7 +13,7 @@ SOLVE = ["solve", *PROFILE]
 
 WRONG_USAGE = [
     ([*SOLVE, "--loads", "-1"], "mean_pressure must be positive, got -1.0"),
-    ([*SOLVE, "--phases", "0,one"], "could not convert string to float: 'one'"),
+    ([*SOLVE, "--phases", "0,one"], "phases must be numbers with commas between, as in 0,2, got '0,one'"),
     ([*SOLVE, "--set", "bem"], 'must read "method.name=value"'),
     ([*SOLVE, "--workers", "0"], "workers must be a whole number, at least 1, or -1 for all cores, got 0"),
     (["solve", "--trace", "shaft.csv", "-D", "1.5"], "a trace has no D: take --trace or a series"),
@@ -55,3 +56,16 @@ def test_a_word_says_that_there_is_no_last_wave():
     assert Profile(1.25, 5, "inf") == Profile(1.25, 5, math.inf)
     with pytest.raises(ValueError, match="or inf, got the text 'many'"):
         Profile(1.25, 5, "many")
+
+
+def test_pressures_without_a_unit_are_said_to_be_in_pascal(capsys):
+    values, unit = options.parse_pressures("1e6,1e7")
+    assert (values.tolist(), unit) == ([1e6, 1e7], "")
+    assert "taken in Pa, since no unit is given" in capsys.readouterr().err
+    assert options.parse_pressures("1,10MPa")[0].tolist() == [1e6, 1e7]
+    assert capsys.readouterr().err == ""
+
+
+def test_a_figure_of_one_load_is_refused(run):
+    code, _, err = run("plot", "-D", "1.25", "--gamma", "5", "-m", "1", "--loads", "0.1,0.1")
+    assert (code, "a figure takes at least 2 loads, got 1" in err) == (2, True)

@@ -18,6 +18,7 @@ from weier.cli.options import (
     Pressures,
     SolvingCommand,
     check_free,
+    check_line,
     one_profile_options,
     output,
     writable,
@@ -118,6 +119,7 @@ def plot(path: Path | None, force: bool, quantity: str, workers: int, **options:
     path = path or Path(f"{quantity}.png")
     check_free(path, force)
     call = _call(**options, default=PLOTTED)
+    check_line(call.loads)
     from weier.cli.result import check_solved
 
     curves, stop = call.solve(workers)

@@ -27,9 +27,17 @@ LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
 
 
+def _numbers(name: str, text: str, kind: type) -> list[Any]:
+    """Return numbers with commas between."""
+    try:
+        return [kind(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"{name} must be numbers with commas between, as in 0,2, got {text!r:.80}") from None
+
+
 def parse_phases(text: str) -> float | list[float]:
     """Return phases from "1", the phase of every wave but the first, or "0,1,2", the phases of all waves."""
-    phases = [float(part) for part in text.split(",")]
+    phases = _numbers("phases", text, float)
     return phases if len(phases) > 1 else phases[0]
 
 
@@ -39,9 +47,17 @@ def check_free(path: Path, force: bool) -> None:
         raise ValueError(f"{path} exists: name another file, or overwrite it by --force")
 
 
+def check_line(loads: Array) -> None:
+    """Refuse a single load, of which a figure shows no line."""
+    if len({*loads}) < 2:
+        raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
+
+
 def parse_pressures(text: str) -> Pressures:
     """Return positive pressures in Pa from a text such as "1,10MPa", and their unit."""
     given = units.listed("pressures", text, units.PASCAL)
+    if not units.unit_in(text):
+        click.echo(f"--pressures {text}: taken in Pa, since no unit is given", err=True)
     return checked_numbers("pressures", given, "be positive", lambda p: p > 0), units.unit_in(text)
 
 
@@ -162,7 +178,7 @@ def _trace_option(name: str, key: TraceKey) -> click.Option:
 
     def read(given: Any) -> Any:
         if columns:
-            return [int(one) for one in given.split(",")]
+            return _numbers(name, given, int)
         return [number_or_word(one) for one in given] if key.kind is object and key.several else given
 
     return click.Option(

@@ -88,8 +88,8 @@ def report(
         if path.resolve() in {file.resolve() for file in files}:
             raise click.BadParameter(f"{path} is one of FILES: name another output")
         options.check_free(path, force)
-        if path.suffix in PICTURES and len({*pressures[0]}) < 2:
-            raise click.BadParameter("a figure takes at least 2 pressures, got 1")
+        if path.suffix in PICTURES:
+            options.check_line(pressures[0])
         if path.suffix in PACKAGES:
             import_module(PACKAGES[path.suffix])  # an extra installs it; the error names it
     from weier.cli.call import Call  # xarray takes half a second, and the help needs none of it
