@@ -1,4 +1,5 @@
-# Measurements of the methods, each with a page, and some with a figure beside it: snakemake --cores 2 tradeoff, convergence or extremes
+# Measurements of the methods, each with a page, and all but one with a figure beside it:
+# snakemake --cores 2 tradeoff, convergence or extremes
 SETTINGS = {
     "tradeoff": ["accuracy/tradeoff.yaml"],
     "convergence": ["accuracy/infinite.yaml"],

@@ -47,7 +47,7 @@ def test_curves_of_another_process_have_the_same_bits():
 
 
 def test_progress_counts_the_loads_of_all_processes():
-    progress = Progress(9, 0.0, print)
+    progress = Progress(9, "9 loads", 0.0, print)
     outcomes = solve_curves([CurveTask(profile, "demelio", {}, LOADS) for profile in SERIES], 2, progress)
     assert [progress.done for _ in outcomes] == [0, 3, 6]
     assert progress.done == 9

@@ -68,7 +68,6 @@ def test_the_data_are_those_of_an_interface_for_the_same_pressures(solved):
     assert '"axis_label":"mean pressure p (MPa)"' in text.replace(": ", ":")
 
 
-@pytest.mark.filterwarnings("ignore:contacts yield")
 def test_a_scene_says_where_contacts_yield(solved):
     folder, *_ = solved
     hard = scene_in(folder, SCENE | {"interface": SCENE["interface"] | {"hardness_2": "1 GPa"}})

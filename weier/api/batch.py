@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from weier.api.progress import showing
+from weier.api.progress import counted, showing
 from weier.api.rows import BOUNDS, curve_row, surface_row
 from weier.api.task import CurveTask, Known, distinct
 from weier.api.workers import solve_curves
@@ -111,9 +111,10 @@ def solve_batch(
             store_part(number, curve, curve.known.loads, curve.known.curve)
     to_solve = distinct(curve for _, curve in curves)
     outcomes: dict[object, Any] = {}
-    expected = sum(curve.expected for curve in to_solve) / workers
+    expected = sum(curve.expected for curve in to_solve) / min(workers, len(to_solve))
+    total = loads.size * len(to_solve)
     with (
-        showing("weier.solve", loads.size * len(to_solve), max_seconds=max_seconds, expected=expected) as progress,
+        showing("weier.solve", total, counted(total, "load"), max_seconds, expected) as progress,
         keeping(begun),
     ):
         new = solve_curves(to_solve, workers, progress)

@@ -190,8 +190,8 @@ def events(profile: Waves, low: float, high: float) -> xr.Dataset:
     low, high = checked_load(low, "low"), checked_load(high, "high")
     if not low < high:
         raise ValueError(f"high must exceed low, got {low} and {high}")
-    with showing("weier.events", 1, "of the contact") as progress:
-        found = patches.events(profile, low, high, report=lambda share: progress.reach(share))._asdict()
+    with showing("weier.events", 1, "the contact") as progress:
+        found = patches.events(profile, low, high, report=progress.reach)._asdict()
     return _dataset(profile, {"event": found | {"birth": found["birth"].astype(bool)}})
 
 

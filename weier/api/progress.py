@@ -19,21 +19,16 @@ def clock() -> float:
 
 
 class Progress:
-    """Messages at intervals with the number of finished loads, or other items, and a limit of the time.
+    """Messages at intervals with the finished part of a whole, such as "400 loads", and a limit of the time.
 
-    A call counts one load: a solver that reports to this object calls it after each load.
+    A call counts one of `total` items: a solver that reports to this object calls it after each load.
     """
 
     def __init__(
-        self,
-        total: float,
-        pause: float,
-        say: Callable[[str], None],
-        things: str = "loads",
-        max_seconds: float | None = None,
+        self, total: float, whole: str, pause: float, say: Callable[[str], None], max_seconds: float | None = None
     ) -> None:
         """Count up to `total`, with `pause` seconds between two messages to `say`."""
-        self.total, self.pause, self.say, self.things, self.max_seconds = total, pause, say, things, max_seconds
+        self.total, self.whole, self.pause, self.say, self.max_seconds = total, whole, pause, say, max_seconds
         self.done, self.start, self.said = 0.0, perf_counter(), perf_counter()
 
     def __call__(self) -> None:
@@ -45,8 +40,7 @@ class Progress:
         self.done, now = done, perf_counter()
         if not 0 < done < self.total:
             return
-        counted = f"{done:.0%}" if self.total == 1 else f"{done:.0f} of {self.total:.0f}"
-        far = f"{counted} {self.things}"
+        far = f"{100 * done / self.total:.0f} % of {self.whole}"
         if self.max_seconds is not None and now - self.start > self.max_seconds:
             raise TimeoutError(
                 f"max_seconds = {self.max_seconds:g} ended the solution after {far}: raise it, or take fewer "
@@ -59,7 +53,7 @@ class Progress:
 
 @contextmanager
 def showing(
-    name: str, total: float, things: str = "loads", max_seconds: float | None = None, expected: float = 0.0
+    name: str, total: float, whole: str, max_seconds: float | None = None, expected: float = 0.0
 ) -> Iterator[Progress]:
     """Show the progress on standard error: in one line of a terminal, or in a log by a line every `LONG` seconds.
 
@@ -72,9 +66,14 @@ def showing(
         print(f"{start}{name}: {far}", end=end, file=sys.stderr, flush=True)
 
     if expected > LONG:
-        say(f"{total:.0f} {things} take about {expected:.0f} s; Ctrl-C ends it")
+        say(f"about {expected:.0f} s for {whole}; Ctrl-C ends it")
     try:
-        yield Progress(total, TERMINAL_SECONDS if terminal else LONG, say, things, max_seconds)
+        yield Progress(total, whole, TERMINAL_SECONDS if terminal else LONG, say, max_seconds)
     finally:
         if terminal:
             print(ERASE, end="", file=sys.stderr, flush=True)
+
+
+def counted(number: int, item: str) -> str:
+    """Return a number of items in words."""
+    return f"{number} {item}{'s' * (number != 1)}"

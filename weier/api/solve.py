@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from weier.api.progress import showing
+from weier.api.progress import counted, showing
 from weier.api.rows import derived
 from weier.api.task import CurveTask, Known
 from weier.checks import checked_flag, checked_number, checked_workers, shown
@@ -195,9 +195,10 @@ def _solve_one(curve: CurveTask, edges: bool, pressures: Array | None, max_secon
         exact = pressures[np.searchsorted(curve.loads, loads)]
         return data.assign_coords({LOADS: (LOADS, exact, attributes(LOADS, unit=PASCAL))})
 
+    whole = counted(curve.loads.size, "load")
     with (
         converting(lambda solved: labelled(*solved)),
-        showing("weier.solve", curve.loads.size, max_seconds=max_seconds, expected=curve.expected) as progress,
+        showing("weier.solve", curve.loads.size, whole, max_seconds, curve.expected) as progress,
         reporting_to(progress),
     ):
         solution, seconds = curve.solve()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from weier.api.progress import Progress
+from weier.api.progress import Progress, counted
 from weier.api.rows import curve_row, surface_row
 from weier.api.task import CurveTask
 from weier.digests import numerics
@@ -46,7 +46,8 @@ def solve(parts: Iterable[Part], store: Store, origin: str, say: Callable[[str],
     work = list(parts)
     check_code(store, "the plan")
     store.remove_leftovers()
-    progress = Progress(sum(len(part.keys) for part in work), APPEND_SECONDS, say, "curves")
+    count = sum(len(part.keys) for part in work)
+    progress = Progress(count, counted(count, "curve"), APPEND_SECONDS, say)
     rows: dict[np.uint64, Mapping[str, Any]] = {}
 
     def append(kind: Kind) -> None:

@@ -170,8 +170,14 @@ def test_the_curve_of_a_grid_refuses_what_it_cannot_resolve(options, message):
         bem.curve(Profile(1.25, 5, 3), [0.1], **options)
 
 
-def test_the_error_of_R_does_not_depend_on_how_many_loads_are_compared_at_once(monkeypatch):
-    profile, loads = Profile(1.25, 5, 2, 1.0), np.geomspace(1e-3, 3, 50)
-    whole = bem.curve(profile, loads).resistance_error
-    monkeypatch.setattr(stated_errors, "LOADS_AT_ONCE", 7)
-    assert np.array_equal(bem.curve(profile, loads).resistance_error, whole)
+def test_fewer_chords_bound_the_error_of_R_as_well(monkeypatch):
+    """In blocks of as many loads; the exact slope of one wave lies within both bounds."""
+    profile, loads = Profile(1.25, 5, 1), np.geomspace(1e-3, 0.9, 50)
+    whole = bem.curve(profile, loads, points=32)
+    monkeypatch.setattr(stated_errors, "MAX_CHORDS", 7)
+    few = bem.curve(profile, loads, points=32)
+    off = abs(few.resistance - westergaard.resistance(loads))
+    assert np.array_equal(few.resistance, whole.resistance)
+    assert np.all(off <= whole.resistance_error)
+    assert np.all(whole.resistance_error <= few.resistance_error * (1 + 1e-12))
+    assert np.any(few.resistance_error > 1.1 * whole.resistance_error)
