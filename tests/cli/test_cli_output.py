@@ -125,6 +125,14 @@ def test_a_trace_in_a_file_of_another_name_is_the_same_surface(run, tmp_path, tr
     assert (code, "of other surface" in err) == (1, True), err
 
 
+def test_force_leaves_the_partial_file_of_another_problem(run, tmp_path):
+    path, part = tmp_path / "a.nc", tmp_path / "a.part.nc"
+    stopped(run, KeyboardInterrupt, 5, "solve", *SERIES, "--loads", "0.01:3:12", "-o", path)
+    interrupted = part.read_bytes()
+    assert run("solve", "-D", "1.5", *SERIES[2:], "--loads", "0.1", "--force", "-o", path)[0] == 0
+    assert part.read_bytes() == interrupted
+
+
 def test_force_solves_anew_and_keeps_the_old_file_until_it_is_done(run, tmp_path):
     path, loads = tmp_path / "a.nc", ["--loads", "0.01:3:12"]
     other = ["solve", "-D", "1.5", *SERIES[2:], *loads, "--force", "-o", path]
