@@ -27,7 +27,8 @@ rule measure:
     input:
         settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
     output:
-        multiext("results/{study}/{study}", ".md", ".pdf", ".svg", ".png", ".csv"),
+        multiext("results/{study}/{study}", ".pdf", ".svg", ".png", ".csv"),
+        page="results/{study}/{study}.md",
     log:
         "results/logs/{study}/measure.log",
     wildcard_constraints:
@@ -42,12 +43,12 @@ rule measure:
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
-        "--output {output[0]:q} 2>&1 | tee -i {log:q}"
+        "--output {output.page:q} 2>&1 | tee -i {log:q}"
 
 
 use rule measure as measure_without_figure with:
     output:
-        "results/{study}/{study}.md",
+        page="results/{study}/{study}.md",
     wildcard_constraints:
         study="convergence",
 
