@@ -3,6 +3,7 @@
 import multiprocessing
 import re
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def test_curves_are_read_by_key_in_any_order_and_more_than_once(store):
 
 
 def test_what_is_not_solved_is_named_with_what_to_do(store):
-    for kind, keys, count in ((KIND, KEYS[[0, 4, 5]], 2), (KIND._replace(method="layer"), KEYS[:1], 1)):
+    for kind, keys, count in ((KIND, KEYS[[0, 4, 5]], 2), (replace(KIND, method="layer"), KEYS[:1], 1)):
         with pytest.raises(
             ValueError, match=rf"^{count} curves by {kind.method} are not solved: run snakemake again$"
         ):

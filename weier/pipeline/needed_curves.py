@@ -8,9 +8,9 @@ has none, so that scenes share curves, and the profiles of an ensemble share tho
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -33,7 +33,8 @@ SURFACE = "surface"  # stands for the method in rows that describe a surface
 CLOSED = "closed_form"  # group of methods without compiled kernels
 
 
-class Kind(NamedTuple):
+@dataclass(frozen=True)
+class Kind:
     """The settings that curves of one kind share.
 
     method, settings : the method with all its settings, or SURFACE
@@ -49,9 +50,14 @@ class Kind(NamedTuple):
     modulus: float | None = None
 
     @property
+    def about(self) -> dict[str, Any]:
+        """Its fields by their names."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
     def name(self) -> str:
         """The name of its folder."""
-        return f"{self.method}-{digest(self._asdict())[:DIGITS]}"
+        return f"{self.method}-{digest(self.about)[:DIGITS]}"
 
     @property
     def group(self) -> str:

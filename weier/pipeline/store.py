@@ -14,7 +14,7 @@ import socket
 import time
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,9 +34,10 @@ DAMAGED = "{} is damaged ({}): move it away and run snakemake again, which solve
 
 
 class Index(NamedTuple):
-    """The rows of a kind: files of segments, sorted keys, and the segment and the row of each key."""
+    """The rows of a kind: segments with their columns, sorted keys, and the segment and the row of each key."""
 
     files: Sequence[Path]
+    columns: Sequence[Collection[str]]
     keys: Keys
     segment: Indices
     row: Indices
@@ -92,10 +93,10 @@ class Store:
         segment, row = index.segment[place], index.row[place]
         found: dict[int, NDArray[Any]] = {}
         for number in np.unique(segment).tolist():
-            with opened(index.files[number]) as columns:
-                if name in columns:
+            if name in index.columns[number]:
+                with opened(index.files[number]) as columns:
                     values = columns[name]
-                    found[number] = values if values.ndim else np.full(int(row.max()) + 1, values)
+                found[number] = values if values.ndim else np.full(int(row.max()) + 1, values)
         if not found:
             return None
         shape = np.max([values.shape[1:] for values in found.values()], axis=0).astype(int)
@@ -109,7 +110,7 @@ class Store:
     def append(self, kind: Kind, rows: Mapping[np.uint64, Mapping[str, Any]], origin: str) -> None:
         """Append curves as one segment, atomically: the data are synced to disk before the file gets its name."""
         if not (about := self.folder / kind.name / "kind.json").exists():
-            write_text(about, json.dumps(kind._asdict(), indent=1, sort_keys=True) + "\n")
+            write_text(about, json.dumps(kind.about, indent=1, sort_keys=True) + "\n")
         names = dict.fromkeys(name for row in rows.values() for name in row)
         columns = {name: _column([row.get(name) for row in rows.values()]) for name in names}
         columns |= {KEY: np.array([*rows], np.uint64), ORIGIN: np.array(origin)}
@@ -136,18 +137,20 @@ class Store:
     def index(self, kind: str) -> Index:
         """Return the rows of a kind."""
         if kind not in self._indices:
-            files, keys = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}")), []
+            files = sorted(self.segments(kind).glob(f"[!.]*{SUFFIX}"))
+            names, keys = list[Collection[str]](), []
             for file in files:
                 with opened(file) as columns:
                     for member in columns.zip.infolist():
                         columns.zip.open(member).close()  # a damaged name would hide its column
+                    names.append(columns.files)
                     keys.append(columns[KEY])
             every = np.concatenate([np.empty(0, np.uint64), *keys])
             order = np.argsort(every, kind="stable")
             sizes = [len(own) for own in keys]
             segment = np.repeat(np.arange(len(files)), sizes)
             row = np.concatenate([np.empty(0, int), *map(np.arange, sizes)])
-            self._indices[kind] = Index(files, every[order], segment[order], row[order])
+            self._indices[kind] = Index(files, names, every[order], segment[order], row[order])
         return self._indices[kind]
 
 
