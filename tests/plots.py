@@ -1,20 +1,16 @@
-"""The directive `plot` in tests of the site: pages whose code doctest runs, all of it, show their code alone."""
+"""The directive `plot` in tests of the site: code that doctest runs is shown without its picture."""
 
 from docutils import nodes
 from matplotlib.sphinxext.plot_directive import PlotDirective
 
-NOT_RUN = ("first_day", "tutorial")  # fifteen seconds; the pictures of the other page are drawn
-
 
 class Plot(PlotDirective):
-    """The code without its picture on these pages."""
+    """The code of an example alone."""
 
     def run(self):
-        """A block of code, or what the directive of matplotlib makes."""
-        if self.state.document.settings.env.docname not in NOT_RUN:
-            return super().run()
+        """A block of code, or what the directive of matplotlib makes of code without prompts."""
         code = "\n".join(self.content)
-        return [nodes.literal_block(code, code)]
+        return [nodes.literal_block(code, code)] if ">>>" in code else super().run()
 
 
 def setup(app):

@@ -98,12 +98,12 @@ def noted(frame, event, argument):
 def of_weier(files):
     return sorted({path.relative_to(PACKAGE).as_posix() for path in map(Path, files) if PACKAGE in path.parents})
 
-folder = Path(sys.argv[1])
-curves = Curves(load(folder / "scene.yaml"), Store(folder / "curves", numerics()))
-lacking = curves.store.lacking(curves.parts_for())
-sys.setprofile(noted)
-solve(lacking, curves.store, "test", lambda line: None)
-sys.setprofile(None)
+for path in map(Path, sys.argv[1:]):
+    curves = Curves(load(path), Store(path.with_suffix(""), numerics()))
+    lacking = curves.store.lacking(curves.parts_for())
+    sys.setprofile(noted)
+    solve(lacking, curves.store, "test", lambda line: None)
+    sys.setprofile(None)
 print(*sorted({part.kind.method for part in lacking}))
 print(*of_weier(getattr(module, "__file__", None) or "" for module in list(sys.modules.values())))
 print(*of_weier(run))
@@ -121,16 +121,17 @@ studies:
 """
 
 
-@pytest.mark.parametrize("loads", ["0.1, 1.0", "1 MPa, 10 MPa"])
-def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch, loads):
-    """Of a share of each method, of a trace and in SI units, in a fresh process."""
+def test_all_that_solving_curves_runs_is_in_their_numerics(tmp_path, monkeypatch):
+    """Of a share of each method, of a trace, in p_0* and in SI units, in a fresh process."""
     from weier.methods import registry
 
     names = sorted(method.name for method in registry.METHODS)
-    (tmp_path / "scene.yaml").write_text(SCENE.format(loads=loads, methods=", ".join(names)))
+    scenes = {tmp_path / "normalised.yaml": "0.1, 1.0", tmp_path / "si.yaml": "1 MPa, 10 MPa"}
+    for path, loads in scenes.items():
+        path.write_text(SCENE.format(loads=loads, methods=", ".join(names)))
     (tmp_path / "line.csv").write_text("\n".join(map(str, [0, 1, 0.5, -1, 2, 0.25, -0.5, 1.5] * 2)))
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-    done = subprocess.run([sys.executable, "-c", SOLVED, tmp_path], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", SOLVED, *scenes], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     solved, imported, run = map(str.split, done.stdout.splitlines())
     assert solved == sorted([*names, "surface"])

@@ -17,7 +17,6 @@ import yaml
 from matplotlib.testing.compare import compare_images
 
 import weier
-from tests import plots
 from tests.scenes import scene_in, solve_scene
 from weier import figures, scene
 from weier.api import batch
@@ -37,7 +36,8 @@ from weier.scene import __main__ as scene_keys
         ("index", 5),
         ("one_load", 50),
         pytest.param("measured", 20, marks=pytest.mark.second_attempt),
-        *((page, 20) for page in plots.NOT_RUN),
+        ("first_day", 20),
+        ("tutorial", 20),
     ],
 )
 def test_the_pages_that_run_are_true(name, least):
