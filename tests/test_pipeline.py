@@ -105,14 +105,6 @@ def test_a_run_leaves_every_product_and_nothing_else(finished):
     assert not any(path.is_file() for path in (finished / "results/curves/.solved").rglob("*"))
 
 
-def test_results_without_records_and_of_other_dates_are_not_made_again(finished):
-    """As those of a copy."""
-    shutil.rmtree(finished / ".snakemake")
-    for path in (finished / "results").rglob("*"):
-        path.touch()
-    assert planned(finished) == {}
-
-
 def test_there_and_back_each_product_is_that_of_its_scene_and_edited_files_are_made_again(finished):
     """What is named is made alone, and only if it is not up to date."""
     path, products = finished / "config/scenes/test.yaml", finished / "results/test"
@@ -198,6 +190,14 @@ def test_the_workflow_is_fetched_from_a_repository(checkout, tmp_path):
     variables = {f"GIT_CONFIG_{name}": value for name, value in instead.items()}
     said = run(folder, "results/test/figures/one.png", XDG_CACHE_HOME=str(tmp_path / "cache"), **variables)
     assert made(said) == (["one"], 2)
+
+
+def test_results_without_records_and_of_other_dates_are_not_made_again(finished):
+    """As those of a copy."""
+    shutil.rmtree(finished / ".snakemake")
+    for path in (finished / "results").rglob("*"):
+        path.touch()
+    assert planned(finished) == {}
 
 
 def test_figures_beside_one_that_cannot_be_drawn_are_kept(finished):

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from tests.toy_method import TOY
 from weier import Profile
-from weier.accuracy import extremes, ill_conditioned, reference
-from weier.accuracy.ill_conditioned import Extreme, around, neighbours, variants
+from weier.accuracy import extremes, reference
+from weier.accuracy.ill_conditioned import Extreme, variants
 from weier.accuracy.runner import Outcome, Variant, by_default
 from weier.methods import auto, registry
 
@@ -58,32 +57,6 @@ def test_a_fault_is_reported(examined):
     assert "4 rows, and these have a fault:\n\n- one \\| wave, archard: not concave\n" in text
 
 
-def test_the_page_has_the_worst_of_each_method(examined):
-    text = "\n\n".join(extremes.parts(examined))
-    rows = {line.split(" | ")[0]: line.strip("| ").split(" | ") for line in text.splitlines() if "|" in line}
-    assert text.startswith("8 rows, none of them with a fault.\n")
-    assert rows["| bem"][1:4] == ["3", "6", "2"]  # extremes, numbers, and errors in words
-    digits = [one.digits[0].min() for one in examined if one.variant.name == "bem"]
-    assert float(rows["| bem"][4]) == pytest.approx(np.nanmin(digits), abs=0.06)
-    assert float(rows["| one \\| wave"][3]) == pytest.approx(digits[0], abs=0.06)
-    assert rows["| too many"][1:] == ["", "", "all refused", "all refused"]
-    assert text.count("ValueError: the finest wave must fit at most 100000 times") == 1
-    refused = examined[2]._replace(outcome=np.array([1, 1, 1, Outcome.clear_error]))
-    assert "some refused" in "".join(extremes.parts([refused]))
-
-
-def test_the_loads_of_the_figure_are_spread_where_things_happen(examined):
-    powers = np.array([-300, -100, -30, -10, -3, -2, -1, 0, 1, 2, 3, 10, 30, 100, 300.0])
-    case = examined[0].extreme._replace(loads=10.0**powers)
-    figure = extremes.draw([examined[0]._replace(extreme=case, digits=np.full((2, powers.size), 12.0))])
-    figure.draw_without_rendering()
-    (axes,) = figure.axes
-    assert axes.get_title() == r"$D=1.25$,  $\gamma=5$,  $m=1$"
-    place = axes.transAxes.inverted().transform(axes.transData.transform([(power, 12) for power in powers]))[:, 0]
-    assert np.all(np.diff(place) > 0.02)
-    assert place[powers == 2] - place[powers == -2] > 0.25  # of the axis, where all digits are lost and found
-
-
 def test_a_curve_that_states_too_small_errors_is_a_fault(monkeypatch):
     """Three waves at light loads: the resistance of a grid, with its own error."""
 
@@ -129,17 +102,3 @@ def test_methods_meet_what_they_apply_to_within_a_minute():
     # These are tried for their refusals.
     assert "auto" in names(Profile(1.9, 2, math.inf))
     assert {"bem", "patches"} <= names(Profile(1.5, 10**6, 1000))
-
-
-def test_loads_stand_beside_and_around():
-    ulp = np.finfo(float).eps
-    assert neighbours(1.0).tolist() == [1 - ulp, 1 - ulp / 2, 1.0, 1 + ulp, 1 + 2 * ulp]
-    assert around([1.0]).tolist() == sorted([1.0, *(1 + s * d for s in (-1, 1) for d in ill_conditioned.DISTANCES)])
-
-
-def test_each_extreme_has_a_name_of_its_own_and_loads_that_increase(monkeypatch):
-    monkeypatch.setattr(ill_conditioned, "events", lambda *_: {"mean_pressure": xr.DataArray(USUAL)})
-    found = list(ill_conditioned.extremes())
-    assert len({one.name for one in found}) == len(found) > 30
-    assert extremes.DRAWN in {one.name for one in found}
-    assert all((np.diff(one.loads) > 0).all() and one.variants for one in found)

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from weier import Profile
-from weier.accuracy import coverage, families, runner
+from weier.accuracy import coverage, families
 from weier.accuracy.families import FAMILIES, LOADS, MAX_WAVES, VARIANTS
 from weier.accuracy.reference import contact_reference
 from weier.accuracy.runner import MAX_POINTS, Variant
 from weier.methods import bem
-from weier.methods.errors import ConvergenceError
 
 
 @pytest.fixture(scope="module")
@@ -69,38 +65,3 @@ def test_an_error_beyond_what_is_stated_is_found(one_draw, reference):
 def test_a_number_is_not_judged_by_a_reference_that_is_no_finer(one_draw, reference):
     reference(uncertainty=lambda known: known + 100.0)
     assert all(np.isnan(coverage.judge(one_draw, variant).ratio).all() for variant in one_draw.variants)
-
-
-@pytest.fixture
-def without_light_loads(monkeypatch):
-    """Refuse loads below 0.1."""
-    run = runner.run
-
-    def refusing(variant, profile, loads):
-        if loads[0] < 0.1:
-            raise ConvergenceError("too light")
-        return run(variant, profile, loads)
-
-    monkeypatch.setattr(runner, "run", refusing)
-
-
-@pytest.mark.usefixtures("without_light_loads")
-def test_refused_loads_are_counted_and_told(one_draw):
-    table, told = coverage.tables([coverage.judge(one_draw, one_draw.variants[0])])
-    assert re.fullmatch(r"\| usual \| 2 \| 0 of 1, \S+ \| 0 of 1, \S+ \| 1 \|", table.splitlines()[2])
-    assert repr(one_draw.profile) in told
-    assert "too light" in told
-
-
-def test_the_table_has_a_row_for_each_family_that_was_drawn(one_draw, monkeypatch, tmp_path):
-    page = ["--output", str(tmp_path / "page.md")]
-    monkeypatch.setattr(coverage, "draws", lambda *arguments: iter([one_draw]))
-    result = CliRunner().invoke(coverage.main, ["--families", "usual", *page])
-    assert result.exit_code == 0
-    rows = [line for line in result.stdout.splitlines() if line.startswith("|")]
-    assert [line.split(" | ")[0] for line in rows] == ["| family", "| ---", "| usual", "| all"]
-    assert len({line.count("|") for line in rows}) == 1
-    assert "--seed" in result.stdout.splitlines()[-1]
-    result = CliRunner().invoke(coverage.main, ["--methods", "patches", "--methods", "bem", *page])
-    assert "--methods patches --methods bem" in result.stdout.splitlines()[-1]
-    assert "h by bem | R by bem | h by patches | R by patches | no solution" in result.stdout

@@ -5,14 +5,11 @@ from pathlib import Path
 
 import click
 import numpy as np
-import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-import benchmarks
 from benchmarks.__main__ import NAMES as BENCHMARKS
-from weier import accuracy
-from weier.accuracy.__main__ import NAMES, main
+from weier.accuracy.__main__ import main
 from weier.accuracy.page import Measurements, Page, measurement
 from weier.data import provenance
 from weier.figures.values import line
@@ -62,11 +59,6 @@ def test_a_page_that_cannot_be_written_is_refused_before_anything_is_measured(tm
     assert found.exit_code == 1
     assert found.output == "Error: there is no file none.yaml\n"
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("package", "names"), [(accuracy, NAMES), (benchmarks, BENCHMARKS)])
-def test_the_list_of_measurements_is_complete(package, names):
-    assert re.findall(r"^\| `(\w+)` \|", package.__doc__, re.MULTILINE) == list(names) == sorted(names)
 
 
 def test_every_command_of_a_page_exists():

@@ -11,7 +11,7 @@ from weier import Profile
 from weier.accuracy import reference as module
 from weier.accuracy.cosines import shifted
 from weier.accuracy.reference import contact_reference, deviation, digits, find_reference, is_in_reach
-from weier.accuracy.runner import Outcome, Variant, attempt
+from weier.accuracy.runner import Variant, attempt
 from weier.methods import registry, westergaard
 
 THREE = Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -78,15 +78,6 @@ def test_nothing_is_known_of_what_takes_too_long(monkeypatch):
     assert not is_in_reach(Profile(1.5, 10, 5), LOADS)  # 10 000 waves
     assert not is_in_reach(Profile(1.5, 10, 9), LOADS)  # more than a computer holds
     assert is_in_reach(THREE, LOADS)
-
-
-def test_where_nothing_was_made_nothing_is_looked_up():
-    """Of two loads the first was refused."""
-    profile, loads = Profile(1.5, 5, 1), np.array([1e-300, 0.1])
-    made = attempt(Variant("bem", "bem", {}), profile, loads)
-    made.outcome[0] = Outcome.clear_error
-    found = find_reference(registry.find_method("bem"), profile, loads, made)
-    assert np.isnan(np.array(found.values[0], float)).tolist() == [True, False]
 
 
 def test_a_shifted_profile_has_its_phases_within_a_turn():

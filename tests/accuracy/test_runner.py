@@ -8,7 +8,7 @@ import pytest
 
 from tests.signals import HANDLER_ERRORS, interrupting
 from weier import Profile
-from weier.accuracy.runner import MAX_REPEATED, Outcome, Variant, attempt, run
+from weier.accuracy.runner import Outcome, Variant, attempt, run
 from weier.methods import registry, westergaard
 from weier.methods.curve import Curve
 from weier.methods.errors import ConvergenceError
@@ -51,16 +51,6 @@ def test_a_run_is_the_curve_with_its_cost(listed):
     assert found.outcome.tolist() == [Outcome.finite] * 3
     assert found.seconds >= 0
     assert attempt(Variant("bem", "bem", {"points_per_wave": 64}), ONE, LOADS).others["points"] == 64
-
-
-def test_the_median_of_some_runs_is_kept_and_long_ones_are_not_repeated(listed, monkeypatch):
-    """The second of the five that count lost a part of its time, and the third was disturbed."""
-    times = iter([10.0, 10.21, 11.0, 11.01, 12.0, 12.45, 13.0, 13.2, 14.0, 14.19])
-    monkeypatch.setattr("weier.accuracy.runner.process_time", lambda: next(times))
-    assert run(listed(FIRST_WAVE), ONE, LOADS, 5).seconds == pytest.approx(0.2)
-    assert next(times, None) is None  # the one that compiles is not timed
-    times = iter([1.0, 1.1 + MAX_REPEATED])
-    assert run(Variant("x", FIRST_WAVE.name, {}), ONE, LOADS, 5).seconds == pytest.approx(0.1 + MAX_REPEATED)
 
 
 @pytest.mark.parametrize(

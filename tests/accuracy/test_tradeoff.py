@@ -9,12 +9,9 @@ import pytest
 from tests.toy_method import TOY
 from weier import Profile
 from weier.accuracy import tradeoff
-from weier.accuracy.runner import Variant
-from weier.accuracy.tradeoff import Measured
 from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
 from weier.methods.registry import find_method
-from weier.methods.settings import check_names
 
 ROUNDING = 1e-15  # g_0: of heights of the order of 1
 LOADS = np.array([0.01, 0.1, 2.0])
@@ -71,47 +68,3 @@ def test_a_grid_too_fine_for_a_profile_and_a_solver_that_stops_are_left_out(meas
     monkeypatch.setattr(registry, "METHODS", (replace(bem.METHOD, solve=stop), registry.METHODS[1]))
     assert [one.variant.method for one in tradeoff.measure([ONE], LOADS)] == ["archard"]
     assert "bem 1e-02: stopped" in capsys.readouterr().err
-
-
-def test_every_variant_is_a_method_with_its_settings_and_a_name_of_its_own():
-    found = tradeoff.variants(Profile(1.25, 5, 2))
-    for variant in found:
-        check_names(find_method(variant.method), variant.settings)
-    assert len({variant.name for variant in found}) == len(found)
-    with pytest.raises(ValueError, match=r"m must be finite .* leave the case out"):
-        tradeoff.variants(Profile(1.25, 5, np.inf))
-
-
-def small():
-    """Two profiles of two waves, and one of three, by a closed form and two methods with a tolerance."""
-    kinds = [Variant("demelio", "demelio", {}), Variant("kept", "bem", {"points_per_wave": 24, "staircase": "kept"})]
-    kinds += [Variant(f"bem {value}", "bem", {"tolerance": value}) for value in (0.1, 1e-3)]
-    kinds += [Variant(f"patches {value}", "patches", {"tolerance": value}) for value in (0.1, 1e-3)]
-    h = [[0.2, 2e-2, 1e-2, 1e-4, 1e-4, 1e-12], [0.3, 3e-2, 2e-2, 2e-4, 2e-4, 0], [0.2, 1, 1, np.nan, 0, 0]]
-    milliseconds = [[1, 5, 10, 50, 40, 60], [3, 5, 30, 150, 120, 180], [1, 5, 10, 0, 20, 30]]
-    profiles = Profile(1.25, 5, 2), Profile(1.5, 5, 2), Profile(1.5, 3, 3)
-    return [
-        Measured(profile, variant, time, np.array([[error, error / 2]] * 2), np.full((2, 2), 2 * error))
-        for profile, errors, times in zip(profiles, h, milliseconds, strict=True)
-        for variant, error, time in zip(kinds, errors, times, strict=True)
-        if np.isfinite(error)
-    ]
-
-
-def test_the_table_has_medians_and_quantiles_over_all_loads():
-    rows = [line.strip("| ").split(" | ") for line in tradeoff.table_of(small()).splitlines()[2:]]
-    assert [row[:2] for row in rows[:4]] == [["demelio", "3"], ["kept", "3"], ["bem 0.1", "3"], ["bem 0.001", "2"]]
-    assert rows[3][2:7] == ["1e+02", "1e-04", "2e-04", "2e-04", "3e-04"]
-
-
-def test_a_line_joins_the_tolerances_that_all_profiles_have():
-    """Milliseconds a load are the mean over the profiles, errors the largest; what is 0 stands at the end."""
-    figure = tradeoff.draw(small())
-    figure.draw_without_rendering()
-    assert [axes.get_title() for axes in figure.axes[:2]] == [r"$\gamma=5$,  $m=2$", r"$\gamma=3$,  $m=3$"]
-    two_waves, three_waves = ([line.get_xydata() for line in axes.get_lines()] for axes in figure.axes[:2])
-    assert [line.shape[0] for line in two_waves] == [1, 1, 2, 2, 2, 2]  # what is stated, and the error, by method
-    np.testing.assert_allclose(two_waves[3], [[20, 2e-2], [100, 2e-4]])
-    np.testing.assert_allclose(two_waves[2][:, 1], [4e-2, 4e-4])
-    assert three_waves[3].tolist() == [[10, 1]]
-    assert three_waves[5][:, 1].tolist() == [tradeoff.FLOOR] * 2

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import wraps
-
 import numpy as np
 import pytest
 
@@ -13,39 +10,8 @@ from weier.api import batch
 from weier.api.fields import fields
 from weier.api.interface import Interface
 from weier.api.solve import solve
-from weier.methods import registry
-from weier.methods.registry import find_method
 from weier.surface.measured.trace import Trace
 from weier.surface.profile import Profile
-
-
-def test_estimates_are_made_once_for_profiles_that_differ_in_phases_alone(tmp_path, monkeypatch):
-    """And with their seconds, and no others: neither for other profiles nor with other settings."""
-    solved = []
-
-    def counting(method):
-        def counted(profile, loads, **settings):
-            solved.append((method.name, profile.D, profile.m, settings.get("points")))
-            return method.solve(profile, loads, **settings)
-
-        return replace(method, solve=wraps(method.solve)(counted))
-
-    monkeypatch.setattr(registry, "METHODS", tuple(map(counting, registry.METHODS)))
-    product = "{product: {D: [1.25, 1.5], gamma: 2, m: [1, 2], seed: [1, 2, 3]}"
-    loaded = scene_in(
-        tmp_path,
-        "{title: t, loads: [0.1, 1], methods: [layer, bem], studies: {one: "
-        f"{product}}}, other: {product}, methods: [layer], settings: {{layer: {{points: 48}}}}}}}}}}",
-    )
-    data = batch.solve_batch(loaded.distinct, loaded.loads)
-    layers = [(D, m, points) for name, D, m, points in solved if name == "layer"]
-    assert layers == [(D, m, points) for points in (None, 48) for D in (1.25, 1.5) for m in (1, 2)]
-    assert len(solved) == 8 + 12
-    for number, case in enumerate(loaded.distinct):
-        own = case.settings.get("layer", {})
-        expected = find_method("layer").solve(case.profile, loaded.loads, **own).compliance
-        np.testing.assert_array_equal(data["compliance"].values[number, 0], expected)
-    assert np.all(data["seconds"].values[:, 0] > 0)
 
 
 def test_mean_gap_and_area_coefficient_are_those_of_the_fields_and_of_two_bodies():

@@ -1,7 +1,5 @@
 """`weier.Interface`: from heights and Pa to m and ohm m^2, and back."""
 
-import math
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -75,18 +73,6 @@ def test_series_take_any_method(method):
         data.drop_vars("key", errors="ignore") for data in (found, expected)
     )  # it depends on the loads
     assert found.compliance.equals(expected.compliance.assign_coords(mean_pressure=found.mean_pressure))
-
-
-def test_what_cannot_be_solved_is_refused_in_a_sentence():
-    with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series"):
-        BODIES.solve(SERIES, 1e7)
-    for pressure in (0.0, -1.0, math.inf, math.nan):
-        with pytest.raises(ValueError, match="pressure must be positive"):
-            BODIES.solve(LINE, [1e6, pressure])
-    with pytest.raises(ValueError, match="pressure must be in Pa, got values in mm"):
-        BODIES.solve(LINE, xr.DataArray([1.0], attrs={"units": "mm"}))
-    with pytest.raises(ValueError, match=r"must be a weier.Profile or a weier.Trace, got None"):
-        BODIES.solve([LINE, None], 1e7)
 
 
 def test_pressures_may_have_a_unit():

@@ -8,8 +8,8 @@ import pytest
 
 import weier
 from weier.api import progress
-from weier.api.progress import ERASE, Progress, showing
-from weier.methods.load_progress import count_load, reporting_to
+from weier.api.progress import ERASE, Progress
+from weier.methods.load_progress import reporting_to
 from weier.methods.registry import find_method
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
@@ -30,16 +30,6 @@ def test_each_load_counts_once(name, settings):
     with reporting_to(lambda: counted.append(1)):
         find_method(name).solve(PROFILE, LOADS[::8], **settings)
     assert len(counted) == 3
-
-
-def test_loads_of_another_solution_are_not_counted():
-    counted = []
-    with reporting_to(lambda: counted.append(1)):
-        with reporting_to():
-            count_load()
-        count_load()
-    count_load()
-    assert len(counted) == 1
 
 
 def test_progress_has_the_loads_and_the_remaining_time(monkeypatch):
@@ -66,12 +56,6 @@ def test_a_search_shows_its_progress_in_one_line_of_a_terminal_or_in_lines(monke
     share = [int(line.split()[1]) for line in (first, *others)]
     assert share == sorted(share)
     assert 0 <= share[0] < 50 < share[-1]
-
-
-def test_a_short_solution_says_nothing(capsys):
-    with showing("weier.solve", 3, "3 loads") as counter:
-        counter()
-    assert capsys.readouterr() == ("", "")
 
 
 def test_a_long_solution_is_announced(monkeypatch, capsys):

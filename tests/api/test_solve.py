@@ -17,7 +17,6 @@ from weier.methods.settings import defaults
 LOADS = [0.01, 0.1, 1.0]
 SMOOTH = weier.Profile(1.25, 5, 2, (0.0, 1.0))
 ROUGH = weier.Profile(1.5, "5/2", 3, weier.random_phases(7))
-INFINITE = weier.Profile(1.25, 5, math.inf, 0.5)
 
 
 SAME = """
@@ -83,14 +82,6 @@ def test_edges_of_contact_are_there_if_asked_for():
     edges = weier.solve(SMOOTH, LOADS, "patches", contact_edges=True).contact_edge
     field = weier.fields(SMOOTH, 0.1)
     assert edges.sel(mean_pressure=0.1).dropna("edge").values[0::2] == pytest.approx(field.left.values)
-
-
-def test_random_phases_have_their_seed_and_their_values():
-    curve = weier.solve(ROUGH, LOADS, "demelio")
-    assert curve.seed == 7
-    assert curve.phases.values.tolist() == ROUGH.phase.tolist()
-    longer = weier.solve(weier.Profile(1.5, 2, 5000, weier.random_phases(7)), LOADS, "demelio")
-    assert (longer.seed, longer.phases.size) == (7, 5000)
 
 
 def test_several_profiles_and_methods_are_what_the_pipeline_writes(tmp_path):

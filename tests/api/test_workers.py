@@ -13,7 +13,6 @@ import pytest
 import xarray as xr
 
 import weier
-from weier import checks
 from weier.api.progress import Progress
 from weier.api.task import CurveTask
 from weier.api.workers import LOST, solve_curves
@@ -53,11 +52,6 @@ def test_progress_counts_the_loads_of_all_processes():
     assert progress.done == 9
 
 
-def test_more_workers_than_curves_are_none_too_many():
-    solved = [weier.solve(SERIES[:2], LOADS, "demelio", workers=count) for count in (1, 50)]
-    assert np.array_equal(*(curve.compliance for curve in solved))
-
-
 @pytest.mark.parametrize(
     ("count", "came"),
     [(0, "0"), (-2, "-2"), (1.5, "1.5"), (np.inf, "inf"), (np.nan, "nan"), (True, "True"), ("2", "the text '2'")],
@@ -68,12 +62,6 @@ def test_a_count_of_workers_that_cannot_be_is_refused(count, came):
             ValueError, match=f"^workers must be a whole number, at least 1, or -1 for all cores, got {came}$"
         ):
             weier.solve(profile, LOADS, "demelio", workers=count)
-
-
-def test_all_cores_are_those_that_the_process_may_use(monkeypatch):
-    monkeypatch.setattr(checks.os, "sched_getaffinity", lambda process: {0, 2, 5}, raising=False)
-    assert checks.checked_workers(-1) == 3
-    assert checks.checked_workers(np.int64(4)) == 4
 
 
 def solve_in_pool(workers):

@@ -3,17 +3,9 @@
 import numpy as np
 import pytest
 
-from benchmarks import expected_seconds
 from weier import Profile
 from weier.accuracy.runner import by_default, run
 from weier.methods import bem
-
-
-def test_surfaces_have_at_most_as_many_waves_or_infinitely_many():
-    kinds, profiles = zip(*expected_seconds.surfaces(100), strict=True)
-    waves = [profile.waves_per_period[-1] for profile in profiles if np.isfinite(profile.m)]
-    assert max(waves) == 100
-    assert (kinds.count("m = inf"), kinds.count("traces")) == (len(expected_seconds.SERIES), 2)
 
 
 def test_seconds_of_boundary_elements_grow_as_their_counted_work():

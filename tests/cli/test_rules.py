@@ -52,29 +52,12 @@ def make(scene_file):
     return ["make", scene_file, scene_file.parent / "curves", scene_file.parent / "drafts", f"contact.nc/{made}"]
 
 
-def test_a_job_says_one_line_and_one_more_is_not_needed(scene_file):
-    done = weier(*curves(scene_file))
-    assert done.returncode == 0
-    (said,) = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
-    assert re.fullmatch(r"solve 2 curves by closed_form: \d+\.\d s", said)  # and one that describes the surface
-    assert {path.name for path in scene_file.parent.iterdir()} == {"test.yaml", "curves"}
-    assert "solve 0 curves" in weier(*curves(scene_file)).stderr
-    assert "solve 0 curves" in weier(*curves(scene_file, group="bem")).stderr
-
-
 def test_a_job_of_another_plan_is_refused_in_a_sentence(scene_file):
     done = weier(*curves(scene_file, plan="another"))
     assert done.returncode == 1
     last = "weier: the code of weier has changed since the plan: run snakemake again, which plans with the new code"
     assert done.stderr.splitlines()[-1] == last
     assert not (scene_file.parent / "curves").exists()
-
-
-def test_products_are_made_in_a_folder_each(run, scene_file):
-    assert run(*curves(scene_file))[0] == 0
-    code, _, err = run(*make(scene_file))
-    assert (code, err.startswith("make test contact.nc: ")) == (0, True)
-    assert {path.name for path in (scene_file.parent / "drafts/contact.nc").iterdir()} == {"contact.nc", "claims.md"}
 
 
 def test_a_product_without_curves_or_of_another_scene_is_named(run, scene_file):

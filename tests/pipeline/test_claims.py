@@ -255,20 +255,6 @@ def test_one_independent_contact_is_the_contact_of_one_wave():
         np.testing.assert_allclose(found, westergaard.resistance(xi) / count, rtol=1e-9)
 
 
-# Of what holds for every profile the worst one decides, of what usually holds the middle one.
-@pytest.mark.parametrize(
-    ("name", "excesses", "said"),
-    [
-        ("archard_above", (0.2, 0.1), ": 0.001 p_0*; limit: at most 0.01 p_0*; 6 of 6 say yes"),
-        ("archard_above", (0.1, 0.1, SUNK), "p_0*; limit: at most 0.01 p_0*; 4 of 6 say yes, 2 say no"),
-        ("demelio_below", (0.1, -1e-4, SUNK), ": 0.1 g_0; limit: below 0; 4 of 6 say no, 2 too close to call"),
-        ("layer_close", (-0.0001,), ": -0.0001 g_0; limit: below 0; 6 of 6 too close to call"),
-    ],
-)
-def test_one_number_decides(name, excesses, said):
-    assert verdicts.decisive_line(judged(name, ensemble(*excesses))).endswith(said)
-
-
 @pytest.mark.parametrize("loads", [np.geomspace(1e-3, 4, 60), np.linspace(1e-3, 4, 160)], ids=["ratios", "steps"])
 def test_the_spacing_of_loads_changes_nothing(loads):
     """An excess that changes its sign among the high loads: the spacing must not decide which sign outweighs."""

@@ -48,24 +48,6 @@ def test_a_study_is_read_while_others_are_not_solved(tmp_path):
         read_study(curves, "other")
 
 
-def test_a_file_has_those_variables_alone_that_its_methods_return(tmp_path):
-    found = {}
-    for methods in (["demelio"], ["bem"]):
-        scene = scene_in(tmp_path, {**ONE_STUDY, "studies": {"one": WAVE}, "methods": methods})
-        found[methods[0]] = set(file_of(solve_scene(scene, tmp_path / "curves"), tmp_path).variables)
-    numerical = {"residual", "compliance_error", "compliance_lower", "points", "contact_fraction"}
-    assert found["bem"] - found["demelio"] >= numerical - found["demelio"] >= {"residual", "compliance_lower"}
-    assert "contact_edge" not in found["bem"]
-
-
-def test_a_file_holds_what_was_solved(solutions, solved, tmp_path):
-    found = file_of(solutions, tmp_path)
-    for name in solved.variables.keys() - {"seconds", "key"}:
-        xr.testing.assert_equal(found[name].variable, solved[name].variable)
-    names = found.variables.keys() - solved.variables.keys()
-    assert {name for name in names if not name.startswith("study")} == {"surface_key", "origin"}
-
-
 MIXED = {
     "title": "mixed",
     "loads": [0.01, 0.1, 1.0],

@@ -127,12 +127,3 @@ def test_jobs_share_curves_whatever_others_have_solved_meanwhile(tmp_path):
     later = shares(full.store.lacking(full.parts_for()))
     assert all(now <= before for now, before in zip(later, first, strict=True))
     assert 0 < len(set.union(*later)) < len(everything)
-
-
-@pytest.mark.parametrize(("method", "solved"), [("layer", 4), ("archard", 4), ("bem", 12)])
-def test_each_curve_is_expected_to_take_what_its_method_says(tmp_path, method, solved):
-    found = curves_in(scene_in(tmp_path, SCENE | {"methods": [method]}), tmp_path)
-    (own,) = [part for part in found.store.lacking(found.parts) if part.kind.method == method]
-    cases = [own.product.case(position) for position in own.positions.tolist()]
-    assert len(cases) == solved
-    assert own.seconds == pytest.approx(sum(case.seconds(method, np.array([0.1, 1.0])) for case in cases), rel=1e-9)

@@ -5,18 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.pipeline.test_freshness import ALL, digests_of
-from weier.pipeline.products import DATA, files_of, stamp_of
-
-
-def test_data_of_another_date_are_other_data(tmp_path, monkeypatch):
-    """Figures and the explorer have no dates."""
-    found = []
-    for date in ("", "1000000000", "2000000000"):
-        monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
-        found.append(digests_of(tmp_path))
-    assert len({one[DATA] for one in found}) == 3
-    assert all(len({one[name] for one in found}) == 1 for name in ALL - {DATA})
+from weier.pipeline.products import files_of, stamp_of
 
 
 @pytest.fixture

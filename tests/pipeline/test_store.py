@@ -51,12 +51,6 @@ def test_what_is_not_solved_is_named_with_what_to_do(store):
     assert not Store(store.folder, "later").index(KIND.name).keys.size
 
 
-def test_either_of_two_solutions_of_a_curve_serves(store):
-    store.append(KIND, {KEYS[0]: row(0), KEYS[5]: row(5)}, "again")
-    assert store.read(KIND, KEYS[[0, 5, 1]], "compliance")[:, 0].tolist() == [0, 5, 1]
-    assert len(store.index(KIND.name).keys) == 6
-
-
 def test_a_damaged_segment_is_named_with_what_to_do(store):
     """Wherever the damage is: it is refused, or has changed no number."""
     path, names = min((store.folder / KIND.name / "now").iterdir()), ("compliance", "status", "edges")

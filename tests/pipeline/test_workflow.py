@@ -93,22 +93,6 @@ def test_a_product_needs_the_jobs_that_solve_its_curves(folder):
     assert solved(plan(), "contact.nc") == []
 
 
-def test_missing_curves_are_shared_among_as_many_jobs_as_can_run_and_none_that_is_short(folder, monkeypatch):
-    change(folder, "[2, 3]", "{from: 2, to: 4, count: 3}, seed: {from: 1, to: 20, count: 20}")
-    change(folder, "studies: [long], facet: m", "studies: [long], facet: m, median over: seed")
-    for seconds, slots, expected in ((4.0, 9, 1), (25.0, 9, 5), (90.0, 5, 5), (1e4, 99, 62)):
-        monkeypatch.setattr(workflow.Part, "seconds", seconds)  # of each study
-        jobs = [Path(path).name for path in solved(plan(slots=slots), "contact.nc") if "/bem." in path]
-        assert jobs == [f"bem.{number}-of-{expected}" for number in range(expected)]
-
-
-def test_minutes_grow_with_the_seconds_of_a_job_and_with_attempts(folder, monkeypatch):
-    job = {"what": "test~contact.nc", "group": "bem", "number": "0", "jobs": "2"}
-    assert [plan().minutes(of(**job), attempt) for attempt in (1, 3)] == [5, 15]
-    monkeypatch.setattr(workflow.Part, "seconds", 60.0)
-    assert plan().minutes(of(**job), 2) == 2 * (5 + 2 * 5 / 2)
-
-
 @pytest.mark.parametrize("slots", [1, 2, 3, 9])
 def test_each_product_that_is_not_up_to_date_is_made_by_one_of_as_many_jobs_as_can_run(folder, slots):
     planned = plan(slots=slots)
