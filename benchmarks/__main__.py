@@ -11,7 +11,7 @@ NAMES = (
 def run() -> None:
     """Run a measurement, whose module imports NumPy, which reads the number of threads."""
     use_one_thread()
-    from weier.accuracy.page import Measurements
+    from weier.accuracy.measurement import Measurements
 
     Measurements("benchmarks", NAMES, "Compare weier with other programs, and measure its constants.").main()
 

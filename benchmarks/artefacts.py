@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import Trace, fit
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface import spectrum

@@ -7,7 +7,7 @@ from time import process_time
 import click
 import numpy as np
 
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS

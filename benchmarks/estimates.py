@@ -8,7 +8,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.accuracy.runner import by_default, run
 from weier.data import markdown
 from weier.kernels.arrays import Array

@@ -13,7 +13,7 @@ import click
 import numpy as np
 
 from weier import ConvergenceError, Profile, Trace, random_phases
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.accuracy.runner import Variant, run
 from weier.data import markdown
 from weier.kernels.arrays import Array

@@ -11,7 +11,7 @@ import scipy.optimize
 import scipy.sparse
 
 from weier import Profile
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods.patches.segments import NODE_FACTORS, ContactState, count_nodes, node_factors

@@ -13,7 +13,7 @@ from benchmarks.measure import compare
 from benchmarks.problem import Problem, find_reference
 from benchmarks.programs import PROGRAMS, seconds
 from weier import Profile
-from weier.accuracy.page import CONTEXT
+from weier.accuracy.measurement import CONTEXT
 from weier.data import dataset
 
 PHASES = (0.0, 1.0, 2.0)  # radians: an unsymmetric profile, as in the README.

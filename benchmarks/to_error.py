@@ -22,7 +22,7 @@ from benchmarks.programs import PROGRAMS, calibrate, seconds, solve_loads
 from benchmarks.report import HEIGHT, LOOKS, WORDS
 from benchmarks.same_grid import PHASES, installed, parse_names
 from weier import Profile
-from weier.accuracy.page import CONTEXT
+from weier.accuracy.measurement import CONTEXT
 from weier.data import markdown
 from weier.data.files import write_text
 from weier.data.markdown import significant

@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from weier import OutOfReachError, Profile, random_phases, solve
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 from weier.methods import patches
 

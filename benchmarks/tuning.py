@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 import weier
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent

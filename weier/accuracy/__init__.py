@@ -9,6 +9,6 @@
 | `extremes` | stability at the limits of floats |
 | `tradeoff` | speed against accuracy of all variants of methods |
 
-`runner` runs a variant, `reference` computes the reference and errors, `families` draws hard series, and `page` makes
-a command and its page of a measurement. Imports all folders but the command line.
+`runner` runs a variant, `reference` computes the reference and errors, `families` draws hard series, and `measurement`
+makes a command and its page. Imports all folders but the command line.
 """

@@ -1,6 +1,6 @@
 """The measurements of weier itself: `python -m weier.accuracy NAME`."""
 
-from weier.accuracy.page import Measurements
+from weier.accuracy.measurement import Measurements
 
 NAMES = ("convergence", "coverage", "extremes", "tradeoff")
 main = Measurements("weier.accuracy", NAMES, "Measure weier itself: errors, seconds, and coverage of stated errors.")

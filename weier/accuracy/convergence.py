@@ -11,7 +11,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from weier.accuracy.page import Page, measurement, number
+from weier.accuracy.measurement import Page, measurement, number
 from weier.accuracy.runner import Variant, run
 from weier.data.markdown import table
 from weier.kernels.arrays import Array

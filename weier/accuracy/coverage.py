@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from weier.accuracy.families import FAMILIES, VARIANTS, Draw, draws
-from weier.accuracy.page import Page, measurement
+from weier.accuracy.measurement import Page, measurement
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import Variant, attempt
 from weier.data import markdown

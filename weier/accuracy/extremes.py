@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from weier.accuracy import curve_checks
 from weier.accuracy.ill_conditioned import Extreme, extremes
-from weier.accuracy.page import Page, measurement, number
+from weier.accuracy.measurement import Page, measurement, number
 from weier.accuracy.reference import deviation, digits, find_reference
 from weier.accuracy.runner import Outcome, Variant, attempt
 from weier.data.markdown import plain, table

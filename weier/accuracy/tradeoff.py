@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
-from weier.accuracy.page import Page, measurement, number
+from weier.accuracy.measurement import Page, measurement, number
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import MAX_POINTS, Variant, run
 from weier.data.markdown import plain, table

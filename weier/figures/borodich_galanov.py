@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from weier.figures import style
 from weier.figures.values import line
-from weier.theory.borodich_galanov import stiffness_bounds
+from weier.theory.self_similar_punch import stiffness_bounds
 
 
 def draw(studies: Sequence[xr.Dataset], title: str) -> Figure:

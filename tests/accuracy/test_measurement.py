@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.__main__ import NAMES as BENCHMARKS
 from weier.accuracy.__main__ import main
-from weier.accuracy.page import Measurements, Page, measurement
+from weier.accuracy.measurement import Measurements, Page, measurement
 from weier.data import provenance
 from weier.figures.values import line
 

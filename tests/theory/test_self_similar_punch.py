@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from weier.theory.borodich_galanov import stiffness_bounds, tangent_roots
+from weier.theory.self_similar_punch import stiffness_bounds, tangent_roots
 
 ROUGHNESS = np.concatenate(
     [[0.0, 1e-300, 1e-16, 1e-9], np.linspace(0.01, 0.99, 25), 1 - np.geomspace(1e-3, 1e-16, 9)]
