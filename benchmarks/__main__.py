@@ -9,7 +9,7 @@ NAMES = (
 
 
 def run() -> None:
-    """Run a measurement, whose module imports NumPy, which reads the number of threads."""
+    """Set one thread before a measurement imports NumPy, then run the command line."""
     use_one_thread()
     from weier.accuracy.measurement import Measurements
 

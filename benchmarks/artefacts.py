@@ -26,15 +26,14 @@ LIMITS = (
 )
 STEPS, SPIKES = ((0, 1), (0, 0.4, 1)), ((0, 1, 0), (0, -1, 0), (0, 1, 0.7, 0))  # shapes, over the range of heights
 CODES = (-9999.0, 32767.0, 0.0)
-SAMPLES = 1000  # of a line of roughness, and of one with artefacts
+SAMPLES = 1000  # samples per line
 BANDS = tuple(product((1, 4, 8), (2, 4, 32)))  # longest wavelengths in a line, and their ratio to the shortest
 
 
 def power_law(random: Generator, samples: int, D: float, longest: float = 1.0, shortest: float = 2.0) -> Array:
     """Return random heights of this fractal dimension.
 
-    Waves that fit less often than `longest` times into the line are as high as those that do. There are none of fewer
-    samples than `shortest`.
+    The spectrum is flat for wavenumbers k < `longest` per line, and 0 for wavelengths below `shortest` samples.
     """
     k = np.arange(1, samples // 2)
     wave = np.maximum(k, longest) ** (D - 2.5) * (random.normal(size=k.size) + 1j * random.normal(size=k.size))
@@ -86,7 +85,7 @@ def refusal(z: Array) -> str:
 
 @contextmanager
 def scaled(limit: str, factor: float, module: Any = artefacts) -> Iterator[None]:
-    """In a `with` statement, multiply a limit of the checks."""
+    """Multiply a limit of the checks within a `with` block."""
     usual = getattr(module, limit)
     setattr(module, limit, factor * usual)
     try:
@@ -107,7 +106,7 @@ def doubted_fits(rounds: int) -> tuple[int, int]:
     random, found = np.random.default_rng(0), list[bool]()
     for _ in range(rounds):
         for samples, D in product((200, 1000, 4000), (1.1, 1.3, 1.5, 1.7, 1.9)):
-            with warnings.catch_warnings(record=True) as caught, suppress(ValueError):  # of lines without a power law
+            with warnings.catch_warnings(record=True) as caught, suppress(ValueError):  # a line may have no power law
                 warnings.simplefilter("always")
                 fit(Trace(self_affine(samples, D, random), 5e-6 * samples, height_unit="um"))
                 found.append(any("decide on" in str(warning.message) for warning in caught))
@@ -119,7 +118,7 @@ def bent_laws(rounds: int) -> tuple[int, int]:
     random, found = np.random.default_rng(1), list[bool]()
     for _, samples, D in product(range(rounds), (400, 2000), (1.3, 1.5, 1.7)):
         trace = Trace(power_law(random, 4 * samples, D)[:samples], 5e-6 * samples, height_unit="um")
-        with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # of parts that decide, and of no D
+        with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # fits may warn, or find no D
             fitted = fit(trace)
             longest, finest = trace.lambda_0 / spectrum.WAVES_IN_LENGTH, trace.lambda_0 * trace.period / trace.finest
             found.append(fitted.lambda_0 * math.sqrt(2) < 0.99 * longest or 2**fitted.m < longest / finest / 2)
@@ -145,7 +144,7 @@ def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, 
     random, off = np.random.default_rng(0), list[float]()
     for _, D in product(range(rounds), (1.2, 1.5, 1.8)):
         trace = Trace(power_law(random, 4000, D)[:1000], 5e-3, height_unit="um")
-        with suppress(ValueError), warnings.catch_warnings(action="ignore"):  # of no D, and of parts that decide
+        with suppress(ValueError), warnings.catch_warnings(action="ignore"):  # as in `bent_laws`
             found = fit(trace, trace.lambda_0 / longest, trace.lambda_0 / longest / ratio)
             off.append(abs(found.D - D) / found.D_error)
     known = np.array(off)
@@ -160,8 +159,8 @@ def main(rounds: int, factor: float) -> Page:
 
     Lines of many kinds of roughness must be taken, and self-affine lines with steps, spikes and codes for missing
     heights refused. Each limit of the checks is divided and multiplied by a factor: a limit without false refusals on
-    the one side and without missed artefacts on the other lies between the two. Two further tables are of fits to
-    random lines: those that a limit of the spectrum refuses, and how well bands of wavelengths determine D.
+    the one side and without missed artefacts on the other lies between the two. Two further tables
+    count the random lines that a limit of the spectrum refuses, and show how well bands of wavelengths determine D.
     """
     limits = [["none", "", *map(str, wrong(rounds))]]
     for limit in LIMITS:
@@ -177,13 +176,13 @@ def main(rounds: int, factor: float) -> Page:
         spectra.append(["REMOVED_WAVE_RATIO", f"{times:g}", *refused])
     with scaled("MIN_RATIO", 0.5, spectrum):
         bands = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
-    of_bands = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
+    band_header = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
     return Page(
         [
             markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
             f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
             f"{bent} of {laws} fits to power laws are cut off at a bend.",
             markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
-            markdown.table(of_bands, bands),
+            markdown.table(band_header, bands),
         ]
     )

@@ -37,7 +37,7 @@ def solve(segments: Segments, kind: Kind, directly: bool) -> tuple[Forces, Force
 
 
 def ratio(count: int, kind: Kind, rounds: int) -> float:
-    """Return the least processor time of direct solutions over that of conjugate gradients."""
+    """Return the ratio of the least processor times, direct solutions over conjugate gradients."""
     segments, seconds = random_segments(count), {True: np.inf, False: np.inf}
     for _ in range(rounds + 1):  # The first round compiles.
         for directly in seconds:

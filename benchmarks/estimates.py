@@ -83,8 +83,8 @@ def main(seeds: int, lightest: float) -> Page:
     ]
     header = ["D", "gamma", "m", "estimate", "error of h", "of R, %", "of the area, %"]
     ranges = [(f"{low:g} to {high:g}", f"{exponent:.2f}") for (low, high), exponent in exponents(seeds).items()]
-    of_ranges = ["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"]
-    return Page([markdown.table(header, rows), markdown.table(of_ranges, ranges)])
+    range_header = ["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"]
+    return Page([markdown.table(header, rows), markdown.table(range_header, ranges)])
 
 
 def _cell(median: float, high: float, row: int) -> str:

@@ -20,12 +20,12 @@ from weier.kernels.arrays import Array
 from weier.methods.registry import METHODS, find_method
 from weier.surface.waves import Waves
 
-FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # loads over that of full contact; in p_0* for infinite series
+FRACTIONS = (1e-3, 1e-2, 0.1, 0.4, 0.9)  # load over full-contact load; in p_0* for infinite series
 MANY = np.geomspace(FRACTIONS[0], FRACTIONS[-1], 40)
-MAX_WAVES = 700  # of surfaces that are solved under many loads, too
+MAX_WAVES = 700  # finer surfaces are solved only under single loads
 SERIES = ((1.25, 5), (1.5, 2), (1.75, 3), (1.1, 10))  # D and gamma
 TRACES = (100, 400, 1600, 4000)  # waves
-# further settings, of surfaces with few waves
+# further settings, measured on surfaces with few waves
 SETTINGS = {
     "layer": ({"points": 6}, {"points": 100}),
     "bem": ({"tolerance": 1e-2}, {"tolerance": 1e-4}, {"points_per_wave": 64}),
@@ -54,7 +54,7 @@ def _trace(waves: int, hurst: float) -> Trace:
 
 
 def ratios(variant: Variant, profile: Waves) -> Iterator[tuple[int, float, float]]:
-    """Yield loads, seconds and their ratio to the expected ones: single loads, of which it is the mean, and many."""
+    """Yield loads, seconds and their ratio to the expected ones: the mean over single loads, then many loads."""
     full = profile.full_contact_load if math.isfinite(profile.m) else 1.0
     is_long = math.isfinite(profile.m) and profile.waves_per_period[-1] > MAX_WAVES
     for curves in (full * np.array([FRACTIONS]).T, *([] if is_long else [full * MANY[None]])):
@@ -94,14 +94,13 @@ def seconds_of_start() -> float:
 def main(most: int, methods: str) -> Page:
     """Compare measured with expected processor seconds.
 
-    Series of one to six terms, infinite ones and traces of 100 to 4000 waves are solved under five single loads, from
-    0.001 to 0.9 of full contact, of which the mean counts, and those of at most 700 waves under 40 loads, too; with
-    other settings than the default, series of at most 125 waves.
+    Surfaces are series of one to six terms, infinite series, and traces of 100 to 4000 waves. Seconds are the mean
+    over five single loads from 0.001 to 0.9 of full contact, and also for 40 loads with at most 700 waves. Settings other than the defaults are measured on series of at most 125 waves.
     """
     lines: list[list[str]] = []
     for name in methods.split(","):
         for settings in ({}, *SETTINGS.get(name, ())):
             words = " ".join(f"{key} = {value:g}" for key, value in settings.items()) or "by default"
-            list(rows(Variant(words, name, settings), 25))  # compiles
+            list(rows(Variant(words, name, settings), 25))  # compile first
             lines += rows(Variant(words, name, settings), 125 if settings else most)
     return Page([markdown.table(HEADER, lines), f"Starting a process takes {seconds_of_start():.2g} s."])

@@ -18,7 +18,7 @@ from weier.kernels.arrays import Array
 Say = Callable[[str], None]
 Plan = Mapping[int, Sequence[str]]  # the programs to run, by their nodes
 
-WRONG = 10.0  # A solution that is reported as converged is wrong if its residual exceeds the tolerance by this.
+WRONG = 10.0  # residual over tolerance above which a solution reported as converged is wrong
 
 # Dimensions of variables.
 RUN = ("program", "points")
@@ -29,14 +29,14 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "compliance": (CURVE, "compliance, in g_0", "1"),
     "residual": (CURVE, "largest violation of a contact condition, freshly evaluated, in g_0", "1"),
     "load_error": (CURVE, "relative error of the mean pressure", "1"),
-    "own_tolerance": (CURVE, "loosest tolerance of the solver's own that left the residual wanted", "1"),
+    "own_tolerance": (CURVE, "loosest tolerance of the solver that meets the target residual", "1"),
     "converged": (CURVE, "1 where the solver says that it converged", "1"),
     "error": (RUN, "largest error of the compliance over the loads, in g_0", "1"),
 }
 
 
 def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
-    """An empty dataset of all variables."""
+    """Return an empty dataset of all variables."""
     programs = list(dict.fromkeys(name for names in plan.values() for name in names))
     sizes = {"program": len(programs), "points": len(plan), "repeat": repeats, "mean_pressure": loads.size}
     data = xr.Dataset(
@@ -45,12 +45,12 @@ def blank(plan: Plan, loads: Array, repeats: int) -> xr.Dataset:
             for name, (dims, long_name, units) in VARIABLES.items()
         }
     )
-    of_loads = {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
+    pressure_attributes = {"long_name": "mean pressure", "units": "1", "normalised_by": "p_0*"}
     labels, units = ([getattr(PROGRAMS[name], field) for name in programs] for field in ("label", "work"))
     return data.assign_coords(
         program=("program", programs, {"long_name": "program that solved the problem"}),
         points=("points", list(plan), {"long_name": "nodes in one period", "units": "1"}),
-        mean_pressure=("mean_pressure", loads, of_loads),
+        mean_pressure=("mean_pressure", loads, pressure_attributes),
         label=("program", labels, {"long_name": "program, for people"}),
         work_unit=("program", units, {"long_name": "what work counts"}),
     )
@@ -127,7 +127,7 @@ def compare(
 
 
 def _examine_program(name: str, problem: Problem, reference: Reference, data: xr.Dataset) -> None:
-    """All but the time, into the row of this program and size."""
+    """Store everything except the time in the row of this program and size."""
     program = PROGRAMS[name]
     own_tolerance = calibrate(program, problem)
     solver = (program.counted or program.begin)(problem)
@@ -148,7 +148,7 @@ def _examine_program(name: str, problem: Problem, reference: Reference, data: xr
 
 
 def wrong(data: xr.Dataset) -> xr.DataArray:
-    """The number of loads that each program reports as converged with a wrong residual or load."""
+    """Count loads that each program reports as converged with a wrong residual or load."""
     tolerance = WRONG * data.attrs["tolerance"]
     far = (data["residual"] > tolerance) | (data["load_error"] > tolerance)
     reported: xr.DataArray = far & (data["converged"] == 1)
@@ -156,5 +156,5 @@ def wrong(data: xr.Dataset) -> xr.DataArray:
 
 
 def failed(data: xr.Dataset) -> xr.DataArray:
-    """The number of loads that each program reports as not converged."""
+    """Count loads that each program reports as not converged."""
     return (data["converged"] == 0).sum("mean_pressure")

@@ -20,10 +20,10 @@ from weier.methods.patches.stages import TARGET
 from weier.methods.patches.start import Starts
 from weier.methods.patches.surface import distances_between
 
-TOLERANCE = 1e-12  # of the solutions, so that their coefficients decay by twelve digits
+TOLERANCE = 1e-12  # tolerance of the solutions: coefficients decay by twelve digits
 DIGITS = (4, 6, 8, 10)
-FRACTIONS = np.geomspace(0.003, 0.95, 8)  # loads over that of full contact
-QUANTILE = 0.9  # of the fit: since the formula is rounded up, more segments have enough nodes
+FRACTIONS = np.geomspace(0.003, 0.95, 8)  # load over full-contact load
+QUANTILE = 0.9  # quantile of the fit; rounding up gives enough nodes to further segments
 HEADER = ("digits", "enough by `NODE_FACTORS`", "nodes over needed", "enough by the fit", "nodes over needed")
 
 
@@ -56,10 +56,10 @@ def terms(starts: Starts, state: ContactState) -> Array:
 
 
 def fitted(matrix: Array, count: Array) -> Array:
-    """Return the factors, each linear in the digits, whose nodes are enough for the quantile, shape (3, 2).
+    """Fit the factors K_i, linear in the digits, by quantile regression, shape (3, 2).
 
-    `matrix` has the terms, shape (segments, 3), and `count` what the segments need, shape (digits, segments).
-    Positive and negative deviations from a quantile q weigh q and 1 - q. The formula adds 2 nodes.
+    `matrix` holds the terms, shape (segments, 3), and `count` the nodes needed, shape (digits, segments). Positive
+    and negative deviations from a quantile q weigh q and 1 - q. The formula adds 2 nodes.
     """
     rows = np.concatenate([np.concatenate([matrix, digits * matrix], axis=1) for digits in DIGITS])
     cost = np.concatenate([np.zeros(6), np.repeat([QUANTILE, 1 - QUANTILE], len(rows))])
@@ -82,7 +82,7 @@ def given(starts: Starts, state: ContactState, factors: tuple[float, ...]) -> Ar
 def main(series: int) -> Page:
     """Count the Chebyshev coefficients that contacts and gaps of random series need, and fit `NODE_FACTORS` to them.
 
-    For a tolerance of 10^-digits, those above the target of contact patches, relative to the largest, are needed. The
+    At a tolerance of 10^-digits, a coefficient is needed if |a_k|/max|a_k| exceeds the target of contact patches. The
     first guess of the nodes is K_0 + K_1 k_f r + K_2/ln(rho) + 2, rounded up, with K_i linear in the digits
     (docs/patches.md, "Chebyshev polynomials"), fitted to a quantile of 0.9. The numbers in use are larger than the
     fit: segments with too few nodes get more, at the cost of a step, and at ten digits fewer segments have too few.

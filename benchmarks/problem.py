@@ -31,9 +31,9 @@ class Step(NamedTuple):
     """The solution for one load.
 
     pressure : at the nodes, shape (points,), in p_0*
-    work : what the program counts of it
+    work : cost in the program's own unit
     converged : whether the solver says that it converged
-    compliance : in g_0, where the program has a better one than that of its nodal pressure
+    compliance : in g_0, if the program corrects the compliance of its nodal pressure
     """
 
     pressure: Array
@@ -43,7 +43,7 @@ class Step(NamedTuple):
 
 
 class Examination(NamedTuple):
-    """Of one solution: compliance and largest violation of a contact condition in g_0, and relative load error."""
+    """Compliance and largest violation of a contact condition, in g_0, and relative load error."""
 
     compliance: float
     residual: float
@@ -51,12 +51,12 @@ class Examination(NamedTuple):
 
 
 def linear_elements(points: int, period: float) -> Array:
-    """Displacement per pressure of each wave for piecewise-linear pressure: the paper's boundary elements."""
+    """Return displacement per pressure of each wave for piecewise-linear pressure: the paper's elements."""
     return eigenvalues(points, period)
 
 
 def fourier(points: int, period: float) -> Array:
-    """Displacement per wave of pressure, cut off at the grid: what FFT codes call the 1/|k| kernel."""
+    """Return displacement per pressure of each wave for trigonometric pressure: the 1/|k| kernel of FFT codes."""
     waves = np.arange(1, points // 2 + 1)
     return np.concatenate([[0.0], period / waves])
 
@@ -64,9 +64,8 @@ def fourier(points: int, period: float) -> Array:
 def examine(problem: Problem, height: Array, eigenvalue: Array, load: float, pressure: Array) -> Examination:
     """Apply the operator afresh, and find the largest violation of a contact condition.
 
-    Violations are |gap| where there is pressure, penetration elsewhere, and tension times the deflection that it
-    causes at its own node. The rigid plane rests at the mean height of the surface under pressure. Where no pressure
-    is positive, or it is no number, nothing is solved: the compliance is then NaN, and the residual infinite.
+    Violations are |gap| under pressure, penetration elsewhere, and tension times A_ii. The rigid plane is at the mean
+    deformed height of the nodes under pressure. Without positive pressure the compliance is NaN, the residual inf.
     """
     deformed = height - np.fft.irfft(eigenvalue * np.fft.rfft(pressure), problem.points)
     contact = pressure > 0
@@ -92,6 +91,6 @@ class Reference(NamedTuple):
 
 
 def find_reference(profile: Profile, loads: Array) -> Reference:
-    """Solve by contact patches, which are right to more digits than any grid here."""
+    """Solve by contact patches, which have more correct digits than any grid here."""
     settings: dict[str, Any] = {"method": "patches", "tolerance": REFERENCE_TOLERANCE}
     return Reference(solve(profile, loads, **settings)["compliance"].values, settings)

@@ -1,9 +1,9 @@
 """The programs compared, each given the same heights and the same loads, from the heaviest down, on one thread.
 
 `seconds` times a whole curve of a program, and `solve_loads` yields the pressure under each load, which is examined
-outside the timed part. weier checks its residual itself. The others stop at a tolerance of their own. Before anything
-is timed, each load therefore gets the loosest such tolerance that leaves the residual wanted, so that no program
-spends time on more accuracy than that.
+outside the timed part. weier checks its residual itself; the others stop at a tolerance of their own. Before the
+measurement, `calibrate` finds the loosest such tolerance that meets the target residual at each load, so that no
+program spends time on more accuracy.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from benchmarks.problem import Problem, Step, examine, fourier, linear_elements
 from benchmarks.solvers import contact_mechanics, dense, slippy, tamaas, weier_fft
 from weier.kernels.arrays import Array
 
-# The smallest tolerance tried, over the wanted residual: a solver that misses the residual then never reaches it.
+# smallest tolerance tried over target residual: a solver that still misses the residual never reaches it
 MIN_TOLERANCE = 2.0**-10
 MAX_DENSE_POINTS = 512  # Four times as many nodes take some fifty times as long.
 
@@ -30,18 +30,11 @@ class Solver(Protocol):
     """Solves one load after the other, each from the pressure of the one before it."""
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """The pressure under this load; `tolerance` in the solver's own measure."""
+        """Return the pressure under this load; `tolerance` is in the solver's own measure."""
 
 
-def of_package(name: str) -> str:
-    """Name and version of an installed package.
-
-    Raises
-    ------
-    LookupError
-        If it is not installed, with what to do.
-
-    """
+def installed_package(name: str) -> str:
+    """Return name and version of a package; LookupError, with the command to install it, if it is missing."""
     try:
         return f"{name} {installed_version(name)}"
     except PackageNotFoundError:
@@ -52,15 +45,15 @@ class Program(NamedTuple):
     """A program that solves the problem.
 
     label : name for people
-    package : that must be installed for it
-    begin : a solver for a problem; its time counts
+    package : the package to install
+    begin : returns a solver for a problem; its time is measured
     eigenvalue : the operator of its discretisation, for (points, period)
-    work : what its work counts
-    counted : the same solver, counting its work where that takes time
-    curve : whole curve in one call, where the program has one that does not go through `begin`'s solver
-    max_points : largest number of nodes that it is run on
-    version : name and version of its package; raises LookupError where it is not installed
-    clock : processor seconds that the program has taken so far
+    work : unit of its work
+    counted : as `begin`, for a slower solver that counts its work
+    curve : solves the whole curve in one call, without `begin`
+    max_points : largest grid
+    version : returns name and version of its package; raises LookupError if it is missing
+    clock : returns the processor seconds used so far
     """
 
     label: str
@@ -71,7 +64,7 @@ class Program(NamedTuple):
     counted: Callable[[Problem], Solver] | None = None
     curve: Callable[[Problem], object] | None = None
     max_points: float = np.inf
-    version: Callable[[str], str] = of_package
+    version: Callable[[str], str] = installed_package
     clock: Callable[[], float] = process_time
 
 
@@ -118,7 +111,7 @@ PROGRAMS = {
 
 
 def solve_loads(solver: Solver, loads: Array, tolerance: Array) -> Iterator[Step]:
-    """Steps from the heaviest load down, each from the one before, scaled to its load."""
+    """Solve from the heaviest load down; each load starts from the previous pressure, scaled to its load."""
     start = None
     for row in range(loads.size - 1, -1, -1):
         step = solver.solve(loads[row], start, tolerance[row])
@@ -127,9 +120,9 @@ def solve_loads(solver: Solver, loads: Array, tolerance: Array) -> Iterator[Step
 
 
 def calibrate(program: Program, problem: Problem) -> Array:
-    """The loosest own tolerance at which each load leaves the residual wanted, shape (loads,).
+    """Return the loosest tolerance of the solver at which each load meets the target residual, shape (loads,).
 
-    It is the residual itself for programs that are called for a whole curve: they check it themselves.
+    Programs that solve a whole curve in one call take the residual as their tolerance.
     """
     if program.curve:
         return np.full(problem.loads.size, problem.tolerance)
@@ -150,7 +143,7 @@ def calibrate(program: Program, problem: Problem) -> Array:
 
 
 def seconds(program: Program, problem: Problem, tolerance: Array) -> float:
-    """Processor seconds for the whole curve, from heights to pressures, set-up included."""
+    """Return processor seconds for the whole curve, from heights to pressures, including set-up."""
     begin = program.clock()
     if program.curve:
         program.curve(problem)

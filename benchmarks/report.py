@@ -37,12 +37,12 @@ WORDS = {
 
 
 def least_seconds(data: xr.Dataset) -> xr.DataArray:
-    """Processor seconds of each program on each grid: the least of its runs, which other work disturbs least."""
+    """Return processor seconds of each program on each grid, the minimum over its runs."""
     return data["seconds"].min("repeat")
 
 
 def table(data: xr.Dataset) -> str:
-    """The whole comparison as Markdown: seconds of each program, their ratio to weier's, and errors."""
+    """Return the comparison as Markdown: seconds of each program, their ratio to weier, and errors."""
     head = ("N", "program", "seconds", f"times {OURS}", "work a load", "residual", "error of h", "loads wrong")
     rows = []
     for points in data["points"].values:
@@ -113,7 +113,7 @@ def write_table(data: xr.Dataset, path: Path) -> None:
 
 
 def draw(data: xr.Dataset, path: Path) -> None:
-    """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG beside each other."""
+    """Draw time and FFT pairs against N, and error against time, as PDF, SVG and PNG."""
     with matplotlib.style.context(style.SHEET, after_reset=True):
         figure, (time, pairs, accuracy) = style.column("", ["", "", ""], HEIGHT)
         data = data.assign(time=least_seconds(data), pairs=_pairs(data))
@@ -130,7 +130,7 @@ def _pairs(data: xr.Dataset) -> xr.DataArray:
 
 
 def _panel(axes: Axes, data: xr.Dataset, x: str, y: str) -> None:
-    """A line for each program, a mark for each size."""
+    """Draw a line for each program, with a marker for each size."""
     axes.set(xscale="log", yscale="log", xlabel=WORDS[x], ylabel=WORDS[y])
     if x == "points":
         axes.set_xscale("log", base=2)

@@ -20,7 +20,7 @@ PHASES = (0.0, 1.0, 2.0)  # radians: an unsymmetric profile, as in the README.
 
 
 def parse_numbers(context: click.Context, parameter: click.Parameter, text: str) -> list[int]:
-    """Whole numbers from a list with commas; 2^20 is one."""
+    """Parse comma-separated whole numbers, such as 512 and 2^20."""
     try:
         return [int(base) ** int(power or 1) for base, _, power in (part.partition("^") for part in _parts(text))]
     except ValueError:
@@ -28,7 +28,7 @@ def parse_numbers(context: click.Context, parameter: click.Parameter, text: str)
 
 
 def parse_names(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
-    """Known programs from a list with commas."""
+    """Parse comma-separated names of programs."""
     for name in _parts(text):
         if name not in PROGRAMS:
             raise click.BadParameter(f"must be among {', '.join(PROGRAMS)}, got {name!r}")
@@ -40,7 +40,7 @@ def _parts(text: str) -> list[str]:
 
 
 def installed(programs: Sequence[str]) -> list[str]:
-    """The programs that are installed; it says of the others how to get them."""
+    """Return the installed programs, and print how to install the others."""
     present = []
     for name in programs:
         try:
@@ -87,7 +87,7 @@ def main(
     plan = dict.fromkeys(alone, (report.OURS,)) | {size: _able(programs, size) for size in points}
     plan = dict(sorted(plan.items()))
     reference = find_reference(profile, pressure)
-    for name in programs:  # compiles
+    for name in programs:  # compile first
         seconds(PROGRAMS[name], Problem(profile, pressure[-1:], min(plan), tolerance), np.full(1, tolerance))
     data = compare(profile, pressure, plan, tolerance, repeats, reference, _progress)
     dataset.write(data, output / "benchmark.nc", "weier and other programs, side by side")

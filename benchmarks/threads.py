@@ -1,4 +1,4 @@
-"""One thread for all programs."""
+"""Setting of one thread for all programs."""
 
 import os
 

@@ -1,7 +1,7 @@
 """Processor time to a given error of the compliance, and how errors fall with the nodes.
 
-`python -m benchmarks to_error` writes a table and a figure. A program on a grid takes the smallest one with which its
-largest error over the loads is within the target. Contact patches have no grid, and the target is their tolerance.
+`python -m benchmarks to_error` writes a table and a figure. A program on a grid gets the coarsest grid whose largest
+error over the loads is within the target. Contact patches have no grid: the target is their tolerance.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from weier.kernels.arrays import Array
 from weier.methods import patches
 from weier.methods.bem import curve as solve_curve
 
-# The problem, which is that of `python -m benchmarks same_grid`, and the programs.
+# the problem of `python -m benchmarks same_grid`, and the programs
 PROFILE = Profile(D=1.25, gamma=5, m=3, phases=PHASES)
 LOADS = np.geomspace(1e-3, 2, 40)
 ELEMENTS, PATCHES, KEPT = "weier_default", "patches", "weier"
@@ -40,16 +40,15 @@ OTHERS = ("tamaas", "contact_mechanics", "slippy")
 LABELS = {ELEMENTS: "weier, boundary elements", PATCHES: "weier, contact patches"}
 LABELS |= {name: PROGRAMS[name].label for name in OTHERS}
 TARGETS = (1e-4, 1e-5, 1e-6, 1e-8)  # g_0: the errors to be reached.
-# Numbers of nodes, of which the smallest sufficient one is found.
+# candidate grids; the smallest sufficient one is found
 SIZES = sorted([2**k for k in range(9, 19)] + [3 * 2**k for k in range(8, 17)])
-ORDER = 3  # No error falls with a higher power of the nodes, so that grids that are too small for it are not tried.
-RESIDUAL_FRACTION = 0.1  # The residual allowed to all programs, over the wanted error.
-TIGHTER = 1 / 8  # With this tolerance, over the residual, all programs reach the residual or little more.
-# The least of REPEATS runs counts; of more, if they take less than MIN_SECONDS together, or of fewer, if these have
-# taken MAX_REPEATED_SECONDS.
+ORDER = 3  # highest observed order of convergence, used to skip grids that are too coarse
+RESIDUAL_FRACTION = 0.1  # allowed residual over target error
+TIGHTER = 1 / 8  # solver tolerance over residual at which all programs reach about the residual
+# The minimum over REPEATS runs is reported; runs are added up to MIN_SECONDS in total, and stop at
+# MAX_REPEATED_SECONDS.
 REPEATS, MIN_SECONDS, MAX_REPEATED_SECONDS = 3, 0.3, 3.0
-# A grid is not tried where this is expected to take longer. From one grid to the next, the processor seconds of all
-# programs grow about with the power 1.3 of the nodes.
+# Grids expected to take more than MAX_SECONDS are skipped; processor seconds grow about as N^1.3.
 MAX_SECONDS, GROWTH = 60.0, 1.3
 MAX_DRAWN = {ELEMENTS: 2**15, KEPT: 2**15, "tamaas": 2**13}  # The programs in the figure, and their largest grids.
 DRAWN_RESIDUALS = {ELEMENTS: 1e-11, KEPT: 1e-11, "tamaas": 1e-9}  # g_0: well below the errors in the figure.
@@ -73,10 +72,9 @@ class Attempt(NamedTuple):
 
 
 class Reached(NamedTuple):
-    """The smallest grid with which a program gets to an error, and the least processor seconds of its runs.
+    """The smallest sufficient grid of a program, and its least processor seconds.
 
-    Contact patches have no points. The seconds are infinite for a grid that was not tried, since it was expected to
-    take more than MAX_SECONDS.
+    Contact patches have 0 points. The seconds are inf for a grid that was skipped (`MAX_SECONDS`).
     """
 
     points: int
@@ -100,7 +98,7 @@ def attempt(name: str, points: int, residual: float, reference: Reference) -> At
 
 
 def _solve_by_elements(name: str, problem: Problem) -> tuple[Array, Array]:
-    """Compliance and resistance by weier's boundary elements."""
+    """Return compliance and resistance by weier's boundary elements."""
     curve = solve_curve(
         problem.profile,
         problem.loads,
@@ -116,12 +114,12 @@ def _largest(deviation: Array) -> float:
 
 
 def _at_loosest_tolerances(name: str, problem: Problem) -> Callable[[], float]:
-    """A function that times the whole curve at the loosest tolerances that leave the residual."""
+    """Return a function that times the whole curve at the calibrated tolerances."""
     return partial(seconds, PROGRAMS[name], problem, calibrate(PROGRAMS[name], problem))
 
 
 def _compliance(name: str, problem: Problem) -> Array:
-    """The compliances, at a tolerance with which every program leaves the residual or little more."""
+    """Return the compliances at a tolerance that meets the residual about."""
     solver, own = PROGRAMS[name].begin(problem), np.full(problem.loads.size, TIGHTER * problem.tolerance)
     height, eigenvalue = problem.height, PROGRAMS[name].eigenvalue(problem.points, problem.profile.period)
     steps = zip(problem.loads[::-1], solve_loads(solver, problem.loads, own), strict=True)
@@ -130,7 +128,7 @@ def _compliance(name: str, problem: Problem) -> Array:
 
 
 def find_smallest(name: str, target: float, reference: Reference, fewest: int = 0) -> Reached | None:
-    """The smallest of SIZES, from `fewest` on, with which a program keeps within an error; None if there is none."""
+    """Return the smallest of SIZES >= `fewest` whose error is within the target; None if there is none."""
     sizes = [size for size in SIZES if size >= fewest]
     clock, expected = PROGRAMS[name].clock, 0.0
     while sizes and expected <= MAX_SECONDS:
@@ -147,7 +145,7 @@ def find_smallest(name: str, target: float, reference: Reference, fewest: int = 
 
 
 def least_seconds(timed: Callable[[], float]) -> float:
-    """The least processor seconds of several runs."""
+    """Return the least processor seconds of several runs."""
     taken: list[float] = []
     while sum(taken) < MIN_SECONDS or (len(taken) < REPEATS and sum(taken) < MAX_REPEATED_SECONDS):
         taken.append(timed())
@@ -155,7 +153,7 @@ def least_seconds(timed: Callable[[], float]) -> float:
 
 
 def measure(name: str, reference: Reference) -> list[Reached | None]:
-    """What a program takes for each target; a smaller error is not reached with fewer nodes."""
+    """Return the grid and seconds for each target; grid sizes are monotone in the target."""
     if name == PATCHES:
         return [Reached(0, least_seconds(partial(_seconds_of_patches, target))) for target in TARGETS]
     reached: list[Reached | None] = []
@@ -174,7 +172,7 @@ def _seconds_of_patches(target: float) -> float:
 
 
 def table(reached: Mapping[str, Sequence[Reached | None]]) -> str:
-    """A row for each program: seconds and nodes, and of the others how many times those of weier's faster method."""
+    """Return a row for each program: seconds, nodes, and the ratio of seconds to weier's faster method."""
     head = ["program", *(f"{target:.0e} g_0" for target in TARGETS)]
     own = [[_seconds_or_inf(column) for column in reached[name]] for name in (ELEMENTS, PATCHES)]
     fastest = np.min(own, axis=0)
@@ -199,7 +197,7 @@ def _cell(reached: Reached | None, fastest: float) -> str:
 
 
 def describe(reached: Mapping[str, Sequence[Reached | None]]) -> str:
-    """The table with the words that explain it, as Markdown."""
+    """Return the table with its explanation, as Markdown."""
     return "\n".join(
         [
             "## To a given error",
@@ -224,25 +222,25 @@ def describe(reached: Mapping[str, Sequence[Reached | None]]) -> str:
 
 
 def draw(programs: Sequence[str], reference: Reference, path: Path) -> None:
-    """How the largest errors fall with the nodes, as PDF, SVG and PNG beside each other."""
+    """Draw the largest errors against the number of nodes, as PDF, SVG and PNG."""
     with matplotlib.style.context(style.SHEET, after_reset=True):
-        figure, (of_h, of_R) = style.column("", ["", ""], HEIGHT)
-        for axes, symbol in ((of_h, "$h/g_0$"), (of_R, "$R$")):
+        figure, (h_axes, R_axes) = style.column("", ["", ""], HEIGHT)
+        for axes, symbol in ((h_axes, "$h/g_0$"), (R_axes, "$R$")):
             axes.set(xscale="log", yscale="log", xlabel=WORDS["points"], ylabel=f"largest error of {symbol}")
             axes.set_xscale("log", base=2)
         for name in (name for name in programs if name in MAX_DRAWN):
             sizes = [size for size in SIZES if size <= MAX_DRAWN[name]]
             look = {**LOOKS[name], "label": PROGRAMS[name].label}
             errors = np.array([_errors(name, size, reference) for size in sizes])
-            of_h.plot(sizes, errors[:, 0], **look)
+            h_axes.plot(sizes, errors[:, 0], **look)
             if name in STAIRCASE:
-                of_R.plot(sizes, errors[:, 1], **look)
-        figure.legend(*of_h.get_legend_handles_labels(), loc="outside upper center", ncols=1, handlelength=3.2)
+                R_axes.plot(sizes, errors[:, 1], **look)
+        figure.legend(*h_axes.get_legend_handles_labels(), loc="outside upper center", ncols=1, handlelength=3.2)
         save(figure, path)
 
 
 def _errors(name: str, points: int, reference: Reference) -> tuple[float, float]:
-    """The largest errors of h, in g_0, and of R, relative to the larger of itself and 1 g_0/p_0*, if it is known."""
+    """Return the largest errors of h, in g_0, and of R relative to max(R, 1 g_0/p_0*), NaN if unknown."""
     if name not in STAIRCASE:
         return attempt(name, points, DRAWN_RESIDUALS[name], reference).error, math.nan
     h, R = _solve_by_elements(name, Problem(PROFILE, LOADS, points, DRAWN_RESIDUALS[name]))

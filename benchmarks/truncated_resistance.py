@@ -16,14 +16,14 @@ from weier.methods import patches
 
 TOLERANCES = (0.02, 0.05, 0.1, 0.2)
 RATIOS = ("3/2", 2, "5/2", 3, 4, 5, 6)
-# of the remaining differences, in the reference over those of the terms solved: their part of the error judged
+# amplitude left out by the reference over amplitude left out by the solution
 LEFT = 0.3
-MAX_WAVES = 20_000  # of a reference
+MAX_WAVES = 20_000  # largest number of waves in a reference
 HEADER = ("tolerance", "loads", "met", "judged", "beyond", "median of error/stated", "largest")
 
 
 class Judged(NamedTuple):
-    """A load of a series: whether the tolerance was met, and the error over the stated one, NaN if unknown."""
+    """The result at a load: whether the tolerance is met, and error over stated error, NaN if unknown."""
 
     tolerance: float
     met: bool
@@ -31,7 +31,7 @@ class Judged(NamedTuple):
 
 
 def judge(series: Profile, load: float, tolerance: float) -> Judged:
-    """Compare the resistance of an infinite series with that of more terms than were solved."""
+    """Compare the resistance of an infinite series with a truncation of more terms."""
     try:
         found = solve(series, [load], tolerance=tolerance, quantity="resistance")
     except OutOfReachError:
@@ -60,10 +60,10 @@ def judge_all(count: int, seed: int) -> Iterator[Judged]:
 @click.option("--count", default=200, help="Number of random series.")
 @click.option("--seed", default=1, help="Of the series.")
 def main(count: int, seed: int) -> Page:
-    """Compare the resistance that "auto" estimates for infinite series with that of longer truncations.
+    """Compare the resistance of infinite series by "auto" with longer truncations.
 
-    D is in [1.05, 1.7], phases are random, and each series has one load in [0.01, 2] p_0*. The reference has so many
-    more terms that their amplitude is 0.3 of what was left out, and at most 20 000 waves: others are not judged.
+    D is in [1.05, 1.7], phases are random, and each series has one load in [0.01, 2] p_0*. The reference has
+    further terms, such that 0.3 of the omitted amplitude remains. Series with more than 20 000 waves are not judged.
     """
     found, rows = list(judge_all(count, seed)), []
     for tolerance in TOLERANCES:

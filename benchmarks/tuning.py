@@ -20,8 +20,8 @@ from weier.accuracy.measurement import Page, measurement
 from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent
-# Pairs of FFTs of boundary elements, which are reproducible, and the least processor seconds of three curves by
-# contact patches, which vary by a third on a loaded machine; with few to very many contacts.
+# cost with few to very many contacts: pairs of FFTs of boundary elements, reproducible, and the least processor
+# seconds of three curves by contact patches, which vary by a third on a loaded machine
 BEM = """
 found = []
 for m, points in ((3, 64), (5, 64), (7, 16)):
@@ -91,7 +91,7 @@ def scale(path: Path, names: Collection[str], factor: float) -> None:
 
 
 def run_in(folder: Path, program: str) -> list[Any]:
-    """Return the JSON that a program prints with the package in this folder, whose kernels are kept there, too."""
+    """Return the JSON printed by a program that imports the package of this folder and caches kernels in it."""
     environment = os.environ | {"PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "cache")}
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=folder, env=environment, capture_output=True, text=True, check=True
@@ -111,10 +111,10 @@ def costs(program: str, changes: Mapping[str, Collection[str]], factor: float) -
 def main(only: str) -> Page:
     """Solve curves with each tuned number halved and doubled, which takes a quarter of an hour.
 
-    The cost is that with the changed number over the usual one, for 25, 625 and 15 625 waves: pairs of FFTs for
-    boundary elements, and for contact patches the least processor seconds of three curves, which need an idle
-    machine. Results do not depend on these numbers (docs/numerics.md, "Limits without an effect"). Each is changed in
-    a copy of the package, whose kernels are compiled again.
+    The table has cost ratios, changed over usual number, for 25, 625 and 15 625 waves. The cost of boundary elements
+    is in pairs of FFTs, of contact patches in least processor seconds of three curves, on an idle machine. Results
+    do not depend on these numbers (docs/numerics.md, "Limits without an effect"). Each is changed in a copy of the
+    package, which compiles its kernels anew.
     """
     rows, chosen = [], only.split(",") if only else [name for _, name in BEM_CONSTANTS + PATCHES_CONSTANTS]
     for program, numbers in ((BEM, BEM_CONSTANTS), (PATCHES, PATCHES_CONSTANTS)):

@@ -15,17 +15,17 @@ ITERATIONS = 20_000  # More than any load needs, so that only the tolerance ends
 
 
 class Silent:
-    """A silent logger; the one of ContactMechanics walks the call stack twice a load, which takes some 50 ms."""
+    """A silent logger: the logger of ContactMechanics walks the call stack, which takes some 50 ms per load."""
 
     def pr(self, *text: Any) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def st(self, *values: Any, **options: Any) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 class ConstrainedGradients:
-    """A substrate, a line scan and the solver; the forces of the last load are where the next starts."""
+    """A substrate, a line scan and the solver; each load starts from the forces of the previous one."""
 
     def __init__(self, problem: Problem) -> None:
         package = import_module("ContactMechanics")
@@ -38,7 +38,7 @@ class ConstrainedGradients:
         self.cell = period / problem.points
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """From the forces given; all that matters is the penetration, for the force is held."""
+        """Solve from given forces; the penetration alone is checked, since the total force is prescribed."""
         result = self.gradients(
             self.substrate,
             self.scan,
@@ -54,5 +54,5 @@ class ConstrainedGradients:
 
 
 def begin(problem: Problem) -> ConstrainedGradients:
-    """A substrate with its FFT plans."""
+    """Return a solver with its FFT plans."""
     return ConstrainedGradients(problem)

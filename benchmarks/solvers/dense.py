@@ -16,19 +16,19 @@ from benchmarks.problem import Problem, Step
 from weier.kernels.arrays import Array, Flags
 from weier.theory.halfplane import influence_coefficients
 
-MAX_ROUNDS = 100  # corrections of the active set; 2 to 8 are usual
+MAX_ROUNDS = 100  # limit on corrections of the active set; 2 to 8 are usual
 
 
 class ActiveSet(NamedTuple):
-    """One load: the last solution, on the nodes in contact, and whether another round would change them.
+    """The solution at one load, and whether the active set has converged.
 
     plane : height of the rigid plane above the mean plane, in g_0
     resistance : minus its derivative with respect to the mean pressure at fixed contact, in g_0/p_0*
-    pressure : of the nodes, shape (N,), in p_0*, free of tension
+    pressure : nodal pressure without tension, shape (N,), in p_0*
     tangent_pressure : its derivative with respect to the mean pressure, shape (N,)
     contact : whether a node is in contact, shape (N,)
     rounds : dense solutions so far
-    converged : whether the last one changed no node
+    converged : whether the last one left the active set unchanged
     """
 
     plane: float
@@ -54,7 +54,7 @@ class Inversion(NamedTuple):
 
 
 def begin(problem: Problem) -> Inversion:
-    """Fill the matrix."""
+    """Return the solver with its matrix."""
     return Inversion(problem.height, circulant(influence_coefficients(problem.points, problem.profile.period)))
 
 

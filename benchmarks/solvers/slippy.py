@@ -1,7 +1,7 @@
 """slippy: the conjugate gradients of Polonsky and Keer, run in a process of its own.
 
-slippy 0.5.2 wants an older NumPy than weier can have, so it stays in another environment, whose interpreter
-SLIPPY_PYTHON names. The arrays that go to and fro take well below a millisecond a load.
+slippy 0.5.2 needs an older NumPy than weier, hence an environment of its own: SLIPPY_PYTHON names its interpreter.
+Transfer of arrays takes well below a millisecond per load.
 """
 
 from __future__ import annotations
@@ -32,14 +32,7 @@ class Worker:
         self.process = subprocess.Popen([python, "-I", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def request(self, name: str, *arguments: object) -> Any:
-        """The answer to one request.
-
-        Raises
-        ------
-        RuntimeError
-            If the process has ended.
-
-        """
+        """Return the answer to one request; RuntimeError if the process has ended."""
         assert self.process.stdin
         assert self.process.stdout
         try:
@@ -47,19 +40,12 @@ class Worker:
             self.process.stdin.flush()
             return pickle.load(self.process.stdout)
         except (EOFError, BrokenPipeError):
-            raise RuntimeError("the process that ran slippy has ended: its own message stands above") from None
+            raise RuntimeError("the process that ran slippy has ended: see its message above") from None
 
 
 @cache
 def worker() -> Worker:
-    """One process for all runs.
-
-    Raises
-    ------
-    LookupError
-        If no interpreter is named, with what to do.
-
-    """
+    """Return the process of all runs; LookupError, with the remedy, if SLIPPY_PYTHON is not set."""
     python = os.environ.get("SLIPPY_PYTHON")
     if not python:
         raise LookupError(HINT)
@@ -67,12 +53,12 @@ def worker() -> Worker:
 
 
 def version(package: str) -> str:
-    """Name and version, as the other environment states them."""
+    """Return name and version in the environment of slippy."""
     return f"{package} {worker().request('version')}"
 
 
 def processor_seconds() -> float:
-    """Processor seconds of slippy's process so far."""
+    """Return the processor seconds of slippy's process so far."""
     return float(worker().request("processor_seconds"))
 
 
@@ -84,17 +70,17 @@ class PolonskyKeer:
         worker().request("begin", _plain(problem.height), _plain(eigenvalue))
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """From the pressure given; slippy's tolerance is the change of the pressure in a step, relative."""
+        """Solve from a given pressure; `tolerance` is the relative change of the pressure in a step."""
         begin = None if start is None or not np.isfinite(start).all() else _plain(start)
         pressure, pairs, converged = worker().request("solve", float(load), begin, float(tolerance), ITERATIONS)
         return Step(np.array(pressure), pairs, converged)
 
 
 def _plain(values: Array) -> array[float]:
-    """Numbers in a form that a pickle carries from one NumPy to another."""
+    """Return numbers in a form that pickles across versions of NumPy."""
     return array("d", values.tobytes())
 
 
 def begin(problem: Problem) -> PolonskyKeer:
-    """A convolution with its FFT plans."""
+    """Return a solver with its FFT plans."""
     return PolonskyKeer(problem)

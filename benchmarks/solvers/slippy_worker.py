@@ -18,7 +18,7 @@ class PolonskyKeer:
     """slippy's conjugate gradients on a row of cells, its own circular convolution counted as pairs of FFTs."""
 
     def begin(self, height: Any, eigenvalue: Any) -> None:
-        """Heights at the nodes, and displacement per pressure of each wave, as numpy.fft.rfft orders them."""
+        """Set the heights at the nodes and the displacement per pressure of each wave, as in numpy.fft.rfft."""
         from slippy.core.influence_matrix_utils import plan_convolve
 
         self.gap = (max(height) - np.array(height))[np.newaxis]
@@ -27,12 +27,12 @@ class PolonskyKeer:
         self.convolve = plan_convolve(self.gap, matrix, None, True)
 
     def product(self, pressure: Any) -> Any:
-        """Displacement."""
+        """Return the displacement."""
         self.pairs += 1
         return self.convolve(pressure)
 
     def solve(self, load: float, start: Any, tolerance: float, most: int) -> tuple[Any, int, bool]:
-        """Pressure at the nodes, pairs of FFTs, and whether it says that it converged."""
+        """Return the nodal pressure, the pairs of FFTs, and whether slippy reports convergence."""
         from slippy.core.influence_matrix_utils import polonsky_and_keer
 
         self.pairs = 0
@@ -44,7 +44,7 @@ class PolonskyKeer:
 
 
 def version() -> str:
-    """slippy's version, once it is known to import."""
+    """Import slippy and return its version."""
     import slippy
 
     slippy.CUDA, slippy.CORES = False, 1
@@ -52,13 +52,13 @@ def version() -> str:
 
 
 def processor_seconds() -> float:
-    """Processor seconds of this process so far."""
+    """Return the processor seconds of this process so far."""
     return process_time()
 
 
 def serve() -> None:
     """Answer until the input ends."""
-    # slippy prints; its words must not get among the answers.
+    # slippy prints to standard output, which must carry the answers alone.
     answers, sys.stdout = sys.stdout.buffer, sys.stderr
     solver = PolonskyKeer()
     requests = {

@@ -31,7 +31,7 @@ class PolonskyKeer:
             self.solver.addFunctionalTerm(count)
 
     def solve(self, load: float, start: Array | None, tolerance: float) -> Step:
-        """From the pressure given; where that fails, as it does with few nodes in contact, from uniform pressure."""
+        """Solve from a given pressure or, if this fails (few nodes in contact), from uniform pressure."""
         self.solver.tolerance = tolerance
         before = self.count.gradients if self.count else math.nan
         converged = False
@@ -48,14 +48,14 @@ class PolonskyKeer:
 
 
 def begin(problem: Problem) -> PolonskyKeer:
-    """A model with its FFT plans."""
+    """Return a solver with its FFT plans."""
     return PolonskyKeer(problem)
 
 
 def begin_counted(problem: Problem) -> PolonskyKeer:
-    """A solver with one more term of the energy, always 0, that sees each gradient: Python is called for it."""
+    """Return a solver that counts gradients by an additional energy term of value 0, which calls Python."""
 
-    class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # of an optional package, without types
+    class Count(import_module("tamaas").Functional):  # type: ignore[misc]  # optional and untyped package
         gradients = 0
 
         def computeF(self, pressure: Array, gap: Array) -> float:

@@ -23,7 +23,7 @@ from weier.theory.bounds import complete_bounds
 
 SCENE = Path("config/accuracy/infinite.yaml")
 MESH_FRACTION = 0.1  # ratio of mesh error to tail amplitude; the mesh widens the bounds by at most a tenth
-MAX_TOLERANCE = 0.9  # g_0, the largest that boundary elements take; the tail of a gamma near 1 is much higher
+MAX_TOLERANCE = 0.9  # g_0: limit on the tolerance of boundary elements; the tail is much higher for gamma near 1
 HEADER = ("series", "resolved terms", "nodes", "half-width of the bounds", "error of the estimate")
 
 
@@ -38,7 +38,7 @@ class Resolved(NamedTuple):
 
 
 def measure(profile: Profile, loads: Array, max_terms: int) -> list[Resolved]:
-    """Return bounds on an infinite series with 1, 2, ... resolved terms; those out of reach are left out."""
+    """Return bounds on an infinite series with 1, 2, ... resolved terms, skipping numbers out of reach."""
     found = []
     for terms in range(1, max_terms + 1):
         kept = profile.truncated(terms)
@@ -69,11 +69,11 @@ def rows(profile: Profile, resolved: Sequence[Resolved]) -> list[list[str]]:
 @click.option("--scene", type=click.Path(path_type=Path), default=SCENE, help="Its infinite series and loads.")
 @click.option("--terms", default=8, help="The largest number of resolved terms.")
 def main(scene: Path, terms: int) -> Page:
-    """Solve infinite series by the number of terms resolved.
+    """Measure infinite series against the number of resolved terms.
 
-    Heights are in g_0, at the worst load. The bounds hold for any phases of the terms that are not resolved. The
-    estimate is their middle, as of the method "auto", and its error the distance from the estimate with most terms.
-    Nodes are those of boundary elements.
+    Heights are in g_0, at the worst load. The bounds hold for any phases of the unresolved terms. The
+    estimate is their middle, as in the method "auto"; its error is the distance from the estimate with most terms.
+    Nodes are nodes of boundary elements.
     """
     loaded = load(scene)
     found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.cases.values())

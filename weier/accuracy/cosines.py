@@ -22,7 +22,7 @@ class Cosines(Waves):
         self.total_amplitude, self.parameters, self.labels = float(np.abs(amplitude).sum()), {}, {}
 
     def describe(self) -> str:
-        """The surface in a few words."""
+        """Return the surface in a few words."""
         return f"sum of {self.m} waves"
 
     def __repr__(self) -> str:

@@ -94,12 +94,12 @@ def exceeded(one: Judged) -> Iterator[tuple[float, str]]:
 )
 @click.option("--methods", multiple=True, type=click.Choice(VARIANTS), default=VARIANTS, help="Methods to compare.")
 def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str]) -> Page:
-    """Compare stated errors with errors against the exact contact, on families of hard series.
+    """Compare stated with true errors on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
-    stated error. The reference is contact patches at a tolerance of 1e-12 on the profile shifted along x. A number is
-    compared if the uncertainty of the reference, its distance from that of the reflected profile, is below a tenth of
-    the stated or of the measured error. Ctrl-C ends the draws and keeps the results so far.
+    stated error. The reference is contact patches at a tolerance of 1e-12 on the profile shifted along x. Its
+    uncertainty is the distance from the reflected profile. A number is compared if the uncertainty is below a tenth
+    of the stated or the measured error. Ctrl-C ends the draws and keeps the results so far.
     """
     found: list[Judged] = []
     try:

@@ -26,7 +26,7 @@ from weier.methods import registry
 from weier.methods.registry import find_method
 from weier.surface.profile import PARAMETERS
 
-# The checks of a run whose failure is a fault, besides errors that are not clear.
+# checks whose failure is a fault, in addition to unclear errors
 CHECKS = "monotone", "concave", "within_band", "within_stated_error", "without_warning"
 DIGITS_TEXT = """\
 Correct digits of h at the worst load of each extreme. *All refused*: an error is raised at all loads; *some refused*:
@@ -54,7 +54,7 @@ tolerance of 1e-12 on the same profile shifted along x. Some problems are ill-co
 - If two crests are equally high, or 1e-15 apart, rounding of their heights decides at loads such as 1e-100 whether
   one or both touch. R then has one value or half of it, which counts as 0.3 digits."""
 HEADER = ("method", "extremes", "numbers", "errors in words", "least digits of h", "of R", "largest error of h")
-DRAWN = "three waves, loads 1e-300 to 1e300"  # the extreme in the figure: of all methods over all loads
+DRAWN = "three waves, loads 1e-300 to 1e300"  # extreme drawn in the figure: all methods over all loads
 POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # powers of ten labelled on the load axis
 # The axis is linear in the power up to NEAR, with LINEAR_SCALE times the length of a later decade, then logarithmic.
 NEAR, LINEAR_SCALE = 2, 1.6

@@ -26,7 +26,7 @@ MAX_WAVES = 1000  # per period; contact patches then take at most a third of a s
 LOADS = 8  # loads per series
 SHAPE_SAMPLES = 4096  # samples that define a smooth surface
 VARIANTS = "bem", "bem with staircase", "patches"
-# Ratios of wavelengths whose periods are many lambda_0.
+# ratios gamma with a period of many lambda_0
 RATIOS = ("3/2", "5/2", "7/3", "5/3", "4/3", "7/2", "9/4", "8/5", "11/3", "6/5")
 Kind = TypeVar("Kind")
 
@@ -40,7 +40,7 @@ class Draw(NamedTuple):
     variants: tuple[Variant, ...]
 
 
-# Series: each of at most MAX_WAVES.
+# Series have at most MAX_WAVES per period.
 
 
 def usual(random: Generator) -> tuple[float, Fraction, int]:
@@ -49,7 +49,7 @@ def usual(random: Generator) -> tuple[float, Fraction, int]:
 
 
 def rational(random: Generator) -> tuple[float, Fraction, int]:
-    """Draw ratios of whole numbers, whose periods are many lambda_0."""
+    """Draw rational gamma with a period of many lambda_0."""
     return random.uniform(1.02, 1.98), Fraction(str(random.choice(RATIOS))), int(random.integers(2, 6))
 
 
@@ -74,7 +74,7 @@ def extreme_dimension(random: Generator) -> tuple[float, Fraction, int]:
     return float(random.choice([1 + distance, 2 - distance])), gamma, m
 
 
-# Smooth surfaces, whose contacts are many of the finest waves wide: amplitudes fall faster than curvatures need.
+# Smooth surfaces: each contact spans many of the finest waves.
 
 
 def power_law(random: Generator) -> Waves:
@@ -159,7 +159,7 @@ def points(random: Generator, profile: Waves) -> Settings:
 
 
 def tolerances(random: Generator, profile: Waves) -> Settings:
-    """Draw tolerances of 1e-6 to 0.1 g_0, whose grids have any number of points."""
+    """Draw tolerances of 1e-6 to 0.1 g_0, which give any number of points."""
     while True:
         tolerance = 10 ** random.uniform(-6, -1)
         if bem.points_of(profile, tolerance) <= MAX_POINTS:
@@ -202,7 +202,7 @@ def _profile(random: Generator, series: Callable[..., Any], phases: Callable[...
 
 
 def _pressures(random: Generator, profile: Waves, loads: Callable[[Generator, Waves], Array]) -> Array:
-    """Return increasing loads near births and mergers, or any loads if there are none."""
+    """Return increasing loads; any loads if the search for events fails."""
     try:
         return np.unique(loads(random, profile))
     except ConvergenceError as error:

@@ -70,11 +70,11 @@ def variants(profile: Profile, loads: Array) -> tuple[Variant, ...]:
 def _meets(method: Method, profile: Profile, loads: Array) -> bool:
     try:
         method.check_applies(profile)
-    except NotApplicableError:  # the refusal of too large a series is quick and itself examined
+    except NotApplicableError:  # refusals are quick and are examined, too
         return method.numerical and math.isfinite(profile.m)
     try:
         method.check(profile)
-    except ValueError:  # so is the refusal of an unreachable tolerance
+    except ValueError:  # the tolerance is out of reach
         return True
     load_by_load = sum(method.seconds(profile, loads[i : i + 1]) for i in range(loads.size))
     # A method is left out if it takes longer for a curve and for its loads one by one.

@@ -1,6 +1,6 @@
-"""The closed forms in 50 digits, summed term by term from the same doubles as the methods.
+"""Closed forms in 50 digits, summed term by term from the same doubles as the methods.
 
-The sums are those of docs/closed_forms.md: "One wave", "Archard" and "Demelio". They share no code with the methods.
+docs/closed_forms.md has the sums: "One wave", "Archard" and "Demelio". They share no code with the methods.
 An infinite series is summed until the remainder is geometric or negligible. Each function returns compliance, in g_0,
 and resistance, in g_0/p_0*.
 """

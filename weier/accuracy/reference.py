@@ -29,7 +29,7 @@ from weier.surface.limits import resolvable
 from weier.surface.profile import Profile
 from weier.surface.waves import Waves
 
-# tried in turn; with many contacts the bound exceeds the first
+# tried in turn, since the bound exceeds the first with many contacts
 TOLERANCES = (1e-12, 1e-11, 1e-10)
 MAX_REFERENCE_SECONDS = 60.0  # Slower references are left out, so that all extremes together take minutes.
 ROUNDING, SLOPE_ROUNDING = 1e-15, 1e-11  # smallest uncertainty of h/G and of R
@@ -75,8 +75,8 @@ def _sums(terms: Callable[..., multiprecision.Pair], profile: Profile, loads: Ar
 
 
 def _finer_layer(profile: Profile, loads: Array) -> Reference | None:
-    """Return the layer on twice the points, with a quarter of the error; None if that takes minutes."""
-    if 10 < profile.m < math.inf:  # at this accuracy, more scales take minutes
+    """Return the layer on twice the points, with a quarter of the error; None for a series that takes minutes."""
+    if 10 < profile.m < math.inf:  # more scales take minutes at this accuracy
         return None
     finer = layer.curve(profile, loads, points=2 * layer.POINTS, accuracy=1e-6)
     return Reference(np.stack([finer.compliance, finer.resistance]))
@@ -93,8 +93,8 @@ ESTIMATE_REFERENCES: dict[str, Callable[[Profile, Array], Reference | None]] = {
 def find_reference(method: Method, profile: Profile, loads: Array, result: Run) -> Reference:
     """Return the reference of a method at these loads; NaN without a result or an affordable reference.
 
-    For one wave all methods are exact. Otherwise an estimate has its own reference; for numerical methods, and those
-    with stated errors, it is the exact contact.
+    For one wave all methods are exact. Otherwise estimates have references of their own, and methods that are
+    numerical or state errors are compared with the exact contact.
     """
     values, uncertainty = np.full((2, loads.size), mp.nan, object), np.zeros((2, loads.size))
     solved = result.outcome == Outcome.finite

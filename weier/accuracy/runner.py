@@ -41,7 +41,7 @@ class Variant(NamedTuple):
 
 
 def by_default(method: str) -> Variant:
-    """Return a method with the settings that it has by default."""
+    """Return a method with its default settings."""
     return Variant(method, method, {})
 
 

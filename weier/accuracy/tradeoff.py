@@ -70,7 +70,7 @@ class Measured(NamedTuple):
 
 
 def measure(profiles: Sequence[Profile], loads: Array) -> list[Measured]:
-    """Run all variants on finite series, one after the other; those that do not converge are left out."""
+    """Run all variants on finite series in turn; skip variants that do not converge."""
     found = []
     for profile in profiles:
         print(profile.describe(), file=sys.stderr)
@@ -117,7 +117,7 @@ def _short(value: object) -> str:
 
 
 def by_variant(found: Sequence[Measured]) -> dict[str, list[Measured]]:
-    """Return what was measured of each variant, on all profiles."""
+    """Return the measurements of each variant on all profiles."""
     names = dict.fromkeys(one.variant.name for one in found)
     return {name: [one for one in found if one.variant.name == name] for name in names}
 
@@ -152,7 +152,7 @@ def draw(found: Sequence[Measured]) -> Figure:
         column[-1].set_xlabel("milliseconds a load")
     for row, label in zip(axes, LABELS, strict=True):
         row[0].set_ylabel(label)
-    # More labels would overlap those of other panels.
+    # More labels would overlap with other panels.
     axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
     axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
     symbols = SYMBOLS | {"color": style.GREY, "marker": "o"}
@@ -163,7 +163,7 @@ def draw(found: Sequence[Measured]) -> Figure:
 
 
 def _draw_panel(axes: Axes, found: Sequence[Measured], quantity: int) -> None:
-    """Draw a line for each method through its tolerances, or its other settings, that all profiles were run with."""
+    """Draw a line for each method through the tolerances, or other settings, common to all profiles."""
     profiles = len({id(one.profile) for one in found})
     for method in dict.fromkeys(one.variant.method for one in found):
         own = [each for each in by_variant(found).values() if each[0].variant.method == method]

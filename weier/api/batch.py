@@ -134,7 +134,7 @@ def _blank(cases: Collection[Case], loads: Array, unit: str, contact_edges: bool
     """Return a dataset without values for these cases.
 
     It has room for the terms of the longest finite series and for two contact edges for each of the finest waves in a
-    period. Its optional variables are those that the methods return, and the labels of traces.
+    period. Its optional variables are the quantities returned by the methods, and the labels of traces.
     """
     methods = list(dict.fromkeys(method for case in cases for method in case.methods))
     finite = [case.profile for case in cases if math.isfinite(case.profile.m)]
@@ -166,7 +166,7 @@ def _store(curves: Arrays, position: Mapping[str, Any], values: Mapping[str, Any
     for name, value in values.items():
         if name in curves and np.size(value):  # a method may return no edges
             dims = VARIABLES[name].dims
-            if "edge" in dims:  # the method before may have found more contacts
+            if "edge" in dims:  # a previous method may have found more contacts
                 curves[name][tuple(position.get(dim, slice(None)) for dim in dims)] = np.nan
-            width = slice(np.shape(value)[-1] if np.ndim(value) else None)  # of terms and edges
+            width = slice(np.shape(value)[-1] if np.ndim(value) else None)  # number of terms or edges
             curves[name][tuple(position.get(dim, width) for dim in dims)] = value

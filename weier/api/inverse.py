@@ -127,7 +127,7 @@ class _Search:
 
     def __init__(self, profile: Waves, name: str, scales: Mapping[str, tuple[Array, str]]) -> None:
         self.profile, self.name, self.scales = profile, name, scales
-        self.sign = -1 if name == "resistance" else 1  # of the slope over the load
+        self.sign = -1 if name == "resistance" else 1  # sign of the slope over the load
         # Compliance is compared as indentation, which is accurate under light loads.
         self.offset = first_contact(profile) if name == "compliance" else 0.0
         self.least, self.full = math.log(EXACT.least_load), math.log(ABOVE * profile.full_contact_load)
@@ -144,7 +144,7 @@ class _Search:
 
         low = high = self.full
         width = FIRST_DECADES * math.log(10)
-        if not rising(low) > 0:  # attained at all loads beyond full contact, or at none
+        if not rising(low) > 0:  # all loads beyond full contact give the value, or none does
             raise ValueError(self._limits(value))
         while rising(low) > 0:
             if low == self.least:

@@ -131,8 +131,7 @@ def solve_under(
 ) -> xr.Dataset:
     """Solve under increasing loads in p_0*, or in Pa with `loads_of`, which converts them for a surface to p_0*.
 
-    `known` has the curves of a list of one surface under some of the loads, by method. The other arguments are those
-    of `solve`.
+    `known` has curves of a single surface under some of the loads, by method. The other arguments are as in `solve`.
     """
     edges, workers = checked_flag("contact_edges", contact_edges), checked_workers(workers)
     profiles = _list("profile", profile)

@@ -82,7 +82,7 @@ def main() -> None:
 
 
 def _described(error: Exception) -> str:
-    """Return an error in one line, except that of a scene, which has a line for each mistake."""
+    """Return an error in one line, or the mistakes of a scene in one line each."""
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename} cannot be read or written: {error.strerror}"
     return str(error) if isinstance(error, SceneError) else one_line(error)

@@ -1,4 +1,4 @@
-"""The call of `weier.solve` or `weier.Interface.solve` that stands for the options of a command."""
+"""Options of a command as a call of `weier.solve` or `weier.Interface.solve`."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Call(NamedTuple):
     def solve(
         self, workers: int, known: Mapping[str, Known] | None = None
     ) -> tuple[xr.Dataset, BaseException | None]:
-        """Return the curves over distinct loads in normalised units, and what has stopped their solution, or None.
+        """Return curves over distinct loads in normalised units, and the exception that stopped them, or None.
 
         Ctrl-C stops it; values that are not solved are then NaN.
         """
@@ -115,7 +115,7 @@ class Call(NamedTuple):
 
 
 def solved_loads(curves: xr.Dataset) -> xr.Dataset:
-    """Return curves without the loads that none of them has."""
+    """Return curves at the loads that at least one method has solved."""
     return curves.isel({LOADS: np.isfinite(curves["compliance"].values).any(axis=(0, 1))})
 
 
@@ -140,7 +140,9 @@ def surface_of(trace_file: Path | None, **options: Any) -> Waves:
             raise click.UsageError(f"{trace_file} has {len(lines)} lines: name one by --line")
         return lines[0]
     if given:
-        raise click.UsageError(f"--{next(iter(given)).replace('_', '-')} is of a trace: name its file by --trace")
+        raise click.UsageError(
+            f"--{next(iter(given)).replace('_', '-')} is an option of traces: name a file by --trace"
+        )
     if missing := [option for option, name in NEEDED.items() if name not in series]:
         raise click.UsageError(f"a profile takes -D, --gamma and -m, or --trace; missing: {', '.join(missing)}")
     return Profile(**series)

@@ -42,7 +42,7 @@ def _call(
     default: Sequence[str] = (),
     **surface: Any,
 ) -> Call:
-    """Return the call for the options of a command; of the default methods, those that apply are taken."""
+    """Return the call for the options of a command, with the applicable default methods."""
     from weier.cli.call import Call, surface_of  # xarray takes half a second, and the help of the command needs none
 
     from_shell = click.get_current_context().get_parameter_source("loads") is ParameterSource.COMMANDLINE
@@ -60,8 +60,8 @@ def solve(output: Path | None, force: bool, workers: int, **options: Any) -> Non
     """Compute the compliance and resistance of one profile.
 
     Prints JSON to standard output and progress to standard error. After Ctrl-C, the loads that
-    patches, bem or auto have solved are printed, or with an output in curve.part.nc, from which the same command goes
-    on; a kill loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths
+    patches, bem or auto have solved are printed or, with an output, kept in curve.part.nc, from which the same
+    command resumes; a kill loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths
     along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
     netCDF has each once, increasing.
 

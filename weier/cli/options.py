@@ -21,14 +21,14 @@ from weier.surface.loads import positive_loads
 
 Command = Callable[..., Any]
 Option = Callable[[Command], Command]
-Pressures = tuple[Array, str]  # in Pa, and the first unit in which they were given, empty if there was none
+Pressures = tuple[Array, str]  # values in Pa, and the unit given first, or empty
 
 LOADS = "1e-3:4:40"  # From a single contact to full contact of usual profiles.
 PLOTTED_LOADS = "1e-3:4:400"  # This many loads resolve the drops of the resistance at births.
 
 
 def _numbers(name: str, text: str, kind: type) -> list[Any]:
-    """Return numbers with commas between."""
+    """Parse comma-separated numbers."""
     try:
         return [kind(part) for part in text.split(",")]
     except ValueError:
@@ -48,7 +48,7 @@ def check_free(path: Path, force: bool) -> None:
 
 
 def check_line(loads: Array) -> None:
-    """Refuse a single load, of which a figure shows no line."""
+    """Refuse a single load, which gives no line in a figure."""
     if len({*loads}) < 2:
         raise click.BadParameter("a figure takes at least 2 loads, got 1: give a range, such as 1e-3:4:40")
 

@@ -1,4 +1,4 @@
-"""The file of `weier solve`, from which an interrupted solution, or one of fewer loads, goes on."""
+"""The file of `weier solve`, from which a solution that was interrupted, or had fewer loads, is resumed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from weier.methods.curve import QUANTITIES, Curve
 from weier.methods.load_progress import curve_so_far
 from weier.methods.registry import find_method
 
-SAVE_SECONDS = 10.0  # of work are lost when the process is killed
+SAVE_SECONDS = 10.0  # interval between saves: a kill loses this much work
 PROBLEM = "problem"  # attribute of a file, which identifies what is solved
 OTHERWISE = "name another file, or solve anew by --force"
 
@@ -51,7 +51,7 @@ class Output:
         check_target(self.part)
 
     def known(self) -> dict[str, Known]:
-        """Return the solved curves of the files; ValueError for another problem, and loads that are not asked for."""
+        """Return the solved curves of the files; ValueError for another problem or further loads."""
         found, loads = dict[str, Known](), self.call.distinct_loads
         for path in filter(Path.exists, (self.path, self.part)):
             data = self._read(path)
@@ -83,7 +83,7 @@ class Output:
     def _curves(self, data: xr.Dataset, loads: Array) -> dict[str, Known]:
         """Return the solved curves of a file under these loads, in normalised units.
 
-        There are none in SI units between perfect conductors, since these leave no R to convert back.
+        Curves in SI units between perfect conductors are left out, since R = 0 cannot be converted back.
         """
         scales = {} if self.bodies is None else {name: float(one) for name, (one, _) in self.bodies.scales.items()}
         found = dict[str, Known]()

@@ -76,7 +76,7 @@ def report(
 
     FILES are traces of heights, one line of one surface each. A row of the table has the median of the resistance
     over the lines, its 10 and 90 % percentiles and its largest numerical error, in the unit of the pressures and in
-    SI units, rounded to the first digit of the numerical error. After Ctrl-C, it is of the lines that are solved.
+    SI units, rounded to the first digit of the numerical error. After Ctrl-C, it covers the lines solved so far.
 
     \b
     weier report shaft*.csv --si bodies.yaml --pressures 1:100:20MPa -o report.csv -o report.png
@@ -100,13 +100,13 @@ def report(
     call = Call.of(lines, pressures[0], bodies, pressures, tolerance=tolerance)
     curves, stop = call.solve(workers)
     done = curves["compliance"].notnull().all(("solution_method", "mean_pressure")).values
-    of_all, lines = len({line.digest for line in lines}), list(compress(lines, done))
+    all_count, lines = len({line.digest for line in lines}), list(compress(lines, done))
     if not lines:
         raise stop or ValueError("no line could be solved at all loads, for the reasons above")
     solved = curves.isel(case=done)
     data, count = call.in_units(solved), len({line.digest for line in lines})
-    counted = f"{count} of {of_all}" if count < of_all else f"{count}"
-    title = f"{counted} line{'s' * (of_all > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
+    counted = f"{count} of {all_count}" if count < all_count else f"{count}"
+    title = f"{counted} line{'s' * (all_count > 1)}: {', '.join(dict.fromkeys(line.source for line in lines))}"
     table = table_of(data) if everything else _columns(table_of(data, ensemble=True), count > 1)
     for path in outputs:
         if path.suffix == DATA:
@@ -139,9 +139,9 @@ def _lines(files: Sequence[Path], trace_options: dict[str, Any]) -> list[Trace]:
 
 
 def _columns(ensemble: pd.DataFrame, several: bool) -> pd.DataFrame:
-    """Return the columns of a report under their headings, with units, rounded as their numerical errors allow.
+    """Return the columns of a report with headings and units, rounded by their numerical errors.
 
-    A single line has no percentiles, and its medians are called by the quantity alone.
+    A single line has no percentiles, and its headings name the quantity alone.
     """
     names = {UNIT.sub("", name): name for name in ensemble}
     found = {}

@@ -51,8 +51,8 @@ def curves(
 ) -> None:
     """Solve the share NUMBER of COUNT of the curves of SCENES that the store in FOLDER lacks.
 
-    WHAT says of which products, GROUP by which compiled method. NUMERICS is the digest of the code that has planned.
-    Ctrl-C, SIGTERM of a cluster and a kill leave the curves that are in the store by then.
+    WHAT names the products, GROUP the compiled method, and NUMERICS is the digest of the planning code. Curves
+    in the store survive Ctrl-C, SIGTERM and a kill.
     """
     from weier.pipeline.jobs import solve
     from weier.pipeline.needed_curves import Curves
@@ -73,9 +73,9 @@ def curves(
 @click.argument("drafts", type=FILE)
 @click.argument("stamps", nargs=-1, type=FILE, required=True)
 def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) -> None:
-    """Make the products of a scene that STAMPS are of, from the curves in STORE, each in a folder of DRAFTS.
+    """Make the products named by STAMPS from the curves in STORE, each in a folder of DRAFTS.
 
-    One that cannot be made is named, and the others are made. The exit code is 1 if none is.
+    Products that cannot be made are reported. The exit code is 1 if none can.
     """
     from weier.figures.make import make_product
     from weier.pipeline.needed_curves import Curves
@@ -103,9 +103,7 @@ def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) ->
 @click.option("--curves", "folder", type=FILE, default=Path("results/curves"), show_default=True, help="Their store.")
 @click.option("--within-errors", is_flag=True, help="Accept differences within the stated errors, too.")
 def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
-    """Let curves that older code has solved count for this code.
-
-    Those of SCENES do if this code gives the same numbers.
+    """Accept curves of SCENES solved by older code, if this code gives the same numbers.
 
     Some 50 curves of each kind are solved again and compared to the last bit. The comparison and its verdict are kept
     next to the curves.

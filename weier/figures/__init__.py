@@ -34,7 +34,7 @@ class FigureKind(NamedTuple):
     """A kind of figure.
 
     caption : in plain text
-    drawn_by, quantity : the module that draws it, if it is not of its name, and the quantity that it is given
+    drawn_by, quantity : the drawing module, if it has another name, and the quantity passed to it
     needs : a key of the scene that must be true
     grouped : whether a scene may choose its parameters, and whether it can be drawn in SI units
     needs_studies : whether it shows studies
@@ -116,10 +116,10 @@ def undrawn(kind: str) -> tuple[str, ...]:
 def draw(
     wanted: Figure, studies: Sequence[xr.Dataset], path: str | Path, formats: Collection[str] = tuple(METADATA)
 ) -> None:
-    """Draw one figure in several formats, each with its suffix in place of that of the path; csv is its values.
+    """Draw one figure in several formats, which replace the suffix of the path; csv has its values.
 
-    The studies are in the order of `wanted.all_studies`, in memory: normalised, but for the loads, which have a unit
-    of pressure if the figure has an interface. ValueError is raised if they do not contain what it shows.
+    The studies are in the order of `wanted.all_studies`, in memory: normalised, except for loads in a unit of
+    pressure if the figure has an interface. ValueError is raised if data are missing.
     """
     import matplotlib.style
 
@@ -151,7 +151,7 @@ def _drawn(wanted: Figure, studies: Sequence[xr.Dataset]) -> figure.Figure:
 
 
 def save(drawn: figure.Figure, path: str | Path, formats: Collection[str] = tuple(METADATA)) -> None:
-    """Save a figure in the current style, in several formats; csv is its values."""
+    """Save a figure in the current style, in several formats; csv has its values."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     from weier.figures.values import as_csv

@@ -68,12 +68,12 @@ class PlottedCurve(NamedTuple):
 
     @property
     def method(self) -> str:
-        """The method of all."""
+        """The common method."""
         return str(self.first["method"])
 
     @property
     def case(self) -> xr.Dataset:
-        """The first of their cases."""
+        """The first case."""
         return self.own.study.isel(case=self.first["row"])
 
 
@@ -98,9 +98,9 @@ def compare(
 ) -> tuple[Figure, Sequence[Axes], Extent]:
     """Draw a quantity with the panels, colours and medians of a grouping; in SI units with an interface.
 
-    The studies are of one scene. The most accurate curves of studies behind them are a grey band behind those of the
-    same D, gamma and m. Returns the figure, its panels, whose common axes the caller sets, and the extent of what is
-    drawn. ValueError is raised if there are no such curves, or some could not be distinguished.
+    The studies belong to one scene. The most accurate curves of the studies behind are a grey band in panels of the
+    same D, gamma and m. Returns the figure, its panels, whose common axes the caller sets, and the extent of the
+    curves. ValueError is raised if there are no such curves, or some could not be distinguished.
     """
     tables = values_of(studies, quantity, interface)
     table = table_of(tables)

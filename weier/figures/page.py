@@ -1,7 +1,7 @@
 """The explorer of a scene: one HTML file in which the reader chooses a case, hides methods, and reads values.
 
 The file is self-contained, so that it can be read without a network; `snakemake --report` includes it with figures
-and claims. The same data give the same bytes. Of a scene of more than MAX_CASES cases it shows a selection.
+and claims. The same data give the same bytes. It shows a selection of at most MAX_CASES cases.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ EXPLORER_ID = ID("curves-explorer")
 IN_SI = "Pressures are in {}, compliance in m and resistance in {}, for the two bodies of the scene."
 SHOWN = [*QUANTITIES, *(f"{quantity}_error" for quantity in QUANTITIES)]
 LINE_WIDTH = 2  # pixels
-# Ticks of logarithmic axes, of which those are named that have room: bokeh's ticker names none over two decades.
+# ticks of logarithmic axes, labelled if there is room; bokeh's own ticker labels none over two decades
 TICKS = [float(f"{times}e{power}") for power in range(-20, 21) for times in (1, 2, 5)]
 CHOOSE = """
 const start = cb_obj.options.indexOf(cb_obj.value) * loads

@@ -163,8 +163,8 @@ def _names_of_traces(tables: Sequence[Values]) -> list[list[str]]:
 def names_of_traces(cases: Iterable[xr.Dataset]) -> list[str]:
     """Return a unique name for the trace of each case, empty for a series.
 
-    It is the path of the file in the folder that all have in common, and the differences between traces of this path:
-    the shortest wavelength, the ends, and so on, or their digests if nothing else differs.
+    It consists of the path relative to the common folder and, for several traces of one path, their differences:
+    shortest wavelength, ends, and so on, or the digest.
     """
     traces = [
         {name: case[name].item() for name in ("trace", *DIFFERENCES) if name in case.coords} or {"trace_digest": ""}

@@ -28,8 +28,8 @@ from weier.theory.bounds import complete_bounds, first_contact, resistance_bound
 
 TOLERANCE = 1e-3
 MAX_LISTED = 5  # a message lists at most this many loads
-# stated error of R over the remaining differences of truncations if they decay as the amplitudes do: no error of 69
-# exceeded it, the largest was 0.88 of it (`python -m benchmarks truncated_resistance --count 40`)
+# stated error of R over the sum of the remaining differences, extrapolated by the decay of the amplitudes; true
+# errors were at most 0.88 of it in 69 cases (`python -m benchmarks truncated_resistance --count 40`)
 DIFFERENCE_FACTOR = 4.0
 # NaN if terms are left out
 CONTACT_QUANTITIES = "indentation", "contact_fraction", "contact_fraction_error", "elastic_energy", "patch_count"
@@ -132,10 +132,7 @@ def _for_resistance(surface: Waves, tolerance: float) -> Choice:
 
 
 def _fewest_terms(surface: Waves, most_omitted: float, least: int = 1) -> tuple[Waves, float]:
-    """Return the first terms of a surface whose tail is at most `most_omitted`, and that tail, in g_0.
-
-    If more are needed than can be resolved, return the largest number of terms that can.
-    """
+    """Return the fewest terms k with a tail G_k <= `most_omitted`, and G_k, in g_0; at most the resolvable terms."""
     if not isinstance(surface, Profile):
         patches.METHOD.check_applies(surface)
         return surface, 0.0
@@ -168,10 +165,10 @@ def _solve(profile: Waves, loads: Array, tolerance: float = TOLERANCE, quantity:
 
 
 def _as_curve(profile: Waves, choice: Choice, loads: Array, solved: Curve) -> Curve:
-    """Return the curve of the whole surface from the curve of the terms solved, with all quantities of the latter.
+    """Return the curve of the whole surface from the curve of the terms solved.
 
-    If terms are left out, the resistance is the one of the terms solved, its error follows from chords of the concave
-    h(p), quantities of the contact are NaN, and there are no edges.
+    If terms are left out, R of the terms solved is kept, with an error from chords of the concave h(p); quantities of
+    the contact are NaN, and there are no edges.
     """
     solved = replace(solved, chosen_method=choice.method.name, chosen_terms=float(choice.kept.m))
     if not choice.left_out:
@@ -245,7 +242,7 @@ def _extrapolated(profile: Profile, choice: Choice, loads: Array, tolerance: flo
 
 
 def _check_resistance(solved: Curve, loads: Array, tolerance: float) -> None:
-    """Refuse a curve whose stated error of the resistance is not within the tolerance."""
+    """Raise OutOfReachError if the stated error of the resistance exceeds the tolerance."""
     error = solved.values()["resistance_error"] / np.fmax(solved.resistance, 1)
     exceeding = ~(error <= tolerance)
     if exceeding.any():

@@ -98,7 +98,7 @@ def exceedance(pressure: float, mean_pressure: ArrayLike, D: float, gamma: float
     if math.isfinite(m):
         step = (D - 1) * math.log(gamma)
         finest = Finest(pressure * math.exp(-step * (m - 1)))
-        # A wave far below its load only shifts it, and the finer ones are a series of their own.
+        # A wave far beyond full contact only shifts the pressure: the finer waves form a shorter series.
         flat = np.minimum(np.ceil(np.maximum(np.log(p) - MAX_LOG_LOAD, 0) / step), m)
         for skipped in np.unique(flat):
             here = flat == skipped
@@ -141,7 +141,7 @@ def _cascaded(finer: Finest | Table, xi: Array, step: float) -> Array:
     for start, end in itertools.pairwise(ends):
         width = (end - start)[:, None]
         sine = np.sin(start[:, None] + width * NODES)
-        cosine = np.sqrt(1 - covered + covered * sine**2)  # of y
+        cosine = np.sqrt(1 - covered + covered * sine**2)  # cos(y)
         load = math.exp(-step) * (2 * scale * cosine * sine + excess)
         slope = np.divide(sine, cosine, out=np.zeros(sine.shape), where=cosine > 0)  # dy over the angle and the scale
         total += (width * WEIGHTS * slope * finer.over(load, scale)).sum(axis=1)
@@ -153,7 +153,7 @@ def _limit(xi: Array, pressure: float) -> Array:
     covered, excess = np.minimum(xi, 1.0), np.maximum(xi - 1, 0)
     above = np.maximum(pressure - excess, 0)
     root = 1 - covered + np.hypot(1 - covered, above)
-    with np.errstate(over="ignore"):  # also far beyond the peak
+    with np.errstate(over="ignore"):  # far beyond the peak the quotient may overflow
         return np.asarray(np.divide(above**2, 2 * covered * root, out=np.zeros(above.shape), where=above > 0))
 
 
@@ -180,7 +180,7 @@ def _tables(step: float, waves: float) -> float:
 def curve(profile: Profile, mean_pressure: ArrayLike) -> Curve:
     """Return the contact fraction of a series, over loads in p_0*; compliance and resistance are NaN.
 
-    The elastic energies of the same pressures would give both, but worse than Persson's theory does.
+    The elastic energy of these pressures would give both, but less accurately than Persson's theory.
     """
     p = np.asarray(mean_pressure, float)
     none = np.full(p.shape, np.nan)

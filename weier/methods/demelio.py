@@ -19,7 +19,7 @@ from weier.surface.profile import Profile
 def compliance(mean_pressure: ArrayLike, D: ArrayLike, gamma: ArrayLike, m: ArrayLike) -> Array:
     """Return compliance h = sum h_n (24)-(26), continued beyond p_0* and to a finite number of terms.
 
-    The arguments and the shape are those of `weier.methods.archard.compliance`. Compliances are in g_0.
+    Arguments and shape are as in `weier.methods.archard.compliance`. Compliances are in g_0.
     """
     waves = remaining(mean_pressure, D, gamma, m)
     zeroth, first = _moments(waves.gamma, waves.waves)
@@ -47,7 +47,7 @@ def _moments(gamma: Array, m: Array) -> tuple[Array, Array]:
 
 
 def _geometric(gamma: Array, m: Array) -> Array:
-    """Sum of gamma^-n over m terms."""
+    """Return the sum of gamma^-n over m terms."""
     return -np.expm1(-np.log(gamma) * m) * gamma / (gamma - 1)
 
 

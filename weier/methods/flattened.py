@@ -25,12 +25,12 @@ INFINITE_TERMS = 1e300
 
 
 class Remaining(NamedTuple):
-    """Waves that are not flat; arrays of the broadcast shape of loads and series.
+    """Waves that are not flat; arrays have the broadcast shape of loads and series.
 
     load : xi_k on the first of them; NaN for loads that are not positive
     waves : their number, m - k
     flat : number k of flat waves
-    D, gamma : parameters of the series, of their own shape
+    D, gamma : parameters of the series, in their given shape
     """
 
     load: Array

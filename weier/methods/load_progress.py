@@ -40,9 +40,9 @@ def reporting_to(*listeners: Callable[[], None]) -> Iterator[None]:
 
 @contextmanager
 def keeping(so_far: Callable[[Any], Any]) -> Iterator[None]:
-    """In a `with` statement, give an exception that stops the solver a curve.
+    """Attach the curve so far to an exception that stops the solver within the `with` block.
 
-    `so_far` returns this curve, or None, from the curve of the innermost such statement (None if there is none).
+    `so_far` computes this curve, or None, from the curve attached by an inner block (None without one).
     """
     token = _CONVERSIONS.set((so_far, *_CONVERSIONS.get()))
     try:
@@ -55,7 +55,7 @@ def keeping(so_far: Callable[[Any], Any]) -> Iterator[None]:
 
 
 def converting(convert: Callable[[Any], Any]) -> AbstractContextManager[None]:
-    """In a `with` statement, convert the curve of an exception that stops the solver, if it has one."""
+    """Convert the curve, if any, of an exception that stops the solver within the `with` block."""
     return keeping(lambda found: None if found is None else convert(found))
 
 

@@ -48,7 +48,7 @@ class Rates(NamedTuple):
         return min(saturation / self.growth, (MAX_EXPONENT + NEGLIGIBLE) / self.decay) + 2
 
     def terms_of(self, m: float) -> float:
-        """Return the bound on the number of terms for m terms."""
+        """Return an upper bound on the number of terms summed one by one."""
         return min(self.terms + 1 / self.decay, m)
 
 

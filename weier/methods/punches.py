@@ -17,11 +17,11 @@ from weier.kernels.arrays import Array, Indices
 from weier.kernels.jit import kernel
 from weier.theory.halfplane import displacement_at_distance
 
-Inverse = tuple[Indices, Indices, Array]  # where each row of W begins, its punches, and their entries
+Inverse = tuple[Indices, Indices, Array]  # start of each row of W, its punches, and their entries
 
 NEIGHBOURS = 8  # neighbours on either side of a punch; `python -m benchmarks tuning` measures their cost
-# largest number of coarsest punches, each of which is conditioned on all before it. There are more than half as many,
-# so that the neighbours of a finer one are distinct, and their equations fit into the same matrix.
+# limit on the number of coarsest punches, each conditioned on all previous ones; more than half of this number
+# remain, so that the neighbours of a finer punch are distinct, and their equations fit into the same matrix
 MAX_COARSEST = 4 * NEIGHBOURS
 # offset of all displacements, above 2 ln 2, the most by which a force lifts a point: the matrix is positive definite,
 # and forces of sum 0 are the same
@@ -89,7 +89,7 @@ def _fill_row(
 
 @kernel
 def solve_forces(inverse: Inverse, displacement: Array) -> Array:
-    """Return the approximate forces on those punches from their displacements, shape (punches,)."""
+    """Return the approximate forces on the punches from their displacements, shape (punches,)."""
     start, member, entry = inverse
     force = np.zeros(displacement.size)
     for row in range(start.size - 1):

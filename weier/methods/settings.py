@@ -13,7 +13,7 @@ TOLERANCE = "tolerance"  # the setting that has the same meaning in all methods
 
 
 def check_names(method: Method, settings: Iterable[str]) -> None:
-    """Refuse settings that the method does not have, and name the method that has them."""
+    """Raise ValueError for unknown settings, naming the method that takes them."""
     known = method.settings
     for setting in settings:
         if setting not in known:
@@ -52,9 +52,9 @@ def checked_settings(method: Method, settings: Mapping[str, Any]) -> dict[str, A
 def with_tolerance(
     methods: Iterable[str], settings: Mapping[str, Mapping[str, Any]], tolerance: float | None
 ) -> dict[str, dict[str, Any]]:
-    """Return settings by method, with this tolerance for methods that take one and have none of their own.
+    """Return settings by method, with the tolerance added where a method takes one and has none.
 
-    ValueError is raised if none takes one.
+    ValueError is raised if no method takes a tolerance.
     """
     given = {method: dict(own) for method, own in settings.items()}
     if tolerance is None:

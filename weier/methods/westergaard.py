@@ -1,6 +1,6 @@
 """One wave against a plane: Westergaard's closed form, Eqs (6)-(14) and Appendix A.
 
-The formulas are those of docs/closed_forms.md, "One wave". Lengths along x are in the wavelength lambda, heights in
+docs/closed_forms.md, "One wave", derives the formulas. Lengths along x are in the wavelength lambda, heights in
 the amplitude g, pressures in p* (7): xi is the mean pressure (9). The functions broadcast.
 """
 

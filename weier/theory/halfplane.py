@@ -94,8 +94,8 @@ def replace_by_influence(d: Array, period: float, dipoles: bool) -> None:
 def take_logarithms(x: Array) -> None:
     """Replace x >= 0 by ln x, and 0 by 0.
 
-    With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The bits
-    of x as an integer are those of m plus k in the bits of the exponent, which gives k.
+    With x = 2^k m and m between 1/sqrt(2) and sqrt(2), ln m = 2 artanh s with s = (m-1)/(m+1), |s| < 0.172. The
+    exponent bits of x as an integer give k.
     """
     bits = x.view(np.int64)
     for i in range(x.size):

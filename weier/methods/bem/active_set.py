@@ -209,10 +209,10 @@ def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: 
     flatness : for tangent pressures, the accepted variation of A q in contact over R; otherwise 0
     coarse : pressure of the coarser grid
     """
-    own, of_tangent = state.progress[0], flatness > 0
+    own, is_tangent = state.progress[0], flatness > 0
     if own.steps == 0:
         own.corrections = 0
-        if of_tangent:
+        if is_tangent:
             own.load = 1.0
             punch_shape(state.edge[: own.edges], state.contact, state.pressure)
         else:
@@ -222,16 +222,16 @@ def _iterate(max_steps: int, flatness: float, coarse: Array, grid: Grid, state: 
         own.steps += 1
         own.plane = mean_in_contact(state.deformed, state.contact)
         contact_gap, violation = violations(grid, state)
-        if of_tangent:
+        if is_tangent:
             own.resistance = -dot(state.pressure, state.deformed) / state.pressure.size
             solved = contact_gap <= flatness * max(own.resistance, MIN_RESISTANCE)
         else:
             own.residual = max(contact_gap, violation)
             solved = own.residual <= grid.max_residual
-        if solved and (of_tangent or grid.is_coarse or not own.moved):
+        if solved and (is_tangent or grid.is_coarse or not own.moved):
             return True
         is_wrong = solved or violation > (FIRST_PATIENCE + own.corrections) * contact_gap
-        if of_tangent or not is_wrong:
+        if is_tangent or not is_wrong:
             _take_step(grid, state)
         elif _correct_contact(state) or solved:
             _apply_afresh(grid, state)

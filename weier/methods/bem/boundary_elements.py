@@ -155,10 +155,7 @@ def full_contact_load(profile: Waves, points: int) -> float:
 def points_of(
     profile: Waves, tolerance: float | None = None, points_per_wave: int | None = None, **others: Any
 ) -> float:
-    """Return the points per period of these settings: with a tolerance, in g_0, the fewest whose bound is within it.
-
-    They are inf if rounding prevents it.
-    """
+    """Return the points per period: the fewest that meet a tolerance, in g_0, or inf if rounding prevents it."""
     if tolerance is None:
         check_resolvable(profile)
         return (points_per_wave or POINTS_PER_WAVE) * profile.waves_per_period[-1]
@@ -244,6 +241,6 @@ METHOD = Method(
     check=lambda profile, **settings: check_points(_grid(profile, **settings)),
     by_load=lambda **settings: True,
     complete=with_errors,
-    # which usual curves do not reach: edges on nodes
+    # compiles the kernels of edges on nodes, which default curves do not call
     run_kernels=lambda: curve(Profile(D=1.25, gamma=2, m=2), [0.1, 1.0], staircase="kept"),
 )

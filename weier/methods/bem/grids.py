@@ -19,7 +19,7 @@ from weier.theory.halfplane import eigenvalues, influence_coefficients
 
 # nodes of the coarsest wave on a grid, and of a grid; their cost is in `python -m benchmarks tuning`
 MIN_POINTS_PER_CARRIED_WAVE, MIN_POINTS = 8, 128
-MIN_SCALE_RATIO = 1.2  # ratio of wavelengths from which a wave is a scale of its own, unlike in traces
+MIN_SCALE_RATIO = 1.2  # ratio of successive wavelengths from which waves are separate scales; closer in traces
 # residual of a coarse grid in g_n/(points per wave)^2: about ten times its error, 3.3 (docs/numerics.md, "One wave on
 # 512 nodes"); its cost is in `python -m benchmarks tuning`
 COARSE_ACCURACY = 30.0

@@ -41,7 +41,7 @@ FLAT_MARGIN = 1.0  # ln xi from the lightest load at which a wave is practically
 
 def infinite_waves(model: Model, bottom: float) -> ComplianceTable:
     """Return the waves of the infinite series of a D and gamma, on a table from this position on."""
-    # at heavy loads errors of ln W and residuals of waves add up over this number of scales
+    # number of scales over which errors of ln W and residuals of waves add up at heavy loads
     gain = np.array([model.infinite_amplitude])
     needed = RESIDUAL_FRACTION * TABLE_FRACTION * model.accuracy / (1 + model.infinite_amplitude)
     model = model._replace(tolerance=max(min(model.tolerance, needed), ROUNDING))
@@ -143,4 +143,4 @@ def _sensitivity(image: Rows, scale: Scale) -> Array:
     )
     position, _ = position_in(scale.closure, log_pressure)
     linear = scipy.interpolate.make_interp_spline(image.position, np.eye(image.position.size), k=1)
-    return np.stack([np.abs(of_wave) @ linear(at) for of_wave, at in zip(sensitivity, position, strict=True)])
+    return np.stack([np.abs(own) @ linear(at) for own, at in zip(sensitivity, position, strict=True)])

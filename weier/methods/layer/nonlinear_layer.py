@@ -1,7 +1,7 @@
 """The method of the non-linear layer (4.3): curves of compliance and resistance.
 
-docs/layer.md: "Tables" for the range of the tables and heavier loads, "The whole series" for series that are treated
-as infinite, "Error and limits".
+docs/layer.md: "Tables" (range of the tables, heavier loads), "The whole series" (when a series counts as infinite),
+"Error and limits".
 """
 
 from __future__ import annotations

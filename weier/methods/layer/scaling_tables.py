@@ -80,7 +80,7 @@ class Rows(NamedTuple):
 
     @property
     def closure(self) -> Closure:
-        """W as the closure of a layer, in the units of its own coarsest wave."""
+        """W as the closure of a layer, in units of its coarsest wave."""
         return closure_from_table(
             self.position, np.maximum.accumulate(self.log_compliance), np.maximum(self.slope, 0)
         )

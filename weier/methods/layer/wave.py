@@ -96,8 +96,8 @@ def log_pressure_factor(edge: Array, rise: Array) -> tuple[Array, Array]:
 def _balance(state: Array, log_load: Array, closure: Closure, mesh: Mesh) -> Balance:
     """Return residuals of the contact conditions minus their values at the edge.
 
-    Rows i < M: u(x_i) + w(p(x_i)) + 2 sin^2(pi x_i) as at the edge, in the depth of the edge, so that all rows have
-    the same scale. Row M: the mean of q is xi/(2 pi).
+    Rows i < M: the difference of u + w(p) + 2 sin^2(pi x) between x_i and the edge, over the depth of the edge, so
+    that all rows have the same scale. Row M: the mean of q is xi/(2 pi).
     """
     n, edge = mesh.rise.size, state[:, -1]
     depth, growing = reference_heights(edge), np.exp(state[:, :-1])

@@ -49,7 +49,7 @@ def evaluate(name: str, studies: Iterable[xr.Dataset]) -> Judgement:
     """Judge a claim on these studies; a case of several studies counts once."""
     whole, fewer = dict[str, Case](), dict[str, Case]()
     for study in studies:
-        every_second = slice((study.sizes["mean_pressure"] - 1) % 2, None, 2)  # with the last one
+        every_second = slice((study.sizes["mean_pressure"] - 1) % 2, None, 2)  # includes the last load
         for found, own in ((whole, study), (fewer, study.isel(mean_pressure=every_second))):
             found |= {str(case["key"]): case for case in cases_of(own)}
     return judge(CLAIMS[name], list(whole.values()), list(fewer.values()))

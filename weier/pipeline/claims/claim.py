@@ -32,7 +32,7 @@ class MissingError(ValueError):
 
 
 def cases_of(study: xr.Dataset) -> list[Case]:
-    """Return the cases of a study, whose arrays are views: a Dataset of each would take most of the time."""
+    """Return the cases of a study as views of its arrays, much faster than a Dataset for each."""
     variables = study.transpose("case", ..., "mean_pressure").variables
     values = {str(name): variable.values for name, variable in variables.items()}
     own = [str(name) for name, variable in variables.items() if "case" in variable.dims]
@@ -40,11 +40,11 @@ def cases_of(study: xr.Dataset) -> list[Case]:
 
 
 class Limits(NamedTuple):
-    """The value up to which a condition is met, and the value from which it is violated.
+    """Limits of a condition: `met` and better meet it, `missed` and worse violate it.
 
     sign : 1 where larger values are worse, -1 where smaller ones are
     word, nominal : the limit in words: "at most", 0.05
-    error : the numerical quantity, if any, whose stated error makes a sign uncertain
+    error : numerical quantity, if any, with a stated error that makes a sign uncertain
     """
 
     met: float

@@ -1,7 +1,7 @@
-"""The quantities of the claims, measured on the cases of a profile.
+"""Quantities of the claims, measured on the cases of a profile.
 
-"The numerical curve" of a case is that of the most accurate method that solved it. An excess or error is of an
-estimate over the numerical curve. Averages are over the load, which is the axis of the paper's figures, and ranges of
+The numerical curve of a case is the solution by its most accurate method. Excess and error compare an estimate with
+it. Averages are over the load, which is the axis of the paper's figures, and ranges of
 loads end at interpolated compliances, so that no number depends on how the loads are spaced.
 """
 
@@ -162,7 +162,7 @@ def largest_rise_of_resistance(case: Case) -> float:
 
 
 def width_of_bounds(case: Case) -> float:
-    """Return the mean relative width of the bounds on R, divided by that of the bounds on h."""
+    """Return the mean relative width of the bounds on R over the mean relative width of the bounds on h."""
     widths = []
     for quantity in ("resistance", "compliance"):
         width = numerical(case, f"{quantity}_upper") - numerical(case, f"{quantity}_lower")

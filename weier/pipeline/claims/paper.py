@@ -44,7 +44,7 @@ LAYER_ERROR = 0.12  # The relative error of the resistance that the paper gives:
 QUOTED_TOLERANCE = 1.25  # "As much as 30%" and "about 12%" allow up to this factor.
 QUITE_GOOD = 0.1  # "Quite good", over the compliance at full contact; of the resistance, the 30 % given for Demelio.
 PHASE_DIGITS = 11  # Phases that agree in these digits are equal.
-LIGHT_LOAD = 0.01  # p_0*: as p -> 0, every estimate tends to 0 and the exact compliance to that at first contact
+LIGHT_LOAD = 0.01  # p_0*: as p -> 0, every estimate tends to 0, the exact compliance to its value at first contact
 SAME_RATE = 1.1  # The area falls as gamma^(1-D) a term within this factor, which is within the scatter of phases.
 
 RULE = (
@@ -95,7 +95,7 @@ def by_mean(cases: Cases) -> list[Ensemble]:
 
 
 def series(cases: Cases, varied: str) -> list[Ensemble]:
-    """Return members whose cases differ in one parameter, in its order, and share the phases of common terms."""
+    """Return members: cases of equal phases (of common terms), ordered by the one parameter that varies."""
     found = []
     for group in curves.groups(cases, *(name for name in PARAMETERS if name != varied)):
         rows = _rows(group, varied)
