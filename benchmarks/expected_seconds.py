@@ -95,7 +95,8 @@ def main(most: int, methods: str) -> Page:
     """Compare measured with expected processor seconds.
 
     Surfaces are series of one to six terms, infinite series, and traces of 100 to 4000 waves. Seconds are the mean
-    over five single loads from 0.001 to 0.9 of full contact, and also for 40 loads with at most 700 waves. Settings other than the defaults are measured on series of at most 125 waves.
+    over five single loads from 0.001 to 0.9 of full contact, and also for 40 loads with at most 700 waves. Settings
+    other than the defaults are measured on series of at most 125 waves.
     """
     lines: list[list[str]] = []
     for name in methods.split(","):

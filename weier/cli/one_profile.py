@@ -59,11 +59,11 @@ def _call(
 def solve(output: Path | None, force: bool, workers: int, **options: Any) -> None:
     """Compute the compliance and resistance of one profile.
 
-    Prints JSON to standard output and progress to standard error. After Ctrl-C, the loads that
-    patches, bem or auto have solved are printed or, with an output, kept in curve.part.nc, from which the same
-    command resumes; a kill loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths
-    along x are in lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps;
-    netCDF has each once, increasing.
+    Prints JSON to standard output and progress to standard error. After Ctrl-C, the loads that patches, bem or auto
+    have solved are printed or, with an output, kept in curve.part.nc, from which the same command resumes; a kill
+    loses ten seconds. A netCDF file of the same problem with fewer loads gets the others. Lengths along x are in
+    lambda_0, heights in g_0, pressures in p_0*. Loads may come in any order, which the output keeps; netCDF has each
+    once, increasing.
 
     \b
     weier solve -D 1.25 --gamma 5 -m 3 --phases 0,1,2 --loads 0.01,0.1,1
