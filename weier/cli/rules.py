@@ -103,7 +103,7 @@ def make(scene_file: Path, store: Path, drafts: Path, stamps: Sequence[Path]) ->
 @click.option("--curves", "folder", type=FILE, default=Path("results/curves"), show_default=True, help="Their store.")
 @click.option("--within-errors", is_flag=True, help="Accept differences within the stated errors, too.")
 def adopt(scenes: Sequence[Path], folder: Path, within_errors: bool) -> None:
-    """Accept curves of SCENES solved by older code, if this code gives the same numbers.
+    """Accept curves of older code, if this code gives the same numbers.
 
     Some 50 curves of each kind are solved again and compared to the last bit. The comparison and its verdict are kept
     next to the curves.
