@@ -200,7 +200,7 @@ def test_a_plane_that_is_off_is_a_residual_of_its_height(wave):
 def test_no_polynomial_exceeds_the_factor_between_samples(nodes):
     """The largest value of any polynomial of degree K + 2 that is at most 1 at the samples, by linear programming."""
     state = OneWave(1.0, 0.2, 0.3).state(False, nodes)
-    _, _, y = sample_points(state.segments)
+    y = sample_points(state.segments.arrays)
     t = (y - state.segments.centre[0]) / state.segments.half_width[0]
     samples = np.polynomial.chebyshev.chebvander(t, nodes + 2)
     limits, most, largest = np.concatenate([samples, -samples]), np.ones(2 * t.size), 0.0
@@ -214,20 +214,20 @@ def test_no_polynomial_exceeds_the_factor_between_samples(nodes):
 def test_the_force_of_a_residual_is_no_larger_than_its_width_says(nodes):
     """Random polynomials, and one that is large at an end only, whose width is far less than the segment's."""
     state, random = OneWave(1.0, 0.2, 0.3).state(False, nodes), np.random.default_rng(nodes)
-    first, _, y = sample_points(state.segments)
+    y, first = sample_points(state.segments.arrays), state.segments.first_node
     r = state.segments.half_width[0]
     t, dense = (y - state.segments.centre[0]) / r, np.cos(np.linspace(0, np.pi, 20_001))
     for degree in range(nodes + 3):
         for coefficient in (np.eye(degree + 1)[-1], random.normal(size=degree + 1), np.arange(degree + 1.0)):
             polynomial = np.polynomial.Chebyshev(coefficient)
-            largest, width, roughness = _sizes(state.segments, first, polynomial(t))
+            largest, width, roughness = _sizes(first, state.segments.half_width, polynomial(t))
             assert roughness[0] == pytest.approx(np.abs(coefficient) @ np.arange(degree + 1.0), rel=1e-9, abs=1e-12)
             force = r * np.abs(np.trapezoid(np.abs(polynomial(dense)), dense))
             assert SAMPLED_FACTOR * largest[0] * width[0] >= force * (1 - 1e-6)
             assert width[0] <= 2 * r
     one = np.zeros(t.size)
     one[2] = 1.0  # pi/(m-n-1) times the sine of its angle, over the factor of the sampled maximum
-    _, width, _ = _sizes(state.segments, first, one)
+    _, width, _ = _sizes(first, state.segments.half_width, one)
     expected = np.pi / (t.size - nodes - 3) * np.sin(2.5 * np.pi / t.size) / SAMPLED_FACTOR
     assert width[0] == pytest.approx(r * expected, rel=1e-12, abs=0)
     if nodes == 30:  # the last polynomial, sum k T_k, is as large as its degree squared at the right end

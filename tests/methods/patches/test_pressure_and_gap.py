@@ -77,7 +77,7 @@ def test_cotangent_integrals_are_those_of_direct_quadrature(period):
     expected = [integrate(state, period, at, "cot") for at in x]
     for origin in (0.0, -period):
         found = pressure_and_gap.cotangent_integrals(
-            state.segments, state.coefficient, period, np.full(x.size, origin), x - origin
+            state.segments.arrays, state.coefficient, period, np.full(x.size, origin), x - origin
         )
         np.testing.assert_allclose(found, expected, rtol=0, atol=2e-7 * period)
 
@@ -125,7 +125,7 @@ def test_gap_beside_a_tiny_contact_has_all_digits(load):
     segments, crest = state.segments, state.segments.crest[0]
     assert segments.centre.size == 1
     assert abs(series.crest_position[crest]) > 0.01  # at x = 0 no digit can be lost
-    curvature = -evaluate_series(series, crest, 0.0)[2]
+    curvature = -evaluate_series(series.local, crest, 0.0)[2]
     for t in pressure_and_gap.far_field_from(state.coefficient.size) * np.array([0.5, 0.95, 1.05, 2.0, 5.0]):
         root = np.sqrt(t * t - 1)
         expected = 0.5 * curvature * segments.half_width[0] ** 2 * (t * root - np.log(t + root))

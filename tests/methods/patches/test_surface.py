@@ -66,7 +66,7 @@ def exact_crest(profile, amplitude, x):
 
 def evaluated(series, crest, y):
     """The fall from the maximum and two derivatives."""
-    return [evaluate_at(series, np.array([crest]), np.array([y]), order)[0] for order in range(3)]
+    return [evaluate_at(series.local, np.array([crest]), np.array([y]), order)[0] for order in range(3)]
 
 
 @pytest.mark.parametrize("dual", [False, True])

@@ -9,16 +9,17 @@ docs/patches.md, "The bound on the compliance" and "The error of the resistance"
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from weier.kernels.arrays import Array, Indices, Records
 from weier.kernels.jit import kernel
-from weier.methods.chebyshev import gauss_rule
 from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import ConvergenceError
 from weier.methods.patches.edge_iteration import SETTLED_MOVE
 from weier.methods.patches.kind import EPS, FIELD_ROUNDING
-from weier.methods.patches.pressure_and_gap import complementary_residuals
-from weier.methods.patches.segments import ContactState, Segments, integrals, segment_strengths
+from weier.methods.patches.pressure_and_gap import residuals_in_order
+from weier.methods.patches.rule import wave_table
+from weier.methods.patches.segments import ContactState, SegmentArrays, integrals, segment_strengths
 from weier.methods.patches.surface import (
     TWIN_HEIGHT,
     CosineSeries,
@@ -66,42 +67,57 @@ def largest_displacement(pressure: float | Array, force: Array, period: float) -
     return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
 
 
-def contact_residual(state: ContactState, series: CosineSeries) -> tuple[Array, Array, Array]:
+def contact_residual(state: ContactState, series: CosineSeries) -> NDArray[np.float64]:
     """Return the maximum of the residual on each segment, the width over which this has its force, and its roughness.
 
     The residual is the gap on a contact, or the pressure in a gap; the roughness is sum n |c_n| of its
     coefficients in T_n, in its unit. At some points, the sums are direct (`potential`).
     """
-    first, crest, y = sample_points(state.segments)
-    return _sizes(state.segments, first, complementary_residuals(state, series, crest, y))
+    segments, count = state.segments, 2 * (state.segments.node_count + 1)
+    crest, origin = np.repeat(segments.crest, count), np.repeat(segments.origin, count)
+    samples = residuals_in_order(state, series, crest, origin, sample_points(segments.arrays))
+    return _sizes(segments.first_node, segments.half_width, samples)
 
 
-def _sizes(segments: Segments, first: Indices, samples: Array) -> tuple[Array, Array, Array]:
+@kernel
+def _sizes(first_node: Indices, half_width: Array, samples: Array) -> NDArray[np.float64]:
     """Return the largest sample on each segment, the width for `SAMPLED_FACTOR` times it, and the roughness."""
-    count, residual, roughness = np.diff(first), np.abs(samples), np.empty(first.size - 1)
-    for points in np.unique(count):
-        which = count == points
-        rows = samples[first[:-1][which][:, None] + np.arange(points)]
-        roughness[which] = np.abs(rows @ gauss_rule(points, False).expansion.T) @ np.arange(points)
-    of = np.repeat(np.arange(count.size), count)
-    sine = np.sin((np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of])
-    largest = np.maximum.reduceat(residual, first[:-1])
-    mean = np.pi / (count - segments.node_count - 3) * np.add.reduceat(residual * sine, first[:-1])
-    width = np.minimum(mean / np.maximum(SAMPLED_FACTOR * largest, 1e-300), 2.0)
-    return largest, segments.half_width * width, roughness
+    sizes, start = np.empty((3, half_width.size)), 0
+    for j in range(half_width.size):
+        nodes = first_node[j + 1] - first_node[j]
+        count, largest, force, roughness = 2 * (nodes + 1), 0.0, 0.0, 0.0
+        wave = wave_table(count, 0)
+        for n in range(count):
+            coefficient, index, size = 0.0, n, abs(samples[start + n])
+            largest, force = max(largest, size), force + size * np.sin((n + 0.5) * np.pi / count)
+            for i in range(count):
+                coefficient += samples[start + i] * wave[index]
+                index += 2 * n
+                if index >= 4 * count:
+                    index -= 4 * count
+            roughness += 2 / count * n * abs(coefficient)
+        mean = np.pi / (count - nodes - 3) * force
+        sizes[0, j] = largest if force < np.inf else np.nan
+        sizes[1, j] = half_width[j] * min(mean / max(SAMPLED_FACTOR * largest, 1e-300), 2.0)
+        sizes[2, j], start = roughness, start + count
+    return sizes
 
 
-def sample_points(segments: Segments) -> tuple[Indices, Indices, Array]:
-    """Return the first point of each segment and, last, the number of points; their crests and distances.
+@kernel
+def sample_points(segments: SegmentArrays) -> Array:
+    """Return the points of samples, counted from the origins of their segments.
 
     They are the 2 K + 2 zeros of a Chebyshev polynomial on each segment, as far from its K nodes as possible, and
     enough for `SAMPLED_FACTOR` to hold.
     """
-    count = 2 * (segments.node_count + 1)
-    first = np.append(0, np.cumsum(count))
-    of = np.repeat(np.arange(count.size), count)
-    angle = (np.arange(of.size) - first[of] + 0.5) * (np.pi / count)[of]
-    return first, segments.crest[of], segments.centre[of] - segments.half_width[of] * np.cos(angle)
+    _, centre, half_width, first_node = segments
+    y, last = np.empty(2 * (first_node[-1] + centre.size)), 0
+    for j in range(centre.size):
+        count = 2 * (first_node[j + 1] - first_node[j] + 1)
+        for i in range(count):
+            y[last] = centre[j] - half_width[j] * np.cos((i + 0.5) * np.pi / count)
+            last += 1
+    return y
 
 
 def certify(

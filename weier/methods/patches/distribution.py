@@ -39,7 +39,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
         j = piece[node]
         y = centre[j] + r[j] * np.cos(angle)
         if state is None:
-            return solution.mean_pressure - series.maximum - evaluate_at(series, crest[j], y, 0)
+            return solution.mean_pressure - series.maximum - evaluate_at(series.local, crest[j], y, 0)
         return np.maximum(values_at(state, series, crest[j], y, of_gap), 0.0)
 
     def width(node: Indices, start: Array, end: Array) -> Array:

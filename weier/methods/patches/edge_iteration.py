@@ -135,7 +135,7 @@ class ContactProblem(NamedTuple):
 
     def forcing(self, crest: Indices, y: Array) -> Array:
         """Return the height minus its maximum, or the tension of full contact, at distances from crests."""
-        return np.asarray(evaluate_at(self.series, crest, y, 0) + self.highest)
+        return np.asarray(evaluate_at(self.series.local, crest, y, 0) + self.highest)
 
 
 class Iterate(NamedTuple):

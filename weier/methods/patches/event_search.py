@@ -377,16 +377,17 @@ def _gaps_or_pressures(state: ContactState, series: CosineSeries, is_gap: bool, 
     at = np.full(y.size, origin)
     if is_gap != state.kind.is_slope:
         return complementary_residuals(state, series, *_crest_coordinates(series, at, y))
-    return values_on_segments(state.segments, state.coefficient, series.period, at, y, is_gap)[1]
+    return values_on_segments(state.segments.arrays, state.coefficient, series.period, at, y, is_gap)[1]
 
 
 def _gap_slopes(state: ContactState, series: CosineSeries, origin: Array, y: Array) -> Array:
     """Return the slope of the gap at points origin + y off the contacts: -(2 pi/L) int p cot(pi (x-s)/L) ds - z'."""
     if state.kind.is_slope:
-        return values_on_segments(state.segments, state.coefficient, series.period, origin, y, False)[1]
+        return values_on_segments(state.segments.arrays, state.coefficient, series.period, origin, y, False)[1]
     crest, y = _crest_coordinates(series, origin, y)
-    integral = cotangent_integrals(state.segments, state.coefficient, series.period, series.crest_position[crest], y)
-    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series, crest, y, 1))
+    segments, origin = state.segments.arrays, series.crest_position[crest]
+    integral = cotangent_integrals(segments, state.coefficient, series.period, origin, y)
+    return np.asarray(-2 * np.pi / series.period * integral - evaluate_at(series.local, crest, y, 1))
 
 
 def _crest_coordinates(series: CosineSeries, origin: Array, y: Array) -> tuple[Indices, Array]:

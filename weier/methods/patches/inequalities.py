@@ -32,7 +32,7 @@ from weier.methods.patches.pressure_and_gap import (
     smooth_part,
 )
 from weier.methods.patches.segments import MINIMUM, ContactState, Segments, end_sums
-from weier.methods.patches.surface import CosineSeries, distances_between, first_from, nearest_crests
+from weier.methods.patches.surface import CosineSeries, distances_between, evaluate_near, first_from, nearest_crests
 
 # probes per finest wave in an interval between segments, and of a shorter interval; an eighth of a wave from a crest,
 # a cosine differs from its parabola by 5 %
@@ -361,22 +361,23 @@ def find_missing(
     Also return all minima below the margin, including these. The width of a new segment is `new_outside`
     times that of the interval in which the parabola is negative. A new gap opens by more than `opening`, in g_0.
     """
-    punches, kind = step.punches, problem.kind
+    punches, kind, series = step.punches, problem.kind, problem.series
+    highest = kind.uniform(step.forces.plane) - problem.highest
 
     # The gap d - z - 2 sum f ln|2 sin|, or the pressure p_full - sum f/(2 L^2 sin^2), less the margin.
     def residual(x: Array) -> Array:
         total = force_field(punches, step.forces.force, x)
-        forcing = problem.forcing(*nearest_crests(problem.series, x))
-        return np.asarray(kind.uniform(step.forces.plane) + total - forcing) - margin
+        forcing = evaluate_near(series.local, series.crest_position, series.period, x)
+        return np.asarray(highest + total - forcing) - margin
 
     limit = tolerance + margin
     is_regular = float(step.singular.max()) < opening
-    found = _minima_between(kind, punches.segments, step.a, is_regular, problem.series, residual, limit, margin)
+    found = _minima_between(kind, punches.segments, step.a, is_regular, series, residual, limit, margin)
     if found.size == 0:
         return np.empty((0, 2)), found
     found["value"] += margin
     minima = found[found["value"] < -tolerance]
-    finest = float(problem.series.wavenumber[-1])
+    finest = float(series.wavenumber[-1])
     minima = minima[kind.deserve_segments(minima, _room(step, minima), finest, opening)]
     depth, room = -minima["value"], _room(step, minima)
     # Between adjacent crests the curvature by differences may vanish: the floor keeps the width finite.

@@ -15,8 +15,8 @@ from weier.kernels.jit import kernel
 from weier.methods.chebyshev import cauchy_integral, evaluate_expansion, gap_expansion, log_integral
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pair_sums import potential
-from weier.methods.patches.segments import ContactState, Segments
-from weier.methods.patches.surface import CosineSeries, evaluate_at, first_from, nearest_crests
+from weier.methods.patches.segments import ContactState, SegmentArrays
+from weier.methods.patches.surface import CosineSeries, Local, evaluate_series, first_from, nearest_crests
 from weier.theory.halfplane import replace_by_influence
 
 LN_ROUNDING = -float(np.log(0.5 * EPS))  # 36.7
@@ -72,19 +72,19 @@ def _forces_at(a: Array, r: float, node: Array, weight: Array) -> Array:
 
 
 @kernel
-def cotangent_integrals(segments: Segments, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
+def cotangent_integrals(segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array) -> Array:
     """Return int rho cot(pi (x-s)/L) ds at any x = origin + y: far from a segment, by quadrature.
 
     There the addition theorem gives the cotangent.
     """
-    integral, factor = np.zeros(y.size), np.pi / period
-    for j in range(segments.centre.size):
-        r, a = segments.half_width[j], coefficient[segments.first_node[j] : segments.first_node[j + 1]]
+    integral, factor, (start, centre, half_width, first_node) = np.zeros(y.size), np.pi / period, segments
+    for j in range(centre.size):
+        r, a = half_width[j], coefficient[first_node[j] : first_node[j + 1]]
         node, weight = gauss_nodes(a.size)
         force, reach = _forces_at(a, r, node, weight), far_field_from(a.size)
         sine, cosine = np.sin(factor * r * node), np.cos(factor * r * node)
         for i in range(y.size):
-            t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
+            t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
             if abs(t) <= reach:
                 integral[i] += _near_field(a, node, force, r, reach, t, period, True)
                 continue
@@ -147,23 +147,23 @@ def at_point(value: float, t: float, r: float, is_gap: bool) -> float:
 
 @kernel
 def values_on_segments(
-    segments: Segments, coefficient: Array, period: float, origin: Array, y: Array, integrated: bool
+    segments: SegmentArrays, coefficient: Array, period: float, origin: Array, y: Array, integrated: bool
 ) -> tuple[Flags, Array]:
     """Return whether each point origin + y lies on a segment, and the density there or its integral, or 0.
 
     rho is the pressure on a contact or the slope of a gap, whose integral is the gap.
     """
-    inside, value = np.zeros(y.size, np.bool_), np.zeros(y.size)
-    middle = segments.origin + segments.centre
+    inside, value, (start, centre, half_width, first_node) = np.zeros(y.size, np.bool_), np.zeros(y.size), segments
+    middle = start + centre
     for i in range(y.size):
         x = origin[i] + y[i]
         after = first_from(middle, x - period * np.floor((x - middle[0]) / period))
         for k in range(after - 2, after + 2):  # midpoints are rounded, so that two more segments are tried
             j = k % middle.size
-            r = segments.half_width[j]
-            t = _local_coordinate(segments.origin[j], segments.centre[j], r, period, origin[i], y[i])
+            r = half_width[j]
+            t = _local_coordinate(start[j], centre[j], r, period, origin[i], y[i])
             if abs(t) < 1:
-                a = smooth_part(coefficient[segments.first_node[j] : segments.first_node[j + 1]], integrated)
+                a = smooth_part(coefficient[first_node[j] : first_node[j + 1]], integrated)
                 inside[i], value[i] = True, at_point(evaluate_expansion(a, t), t, r, integrated)
                 break
     return inside, value
@@ -176,58 +176,67 @@ def complementary_residuals(state: ContactState, series: CosineSeries, crest: In
     sum over its nodes, by Gauss's quadrature. For gaps, so is int w/sin^2(pi (x-s)/L) ds, which with the gap w is
     -L/pi times the Cauchy integral. Near a segment, closed forms are used.
     """
-    segments, period, kind = state.segments, series.period, state.kind
+    segments, period = state.segments, series.period
     start = 0.5 * (segments.right[-1] - period + segments.middle[0] - segments.half_width[0])  # not on a segment
     origin = series.crest_position[crest]
     origin = origin - period * np.floor((origin + y - start) / period)
     order, value = np.argsort(origin + y, kind="stable"), np.empty(y.size)
-    origin, offset = origin[order], y[order]
-    at_node, force = node_forces(segments, state.coefficient, kind.is_slope)
+    value[order] = residuals_in_order(state, series, crest[order], origin[order], y[order])
+    return value
+
+
+def residuals_in_order(state: ContactState, series: CosineSeries, crest: Indices, origin: Array, y: Array) -> Array:
+    """Return complementary residuals at ascending points origin + y; the origins are images of the crests."""
+    segments, period, kind = state.segments, series.period, state.kind
+    at_node, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
     crests = np.repeat(segments.origin, segments.node_count)
-    total = potential(crests, at_node, force, origin, offset, period, kind.is_slope)
+    value = potential(crests, at_node, force, origin, y, period, kind.is_slope)
     near = float((-period / np.pi) ** kind.derivative)  # the sum over dipoles, over the integral by parts
-    value[order] = kind.factor(period) * _correct_near_segments(
-        segments, state.coefficient, kind.is_slope, near, at_node, force, origin, offset, period, total
-    )
     highest = kind.uniform(-state.approach) - kind.largest_forcing(series.maximum, state.load)
-    return np.asarray(highest - evaluate_at(series, crest, y, 0) + value)
+    sums = segments.arrays, state.coefficient, kind.is_slope, near, at_node, force, origin, y, period, value
+    _complete_residuals(*sums, series.local, crest, kind.factor(period), highest)
+    return value
 
 
 @kernel
-def node_forces(segments: Segments, coefficient: Array, is_gap: bool) -> tuple[Array, Array]:
+def node_forces(segments: SegmentArrays, coefficient: Array, is_gap: bool) -> NDArray[np.float64]:
     """Return nodes from origins of segments, and the weights in Gauss's quadrature times the density or the gap."""
-    offset, force = np.empty(coefficient.size), np.empty(coefficient.size)
-    for j in range(segments.centre.size):
-        start, end, r = segments.first_node[j], segments.first_node[j + 1], segments.half_width[j]
+    found, (_, centre, half_width, first_node) = np.empty((2, coefficient.size)), segments
+    for j in range(centre.size):
+        start, end, r = first_node[j], first_node[j + 1], half_width[j]
         node, weight = gauss_nodes(end - start)
         a = smooth_part(coefficient[start:end], is_gap)
         for q in range(end - start):
-            offset[start + q] = segments.centre[j] + r * node[q]
+            found[0, start + q] = centre[j] + r * node[q]
             root = np.sqrt((1 - node[q]) * (1 + node[q]))
-            force[start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
-    return offset, force
+            found[1, start + q] = r * weight[q] / root * at_point(evaluate_expansion(a, node[q]), node[q], r, is_gap)
+    return found
 
 
 @kernel
-def _correct_near_segments(
-    segments: Segments,
+def _complete_residuals(
+    segments: SegmentArrays,
     coefficient: Array,
     is_slope: bool,
-    factor: float,
+    near: float,
     at_node: Array,
     force: Array,
     origin: Array,
     offset: Array,
     period: float,
     total: Array,
-) -> Array:
-    """Return the sums over all nodes, with a factor times an integral in closed form where a segment is near."""
-    x = np.empty(offset.size)
+    local: Local,
+    crest: Indices,
+    factor: float,
+    highest: float,
+) -> None:
+    """Turn sums over all nodes into residuals, with an integral in closed form where a segment is near."""
+    x, (starts, centres, half_width, first_node) = np.empty(offset.size), segments
     for i in range(offset.size):
         x[i] = origin[i] + offset[i]
-    for j in range(segments.centre.size):
-        first, last = segments.first_node[j], segments.first_node[j + 1]
-        start, centre, r = segments.origin[j], segments.centre[j], segments.half_width[j]
+    for j in range(centres.size):
+        first, last = first_node[j], first_node[j + 1]
+        start, centre, r = starts[j], centres[j], half_width[j]
         a, (node, weight), at_nodes = coefficient[first:last], gauss_nodes(last - first), np.empty(last - first)
         density = _forces_at(a, r, node, weight)
         far = far_field_from(node.size)
@@ -239,10 +248,11 @@ def _correct_near_segments(
                 for q in range(node.size):  # must equal the term of the sums to the last digit
                     at_nodes[q] = (origin[i] - start) + (offset[i] - at_node[first + q])
                 replace_by_influence(at_nodes, period, is_slope)
-                total[i] += factor * _near_field(a, node, density, r, far, t, period, is_slope)
+                total[i] += near * _near_field(a, node, density, r, far, t, period, is_slope)
                 for q in range(node.size):
                     total[i] -= force[first + q] * at_nodes[q]
-    return total
+    for i in range(offset.size):
+        total[i] = highest - evaluate_series(local, crest[i], offset[i])[0] + factor * total[i]
 
 
 def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_gap: bool) -> Array:
@@ -252,7 +262,7 @@ def pressures_or_gaps(state: ContactState, series: CosineSeries, x: Array, is_ga
 
 def values_at(state: ContactState, series: CosineSeries, crest: Indices, y: Array, is_gap: bool) -> Array:
     """Return the pressure or the gap at the distances y from crests of the state's series."""
-    density, origin = (state.segments, state.coefficient), series.crest_position[crest]
+    density, origin = (state.segments.arrays, state.coefficient), series.crest_position[crest]
     inside, value = values_on_segments(*density, series.period, origin, y, state.kind.is_slope)
     if is_gap != state.kind.is_slope:
         value = np.zeros(y.size)

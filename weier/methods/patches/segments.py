@@ -41,6 +41,9 @@ def end_sums(first_node: Indices, coefficient: Array, kind: int) -> NDArray[np.f
     return total
 
 
+SegmentArrays = tuple[Array, Array, Array, Indices]
+
+
 class Segments(NamedTuple):
     """Segments [c-r, c+r] in order round the period, with their nodes numbered consecutively.
 
@@ -65,6 +68,11 @@ class Segments(NamedTuple):
     def extent(self) -> Extent:
         """Origin, centre from there and half-width of each, in lambda_0."""
         return self.origin, self.centre, self.half_width
+
+    @property
+    def arrays(self) -> SegmentArrays:
+        """Origin, centre, half-width and first node, in a plain tuple for kernels."""
+        return self.origin, self.centre, self.half_width, self.first_node
 
     @property
     def middle(self) -> Array:

@@ -19,7 +19,7 @@ from weier.methods.error_model import COMPLIANCE_ROUNDING
 from weier.methods.errors import MARGIN, ConvergenceError
 from weier.methods.load_progress import count_load, keeping
 from weier.methods.method import CURVE_SECONDS, TOLERANCES, Method, Setting, Style, applies_to_resolvable
-from weier.methods.patches.certificate import sample_points, stated_errors
+from weier.methods.patches.certificate import contact_residual, stated_errors
 from weier.methods.patches.given_edges import (
     make_punches,
     moved_expansion,
@@ -27,7 +27,7 @@ from weier.methods.patches.given_edges import (
     transfer_forces,
 )
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
-from weier.methods.patches.pressure_and_gap import complementary_residuals, node_forces, pressures_or_gaps
+from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
 from weier.methods.patches.segments import ContactState, contact_pieces
 from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts, isolated_contacts, isolated_gaps
@@ -37,7 +37,7 @@ from weier.methods.patches.surface import (
     Sides,
     Surface,
     evaluate_at,
-    nearest_crests,
+    evaluate_near,
     surface_of,
 )
 from weier.methods.patches.thin_gaps import densities_on_contacts
@@ -94,8 +94,9 @@ class Solution(NamedTuple):
 
 
 def _series_at(series: CosineSeries, x: ArrayLike) -> Array:
-    crest, y = nearest_crests(series, np.ravel(np.asarray(x, float)))
-    return np.asarray(series.maximum + evaluate_at(series, crest, y, 0)).reshape(np.shape(x))
+    flat = np.ravel(np.asarray(x, float))
+    value = evaluate_near(series.local, series.crest_position, series.period, flat)
+    return np.asarray(series.maximum + value).reshape(np.shape(x))
 
 
 @one_thread
@@ -179,8 +180,8 @@ def _elastic_energy(surface: Surface, state: ContactState | None) -> float:
     if state is None:
         return full
     segments, kind, series = state.segments, state.kind, state.kind.series(surface)
-    offset, force = node_forces(segments, state.coefficient, kind.is_slope)
-    below = evaluate_at(series, np.repeat(segments.crest, segments.node_count), offset, 0)
+    offset, force = node_forces(segments.arrays, state.coefficient, kind.is_slope)
+    below = evaluate_at(series.local, np.repeat(segments.crest, segments.node_count), offset, 0)
     return kind.elastic_energy(state, series, force, below, full)
 
 
@@ -287,8 +288,7 @@ def run_kernels() -> None:
         transfer_forces(segments, b, first, punches)
         for singular in (False, True):
             densities_on_contacts(segments.first_node, state.coefficient, first, np.zeros((1, 1)), singular)
-        _, crest, y = sample_points(state.segments)
-        complementary_residuals(state, series, crest, y)
+        contact_residual(state, series)
         many = np.linspace(0.0, 0.5 * series.period, MAX_DIRECT + 1)
         potential(0 * many, many, many, 0 * many, many, series.period, kind.is_slope)
 

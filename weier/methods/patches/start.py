@@ -229,7 +229,7 @@ def _isolated(series: CosineSeries, load: float, kind: Kind, amount: Array, merg
 
         def singularities(y: Array, r: Array) -> tuple[Sides, Sides]:
             at = y[:, None] + r[:, None] * rule.node
-            c = evaluate_at(series, np.repeat(crest, NODES), at.ravel(), 0).reshape(at.shape) @ rule.expansion.T
+            c = evaluate_at(series.local, np.repeat(crest, NODES), at.ravel(), 0).reshape(at.shape) @ rule.expansion.T
             return kind.singularities(c, amount[crest], amount.max())
 
         is_new = True
