@@ -27,6 +27,7 @@ from weier.methods.patches.surface import (
     distances_between,
     nearest_crests,
 )
+from weier.theory.halfplane import Number
 
 MAX_RESIDUAL = 100  # largest accepted residual over the relative tolerance, for loose targets too
 # Between N samples a residual, of the degree n = K + 2 on K nodes, is at most 1/cos(pi n/2N) times as large
@@ -54,17 +55,33 @@ def error_bound(
         lambda_0, shape (violations,); the number of the largest that are removed minimises the bound
     """
     order = np.argsort(-pressure)
-    left, force = np.append(pressure[order], 0.0), np.append(0.0, np.cumsum((pressure * width)[order]))
-    eps, sigma = gap + largest_displacement(left[0], force, period), missing + left + force / period
-    some = sigma < load
-    bound = eps[some] + sigma[some] * (indentation + eps[some]) / (load - sigma[some])
-    return float(bound.min(initial=np.inf))
+    return _least_bound(indentation, load, missing, gap, pressure[order], width[order], period)
 
 
-def largest_displacement(pressure: float | Array, force: Array, period: float) -> Array:
+@kernel
+def _least_bound(
+    indentation: float, load: float, missing: float, gap: float, pressure: Array, width: Array, period: float
+) -> float:
+    """Return the bound of `error_bound` with decreasing pressures."""
+    bound, force = np.inf, 0.0
+    for removed in range(pressure.size + 1):
+        left = pressure[removed] if removed < pressure.size else 0.0
+        eps = gap + _displacement(pressure[0], force, period) if removed > 0 else gap
+        sigma = missing + left + force / period
+        if sigma < load:
+            bound = min(bound, eps + sigma * (indentation + eps) / (load - sigma))
+        if removed < pressure.size:
+            force += left * width[removed]
+    return bound
+
+
+def largest_displacement(pressure: Number, force: Number, period: float) -> Number:
     """Return a bound on the displacement, of mean 0, by pressures of at most `pressure` with a total force."""
     half_period_of_width = 0.5 * period * pressure / np.maximum(force, 1e-280)  # which may be 0
-    return np.asarray(2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0))))
+    return 2 * force * (1 + np.log(np.maximum(half_period_of_width, 2.0)))
+
+
+_displacement = kernel(largest_displacement)
 
 
 def contact_residual(state: ContactState, series: CosineSeries) -> NDArray[np.float64]:
@@ -228,7 +245,7 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
     # The next step would move the edges and change the resistance by the energy released. While edges have not
     # settled, others follow it.
     move = np.abs(state.edge_move)
-    move *= np.where(move > SETTLED_MOVE * state.segments.half_width[:, None], SAFETY_FACTOR, 1.0)
+    move[move > SETTLED_MOVE * state.segments.half_width[:, None]] *= SAFETY_FACTOR
     by_iteration += 2 * np.pi**2 / series.period * float(np.sum(state.tangent_strength**2 * move))
     effects = (
         (by_iteration, float(move.sum())),
@@ -237,8 +254,8 @@ def stated_errors(state: ContactState, series: CosineSeries) -> Effect:
         _missing_cracks(state, series.period),
         _missing_contacts(state, series),
     )
-    resistance, length = np.sum(effects, axis=0)
-    return float(resistance), float(length) / series.period
+    resistance, length = map(sum, zip(*effects, strict=True))
+    return resistance, length / series.period
 
 
 def _missing_cracks(state: ContactState, period: float) -> Effect:
@@ -298,7 +315,7 @@ def _error_by_edges(state: ContactState, series: CosineSeries) -> Effect:
     crest, _ = nearest_crests(series, contacts[0] + contacts[1])
     is_lower = series.crest_offset[crest] < -TWIN_HEIGHT * series.total_amplitude
     rounding = EPS * series.total_amplitude + COMPLIANCE_ROUNDING * state.load * L
-    height_error = np.where(is_lower, state.height_error + rounding, state.height_error)
+    height_error = np.asarray(state.height_error + rounding * is_lower, np.float64)
     curvature_error = EPS * series.largest_curvature
     A, B = state.kind.at_contacts(A), state.kind.at_contacts(state.tangent_strength)
     A = state.kind.certain_strengths(A, integrals(state), contacts[2])

@@ -7,7 +7,7 @@ from scipy.optimize import elementwise
 
 from weier.kernels.arrays import Array, Indices
 from weier.methods.patches.pressure_and_gap import values_at
-from weier.methods.patches.segments import contact_pieces
+from weier.methods.patches.segments import contact_extent
 from weier.methods.patches.solver import Solution
 from weier.methods.patches.surface import evaluate_at, intervals_between, nearest_crests
 
@@ -27,7 +27,7 @@ def fraction_above(solution: Solution, of_gap: bool, limits: Array | None = None
     if state is None:
         extent = *extent[:2], extent[2] + 0.5 * series.period
     else:
-        extent = contact_pieces(state, series.period)[0]
+        extent = contact_extent(state, series.period)
         extent = intervals_between(extent, series.period) if of_gap else extent
     crest, centre, r = nearest_crests(series, extent[0])[0], extent[1], extent[2]
     cells = np.ceil(MIN_CELLS + CELLS_PER_RADIAN * series.wavenumber[-1] * r).astype(np.int64)

@@ -243,7 +243,7 @@ def carried_along(step: NewtonStep, rounding: float) -> NewtonStep:
     segments = old._replace(centre=old.centre + shift, half_width=old.half_width + growth)
     moved = make_punches(segments, punches.period, punches.kind, MAX_NODES * gap.size)
     force = transfer_forces(old, b, np.arange(gap.size), moved)
-    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.roll(gap, 1)))
+    narrowest = np.minimum(old.half_width, 0.5 * np.minimum(gap, np.append(gap[-1], gap[:-1])))
     rounded = np.minimum(1.0, rounding / np.maximum(step.singular, 1e-300))
     left = 2 * step.move**2 * narrowest[:, None] + rounded[:, None] * np.abs(outward)
     return step._replace(punches=moved, forces=step.forces._replace(force=force), b=b, a=a, outward=left)

@@ -19,7 +19,7 @@ from weier.methods.errors import ConvergenceError
 from weier.methods.patches import stages
 from weier.methods.patches.kind import EPS
 from weier.methods.patches.pressure_and_gap import complementary_residuals, cotangent_integrals, values_on_segments
-from weier.methods.patches.segments import ContactState, contact_pieces
+from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces
 from weier.methods.patches.solver import MIN_LOAD, check_loads, solve_state
 from weier.methods.patches.start import TOLERANCE, Starts
 from weier.methods.patches.surface import (
@@ -177,7 +177,7 @@ class _Search(NamedTuple):
         ConvergenceError is raised after `MAX_SPLITS` splits for each finished interval.
         """
         period = self.starts.surface.heights.period
-        start, end = (float(contact_pieces(state, period)[0][2].sum()) for state in (lightest, heaviest))
+        start, end = (float(contact_extent(state, period)[2].sum()) for state in (lightest, heaviest))
         located: list[tuple[float, _Event]] = []
         pending, splits, finished = [(lightest, heaviest)], 0, 0
         while pending:
@@ -186,7 +186,7 @@ class _Search(NamedTuple):
             if found is not None:
                 located += found
                 finished += high.load > low.load * (1 + MIN_INTERVAL)
-                length = float(contact_pieces(high, period)[0][2].sum())
+                length = float(contact_extent(high, period)[2].sum())
                 report((length - start) / max(end - start, EPS))
                 continue
             splits += 1
@@ -305,7 +305,7 @@ class _Search(NamedTuple):
 
 def _intervals(state: ContactState, gaps: bool, period: float) -> tuple[Array, Array, Array]:
     """Return the contacts of a state, or its gaps: from origin + left to origin + right."""
-    contacts = contact_pieces(state, period)[0]
+    contacts = contact_extent(state, period)
     origin, centre, half_width = intervals_between(contacts, period) if gaps else contacts
     return origin, centre - half_width, centre + half_width
 

@@ -97,7 +97,8 @@ class Gaps:
 
     def at_contacts(self, values: Sides) -> Sides:
         """Return values at the edges of contacts; contact j follows gap j."""
-        return np.stack([values[:, 1], np.roll(values[:, 0], -1)], axis=1)
+        in_order = values.ravel()
+        return np.concatenate([in_order[1:], in_order[:1]]).reshape(-1, 2)
 
     def limit_outside(self, load: float, height: float, tension: float) -> float:
         """Return the pressure that a tension must exceed, in p_0*."""

@@ -133,13 +133,13 @@ def _minima_between(
         return _edge_factor(x, interval, *extent, period, power)
 
     x, interval = _probe_points(*extent, series.crest_position, period, float(series.wavenumber[-1]))
-    factor = edge_factor(x, interval)
     at_edge = kind.residual_strength if is_regular else -np.inf
     first = segments.first_node
-    brackets = _brackets(
-        x, interval, residual(x), factor, limit, margin, *extent, period, first, coefficient, at_edge, power
+    ends, which = _brackets(
+        x, interval, residual(x), limit, margin, *extent, period, first, coefficient, at_edge, power
     )
-    return _negative_minima(brackets, residual, edge_factor)
+    low, middle, high = ends
+    return _negative_minima((low, middle, high, which), residual, edge_factor)
 
 
 def find_negative_intervals(state: ContactState) -> Records:
@@ -258,7 +258,6 @@ def _brackets(
     x: Array,
     interval: Indices,
     value: Array,
-    factor: Array,
     limit: float,
     margin: float,
     origin: Array,
@@ -269,21 +268,17 @@ def _brackets(
     coefficient: Array,
     at_edge: float,
     power: float,
-) -> Brackets:
-    """Return the probes, ascending in each interval, next to which a minimum may lie below the limit.
+) -> tuple[NDArray[np.float64], Indices]:
+    """Return left end, minimum and right end of brackets that may hold a minimum below the limit, and the intervals.
 
-    value, factor : at the probes; the quotient is smooth
+    value : at the probes, ascending in each interval; the quotient by the edge factor is smooth
     margin : margin subtracted from the values
     at_edge : the quotient at the edges over l^power (2/r)^(1/2) |phi|
     """
     length, ends = distances_between(origin, centre, r, period), end_sums(first_node, coefficient, 1)
-    low, middle, high, which, count = (
-        np.empty(x.size),
-        np.empty(x.size),
-        np.empty(x.size),
-        np.empty(x.size, np.int64),
-        0,
-    )
+    found, which, count = np.empty((3, x.size)), np.empty(x.size, np.int64), 0
+    low, middle, high = found
+    factor = _edge_factor(x, interval, origin, centre, r, period, power)
     for i in range(x.size):
         j, here, edges = interval[i], value[i] / factor[i], at_edge * length[interval[i]] ** power
         start = origin[j] + (centre[j] + r[j])
@@ -303,7 +298,7 @@ def _brackets(
             if here < 0.5 * MAX_FALL * bend * (0.5 * max(left, right)) ** 2 + limit / factor[i]:
                 middle[count], which[count] = x[i], j
                 count += 1
-    return low[:count], middle[:count], high[:count], which[:count]
+    return found[:, :count], which[:count]
 
 
 def _negative_minima(brackets: Brackets, residual: Residual, edge_factor: EdgeFactor) -> Records:

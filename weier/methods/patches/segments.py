@@ -196,8 +196,15 @@ def integrals(state: ContactState) -> Array:
     return np.asarray(0.5 * np.pi * state.segments.half_width * state.coefficient[state.segments.first_node[:-1]])
 
 
+def contact_extent(state: ContactState, period: float) -> Extent:
+    """Return the contacts between all gaps, thin ones included."""
+    if state.cracks.contact.size > 0:
+        return contact_pieces(state, period)[0]
+    return state.kind.contacts_of(state.segments.extent, period)
+
+
 def contact_pieces(state: ContactState, period: float) -> tuple[Extent, Sides, Sides]:
-    """Return the contacts between all gaps, thin ones included, and the strengths A and B at their edges.
+    """Return the contacts of `contact_extent`, and the strengths A and B at their edges.
 
     A of the pressure is in p_0*/lambda_0^(1/2), B of its increment in lambda_0^(1/2), shape (contacts, 2).
     """

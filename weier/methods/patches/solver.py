@@ -28,7 +28,7 @@ from weier.methods.patches.given_edges import (
 )
 from weier.methods.patches.pair_sums import MAX_DIRECT, potential
 from weier.methods.patches.pressure_and_gap import node_forces, pressures_or_gaps
-from weier.methods.patches.segments import ContactState, contact_pieces
+from weier.methods.patches.segments import ContactState, contact_extent, contact_pieces
 from weier.methods.patches.stages import MAX_OVER_TARGET, MAX_TOLERANCE, MIN_TOLERANCE, TARGET, solve_in_stages
 from weier.methods.patches.start import TOLERANCE, Starts, isolated_contacts, isolated_gaps
 from weier.methods.patches.surface import (
@@ -145,7 +145,7 @@ def curve(profile: Waves, mean_pressure: ArrayLike, tolerance: float = TOLERANCE
     with keeping(lambda _: (loads[: len(points)], solved()) if points else None):
         for load in map(float, loads):
             state, steps = solve_state(starts, load)
-            contacts = 3 * (np.empty(0),) if state is None else contact_pieces(state, period)[0]
+            contacts = 3 * (np.empty(0),) if state is None else contact_extent(state, period)
             point = _curve_point(starts.surface, state, contacts[2])
             edges.append(_sorted_contacts(contacts, period)[0].ravel())
             points.append(point | {"work": steps})

@@ -281,7 +281,7 @@ def segment_corrections(
 def _thin_gaps(state: ContactState, gap: Array) -> Flags:
     """Return whether the gap on the right of each contact is less than half as wide as the narrowest to be added."""
     r, (_, thinness) = state.segments.half_width, state.kind.limits_within()
-    return np.asarray(gap < 2 * thinness * np.minimum(r, np.roll(r, -1)))
+    return np.asarray(gap < 2 * thinness * np.minimum(r, np.append(r[1:], r[0])))
 
 
 def _cut_segments(state: ContactState, negative: Records) -> NDArray[np.float64]:
