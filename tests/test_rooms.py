@@ -63,6 +63,3 @@ def test_the_program_knows_methods_from_their_list_alone():
         of_bokeh = {"auto"} if path.name == "page.py" else set()
         imported = {name for name in imports(path) for name in (name, ".".join(name.split(".")[:3]))}
         assert not (constants | imported) & known - of_bokeh, path
-
-
-DATASET_NAMES = {"attrs", "data_vars", "coords", "dims", "variables", "isel", "sel", "to_dataset", "assign_coords"}

@@ -78,11 +78,7 @@ REFUSED = [
         {"resistance": 0.0},
         r"between 0 g_0/p_0\*, from full contact under 2.4759\d p_0\* on, and 692.\d* g_0/p_0\*, under the lightest",
     ),
-    ({"resistance": -1.0}, "resistance must lie between 0"),
     ({"resistance": 1e4}, r"under the lightest load of 1e-300 p_0\*, got 10000"),
-    ({"resistance": math.nan}, "resistance must lie between 0"),
-    ({"compliance": 2.0}, "compliance must lie between"),
-    ({"contact_fraction": 0.0}, "contact_fraction must lie between"),
     (
         {"compliance": 0.01},
         r"between 0.0175\d* g_0, at first contact, and 1.299\d* g_0, at full contact under ",
@@ -91,8 +87,6 @@ REFUSED = [
         {"contact_fraction": 1.0},
         "contact_fraction must lie between 0, at first contact, and 1, at full contact under 2.4759",
     ),
-    ({"resistance": []}, "resistance must be a number or a list of numbers"),
-    ({}, "give one of resistance, compliance, contact_fraction, got none"),
     ({"resistance": 1.0, "compliance": 1.0}, "got resistance and compliance"),
 ]
 

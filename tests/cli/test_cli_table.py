@@ -2,16 +2,13 @@
 
 import csv
 import re
-import shlex
 
-import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
 
 import weier
-from tests.cli.test_cli import described, examples
 
 PROFILE = weier.Profile(D=1.25, gamma=5, m=2, phases=1.0)
 BODIES = {
@@ -39,13 +36,6 @@ def folder(tmp_path, monkeypatch):
 
 def rows(text):
     return list(csv.DictReader(text.splitlines()))
-
-
-def test_its_examples_run(run):
-    shown = examples(described("table"))
-    assert len(shown) == 3
-    for example in shown:
-        assert run(*example[1:])[0] == 0, shlex.join(example)
 
 
 def test_a_table_goes_to_a_file_and_to_standard_output(run, folder):
@@ -82,9 +72,6 @@ def test_bodies_may_stand_in_a_scene_and_with_units(run, folder):
 
 WRONG_BODIES = [
     ("mu_1: 1.0\n", "bodies.yaml: missing 2 required keyword-only arguments: 'nu_1' and 'nu_2'"),
-    ("mu_1: [\n", "weier: "),
-    (bodies(E_1=1), "give one of mu_1, the shear modulus, and E_1, Young's modulus, got both"),
-    (bodies(mu=1), "'mu'"),
     (bodies(mu_1="80 mm"), "mu_1 must be in Pa, got values in mm"),
 ]
 
@@ -109,28 +96,6 @@ def test_files_of_others_are_refused_in_a_sentence(run):
         assert err.startswith("weier: ")
         assert err.count("\n") == 1
         assert why in err
-
-
-ATTRIBUTES = ["program", "long_name", "units", "coordinates"]
-
-
-@pytest.mark.parametrize("damaged", [None, "nonsense"])
-@pytest.mark.parametrize("name", ATTRIBUTES)
-def test_no_damaged_attribute_ends_in_a_traceback(run, name, damaged):
-    with netCDF4.Dataset("curve.nc", "a") as file:
-        for where in (file, *file.variables.values()):
-            if name not in where.ncattrs():
-                continue
-            if damaged is None:
-                where.delncattr(name)
-            else:
-                where.setncattr(name, damaged)
-    for options in ([], ["--si", "bodies.yaml"]):
-        code, out, err = run("table", "curve.nc", *options)
-        assert (code, len(err.splitlines())) in ((0, 0), (1, 1)), err
-        assert re.search(
-            "not of weier|not a whole|lost its unit|attributes of its own|must be normalised", err
-        ) or rows(out)
 
 
 def test_a_table_of_an_ensemble_has_the_mean_and_the_scatter(run, folder):

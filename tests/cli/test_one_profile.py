@@ -68,9 +68,6 @@ def shaft(tmp_path):
     return path
 
 
-UNITS = ["--x-unit", "mm", "--height-unit", "um", "--ends", "periodic", "--shortest", "0.1"]
-
-
 @pytest.fixture
 def column(tmp_path):
     """Heights in um, in one column, of which two are missing."""
@@ -150,21 +147,6 @@ def test_loads_with_bodies_give_si_units(run, bodies):
     expected = both.in_si(weier.solve(weier.Profile(1.25, 5, 2, 1.0), [0.1]))
     assert answer["mean_pressure"] == pytest.approx(expected.mean_pressure.values, rel=1e-12)
     assert answer["methods"]["patches"]["resistance"] == pytest.approx(expected.resistance.values, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("options", "code", "why"),
-    [
-        (["--pressures", "1MPa"], 2, "--pressures are in Pa: name the two bodies by --si"),
-        (["--pressures", "1MPa", "--loads", "1"], 2, "loads are given once, got --pressures and --loads"),
-        (["--pressures", "1,x"], 2, 'pressures must read "1,10 Pa" or "first:last:count Pa"'),
-        (["--si", "none.yaml"], 1, "none.yaml cannot be read"),
-    ],
-)
-def test_pressures_that_are_wrong_are_refused(run, options, code, why):
-    found = run("solve", *PROFILE, *options)
-    assert (found[0], found[1]) == (code, "")
-    assert why in found[2]
 
 
 def test_a_stopped_solution_prints_the_loads_that_are_solved(run):

@@ -108,11 +108,8 @@ def test_yield_that_cannot_be_judged_is_named(method):
     ("changed", "message"),
     [
         ({"nu_1": 0.7}, r"nu_1 must lie in \(-1, 0.5\], got 0.7"),
-        ({"mu_1": 0.0}, "mu_1 must be positive .*, got 0.0"),
-        ({"mu_2": np.nan}, "mu_2 must be positive .*, got nan"),
         ({"k_1": 1.0}, "give rho_1 and rho_2, .*, or k_1 and k_2, .*, got k_1, rho_1, rho_2"),
-        ({"rho_2": None}, "got rho_1$"),
-        ({"g_0": np.inf}, "g_0 must be positive and finite, got inf"),
+        ({"g_0": 10.0}, "slope of at most 10"),
         ({"mu_1": np.inf, "mu_2": np.inf}, "two rigid bodies"),
     ],
 )
@@ -128,12 +125,6 @@ def test_interface_refuses_what_cannot_be(changed, message):
             {"mu_1": None, "E_1": 210},
             r"^E_1 = 210 Pa is not from 1e\+06 to 1e\+13 Pa, .*: is the unit right\?",
         ),
-        (
-            {"rho_1": None, "rho_2": None, "k_1": 16.0, "k_2": 39e3},
-            r"k_2 = 39000 W/\(m K\) is not from 0.01 to 10000",
-        ),
-        ({"hardness_1": 150}, "hardness_1 = 150 Pa is not from"),
-        ({"rho_1": 2.2}, "rho_1 = 2.2 ohm m is not from 1e-08 to 0.001 ohm m"),
         ({"lambda_0": 0.8, "g_0": 0.4}, r"p_0\* = 1.\d*e\+11 Pa exceeds the shear modulus 4.5e\+10 Pa, from g_0"),
         (
             {"lambda_0": 0.1, "g_0": 1e-9},
@@ -173,16 +164,6 @@ def test_a_curve_in_si_units_keeps_its_coordinates():
     assert CURVE.compliance.attrs["normalised_by"] == "g_0"  # what is given stays as it was
 
 
-def test_single_variables_are_converted_with_their_dataset():
-    bodies = interface()
-    for use in (bodies.in_si, bodies.resistance):
-        with pytest.raises(ValueError, match=r"convert the whole Dataset first, as in in_si\(curve\)\.resistance"):
-            use(CURVE.resistance)
-    assert (
-        bodies.resistance(CURVE.resistance.variable).tolist() == bodies.resistance(CURVE.resistance.values).tolist()
-    )
-
-
 def test_curves_of_a_trace_are_in_units_of_its_own_length_and_height():
     heights = 1e-6 * np.cos(2 * np.pi * np.arange(32) / 32)
     trace = Trace(heights, 1e-3, ends="periodic", unit="m")
@@ -217,45 +198,6 @@ def test_each_of_several_traces_and_series_has_its_own_scale():
         interface().at(curves)
     with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series"):
         interface(lambda_0=None, g_0=None).in_si(curves)
-
-
-NORMALISED_TWICE = [
-    lambda bodies, curve: interface(g_0=1e-6).in_si(bodies.in_si(curve)),
-    lambda bodies, curve: bodies.in_si(bodies.in_si(curve).drop_attrs(deep=False)),
-    lambda bodies, curve: bodies.pressure(bodies.in_si(curve).mean_pressure.variable),
-    lambda bodies, curve: solve(Profile(1.25, 5, 2), bodies.in_si(curve).mean_pressure, "demelio"),
-]
-
-
-@pytest.mark.parametrize("convert", NORMALISED_TWICE)
-def test_a_conversion_happens_once(convert):
-    with pytest.raises(ValueError, match=r"(must be (normalised|in)|must have no unit)"):
-        convert(interface(), CURVE)
-
-
-def test_what_has_lost_its_unit_is_refused_until_it_is_given_again():
-    bodies = interface()
-    lost = CURVE.mean("mean_pressure", keep_attrs=False)
-    with pytest.raises(ValueError, match="compliance has lost its unit, as by a mean or a ratio"):
-        bodies.in_si(lost)
-    with pytest.raises(ValueError, match="data must be a Dataset of weier"):
-        bodies.in_si(CURVE.compliance.to_series())
-
-
-def test_what_arithmetic_made_is_not_converted_by_the_unit_of_an_operand():
-    """xarray keeps equal attributes: all of R/R' and 1/R, the units alone of h/R and h p."""
-    bodies = interface()
-    other = solve(Profile(1.25, 5, 2, 1.0), [0.1, 0.5, 3.0], "patches")
-    h, R = CURVE.compliance, CURVE.resistance
-    with xr.set_options(keep_attrs=True):
-        made = [R / other.resistance, 1 / R, h / R, h * CURVE.mean_pressure]
-    for values in made:
-        with pytest.raises(ValueError, match=r"made (must be as weier returned it|has lost its unit)"):
-            bodies.in_si(CURVE.assign(made=values))
-    assert bodies.in_si(CURVE.assign(again=R)).again.units == "ohm m^2"
-    own = CURVE.assign(ratio=made[0])
-    own["ratio"].attrs = {"normalised_by": "1"}
-    np.testing.assert_array_equal(bodies.in_si(own).ratio.values, made[0].values)
 
 
 def assign(variable, change):
@@ -336,29 +278,7 @@ def test_fields_and_events_are_in_units_of_their_trace():
     )
 
 
-def test_two_bodies_alone_have_no_scale():
-    bodies = interface(lambda_0=None, g_0=None)
-    assert bodies.composite_modulus == interface().composite_modulus
-    with pytest.raises(ValueError, match="lambda_0 and g_0 must be given for a series, in m"):
-        bodies.pressure(0.1)
-    with pytest.raises(ValueError, match=r"lambda_0 and g_0 must be given together, .*: g_0 is missing"):
-        interface(g_0=None)
-
-
 def test_no_contact_has_no_conductance_whatever_the_bodies_are():
     perfect = interface(rho_1=0.0, rho_2=0.0)
     assert perfect.resistance([0.0, 1.0, math.inf]).tolist() == [0.0, 0.0, math.inf]
     assert math.isnan(perfect.resistance(math.nan))
-
-
-@pytest.mark.parametrize(
-    ("lambda_0", "g_0", "message"),
-    [
-        (1e3, 1e-6, "lambda_0 must be from"),
-        (1e-12, 1e-15, "lambda_0 must be from"),
-        (1e-3, 0.1, "slope of at most 10"),
-    ],
-)
-def test_a_scale_that_no_surface_has_is_refused(lambda_0, g_0, message):
-    with pytest.raises(ValueError, match=message):
-        Interface(E_1=2e11, E_2=2e11, nu_1=0.3, nu_2=0.3, rho_1=1e-7, rho_2=1e-7, lambda_0=lambda_0, g_0=g_0)

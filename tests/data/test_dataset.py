@@ -1,15 +1,10 @@
 """Files of datasets: whole or not at all, and read by others."""
 
-import re
-import warnings
-from unittest.mock import Mock
-
 import numpy as np
 import pytest
-import xarray as xr
 
 from tests.scenes import blank
-from weier.data import dataset, variables
+from weier.data import dataset
 from weier.data.variables import Status
 
 METHODS = ["westergaard", "demelio", "bem"]
@@ -46,19 +41,6 @@ def test_a_file_that_cannot_be_finished_is_not_there(waves, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_xarray_saves_a_file_again_without_a_warning(tmp_path):
-    """It warns where a text has fewer characters than its dimension."""
-    data = blank(2, ["bem", "patches"], np.array([1.0]), 1, returned=["trace", "trace_ends"])
-    data["settings"].values[:], data["trace"].values[:] = "x" * 240, ["a.csv", ""]
-    dataset.write(data, tmp_path / "data.nc", "t")
-    with warnings.catch_warnings(), xr.open_dataset(tmp_path / "data.nc") as again:
-        warnings.simplefilter("error")
-        again.to_netcdf(tmp_path / "again.nc")
-    with xr.open_dataset(tmp_path / "again.nc") as found, xr.open_dataset(tmp_path / "data.nc") as first:
-        xr.testing.assert_equal(found, first)
-        assert found["settings"].values.tolist() == 2 * [2 * ["x" * 240]]
-
-
 def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path):
     path = tmp_path / "a.nc"
     dataset.write(waves, path, "test")
@@ -67,23 +49,3 @@ def test_a_truncated_or_missing_file_is_refused_in_one_sentence(waves, tmp_path)
         dataset.read(path)
     with pytest.raises(FileNotFoundError, match=r"there is no file .*none\.nc: make it first"):
         dataset.read(tmp_path / "none.nc")
-
-
-def test_what_variables_say_of_themselves_is_whole_sentences():
-    """As a file has them: texts that are put together of parts may lose a space, a stop or the part itself."""
-    for name in variables.VARIABLES:
-        for key in ("long_name", "comment"):
-            text = variables.attributes(name).get(key, "")
-            assert not re.search(r"[a-z][A-Z][a-z]|\.:|: \.|\.\.|  |\{|\}|,,", text), f"{name}.{key}: {text}"
-        comment = variables.attributes(name).get("comment", "A.")
-        assert comment[0].isupper(), comment
-        assert comment.endswith("."), comment
-
-
-def test_a_time_limit_is_no_damaged_file(waves, tmp_path, monkeypatch):
-    path = tmp_path / "waves.nc"
-    dataset.write(waves, path, "test")
-    opened = Mock(side_effect=TimeoutError("after 10 s"))  # as the handler of a signal
-    monkeypatch.setattr(dataset.xr, "open_groups", opened)
-    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
-        dataset.read(path)

@@ -1,10 +1,6 @@
 """Tables of Markdown, text that a reader of it sees as written, and numbers with few digits."""
 
-from weier.data.markdown import plain, significant, table
-
-
-def test_a_table_has_a_line_a_row():
-    assert table(["a", "b"], [["1", "2"], ["3", "4"]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |\n| 3 | 4 |"
+from weier.data.markdown import plain, significant
 
 
 def test_plain_text_neither_ends_a_cell_nor_turns_slanted():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
@@ -105,34 +104,6 @@ def test_a_figure_without_curves_is_refused_and_leaves_no_file(kind: str, tmp_pa
     with pytest.raises(ValueError, match="there are no "):
         figures.draw(scene.Figure(kind), [empty], tmp_path / "figure.pdf")
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("kind", ["resistance", "phases", "truncated_compliance"])
-def test_curves_of_one_load_are_drawn(kind: str, studies: dict[str, xr.Dataset]) -> None:
-    sketch(kind, [studies["one"].isel(mean_pressure=[1])])
-
-
-CAPTIONED = """
-title: Captions
-loads: [0.1]
-methods: [layer]
-studies: {one: {product: {D: 1.5, gamma: 5, m: 2}}}
-figures:
-  figure_1: {draw: profiles, studies: [one], title: Rough <and> smooth}
-"""
-
-
-def test_a_caption_says_what_is_drawn(tmp_path: Path) -> None:
-    name, text, alternative = figures.caption(scene_in(tmp_path, CAPTIONED), "figure_1")
-    assert (name, text) == ("Figure 1", f"Rough <and> smooth. {figures.KINDS['profiles'].caption}")
-    assert alternative == "Figure 1: The profiles over two of their longest wavelengths"
-
-
-def test_the_style_of_the_user_is_left_out(tmp_path: Path) -> None:
-    before = file_bytes("borodich_galanov", [], tmp_path)
-    with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red"}):
-        assert file_bytes("borodich_galanov", [], tmp_path) == before
-        assert matplotlib.rcParams["font.size"] == 20
 
 
 def test_exact_method_is_the_line_and_the_other_points(studies: dict[str, xr.Dataset]) -> None:

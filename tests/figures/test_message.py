@@ -1,18 +1,14 @@
 """The figure of the message: medians, bands and bounds are those of the data."""
 
-import csv
-from io import StringIO
-
 import numpy as np
 import pytest
 
 from tests.scenes import blank
-from weier.figures import message, values
+from weier.figures import message
 from weier.methods import cascade, persson
 
 LOADS = np.array([0.01, 0.02, 0.1, 1.0])
 SEEDS, TERMS = 5, (1, 2, 3)
-AREA = "contact fraction A"
 
 
 @pytest.fixture
@@ -43,18 +39,3 @@ def test_lines_bands_and_bars_are_medians_percentiles_and_bounds(study):
     bars = resistance.containers[0].lines[2][0].get_segments()[0]
     assert bars[:, 1].tolist() == [2, 9]
     assert [text.get_text() for text in area.figure.legends[0].get_texts()][3] == "10 to 90 % of 5 phases"
-
-
-def test_its_values_name_the_series_of_each_panel_and_the_bounds(study):
-    other = study.copy(deep=True)
-    other["D"].values[:] = 1.5
-    rows = list(csv.DictReader(StringIO(values.as_csv(message.draw([study, other], "")))))
-    assert {row["panel"] for row in rows} == {"(a) D=1.25, gamma=5", "(b) D=1.5, gamma=5"}
-    bounds = {
-        (row["resistance (dh/dp) p_0*/g_0, low"], row["resistance (dh/dp) p_0*/g_0, high"])
-        for row in rows
-        if "bounds" in row["curve"]
-    }
-    assert bounds == {("2.0", "9.0")}
-    areas = [row[AREA] for row in rows if row["curve"] == "p = 0.1, median" and row[AREA]]
-    assert np.array(areas, float) == pytest.approx(2 * [0.3 * 0.5**m * 0.1 for m in TERMS])

@@ -8,20 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bokeh.models import Line, Plot, Scatter
 
 import weier
-from tests.scenes import blank, scene_in, solve_scene
+from tests.scenes import blank
 from weier.data.variables import Status
-from weier.figures import page, style
-from weier.pipeline.gather import read_cases
+from weier.figures import page
 
 LOADS = np.geomspace(1e-2, 1, 5)
 METHODS = ["demelio", "bem"]
 CASES = [(1.25, 5, 2), (1.5, 5, 2), (1.5, 3, 2), (1.5, 3, 3)]
 KEYS = [f"case{row}" for row in range(len(CASES))]
 HERE = Path(__file__).parent
-SCENE = {"title": "test", "loads": [0.02, 0.3, 1.5], "methods": ["demelio"]}
 
 
 @pytest.fixture(scope="module")
@@ -56,16 +53,6 @@ def write(folder, data, name="page.html", interface=None):
     return text
 
 
-def test_axes_follow_the_methods_that_count():
-    data = blank(1, ["persson", "patches"], LOADS, 3)
-    data["compliance"].values[:] = data["resistance"].values[:] = 1.0
-    ranges = {plot.name: plot.y_range for plot in page.explorer(data).select({"type": Plot})}
-    assert ranges["compliance"].start == 0
-    assert np.isnan(ranges["resistance"].start)
-    for own in ranges.values():
-        assert [glyph.name for glyph in own.renderers] == ["contact patches"]
-
-
 def test_the_page_needs_no_network(text):
     markup = re.sub(r"<script.*?</script>", "", text, flags=re.S)
     assert re.findall(r"<script[^>]*\ssrc=|<link[^>]*href=\"(?!data:)|@import", text) == []
@@ -81,40 +68,6 @@ def test_same_data_same_page(folder):
     """Only the numbers of bokeh's models differ, which it counts through one process."""
     first, second = (re.sub(r"p\d{4,}", "p", write(folder, cases(), name)) for name in ("a.html", "b.html"))
     assert first == second
-
-
-def test_a_method_looks_as_in_the_figures():
-    """Contact patches are a black line, and boundary elements circles beside them, a black line without them."""
-
-    def glyphs(methods):
-        data = blank(1, methods, LOADS, 3)
-        data["compliance"].values[:] = data["resistance"].values[:] = 1.0
-        plot = page.explorer(data).select_one({"name": "compliance"})
-        return {item.label.value: line.glyph for item, line in zip(plot.legend.items, plot.renderers, strict=True)}
-
-    both, alone = glyphs(["demelio", "bem", "patches"]), glyphs(["demelio", "bem"])
-    for method in ("demelio", "patches"):
-        look, glyph = style.line(method), both[style.line(method)["label"]]
-        assert isinstance(glyph, Line)
-        assert glyph.line_color == look["color"]
-        dashed = look["linestyle"] != "-"
-        assert glyph.line_dash == ([round(2 * length) for length in look["linestyle"][1]] if dashed else [])
-    assert isinstance(both["boundary elements"], Scatter)
-    assert isinstance(alone["boundary elements"], Line)
-
-
-def test_a_page_of_many_cases_has_evenly_spread_ones_and_says_so(tmp_path, monkeypatch):
-    many = {"product": {"D": [1.25, 1.5], "gamma": 5, "m": [1, 2], "seed": [*range(5)]}, "methods": ["archard"]}
-    loaded = scene_in(tmp_path, SCENE | {"studies": {"many": many}})
-    solutions = solve_scene(loaded, tmp_path / "curves")
-    page.write(solutions, tmp_path / "page.html")
-    assert "<p>This page has all 20 cases.</p>" in (tmp_path / "page.html").read_text()
-    monkeypatch.setattr(page, "MAX_CASES", 8)
-    read = []
-    monkeypatch.setattr(page, "read_cases", lambda *given: read.append(given[1]) or read_cases(*given))
-    page.write(solutions, tmp_path / "page.html")
-    assert read[0].tolist() == [0, 3, 5, 8, 11, 14, 16, 19]
-    assert "<p>This page has 8 of 20 cases, evenly spread" in (tmp_path / "page.html").read_text()
 
 
 def test_curves_are_in_si_units_where_the_scene_has_two_bodies(tmp_path):

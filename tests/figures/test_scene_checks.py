@@ -6,7 +6,6 @@ import pytest
 import yaml
 
 from weier import figures
-from weier.data.bodies import Bodies
 from weier.figures import scene_checks
 from weier.scene import SceneError
 
@@ -31,8 +30,6 @@ FREE = {"median over": ["D", "m", "seed"], "colour": "gamma"}
 ANOTHER = {"two": {"product": {"D": 1.5, "gamma": 2, "m": 2}, "settings": {"bem": {"points_per_wave": 16}}}}
 MISTAKES = [
     ({"draw": "style"}, "f.draw: a figure of studies must be one of .*, got 'style'"),
-    ({"draw": "complience"}, "f.draw: .*: did you mean 'compliance'?"),
-    ({"draw": "compliance", "without": "studies"}, "f.studies: Field required"),
     ({"draw": "contact_tree"}, "f.draw: contact_tree needs contact_edges: true"),
     (
         {"draw": "profiles", "colour": "gamma"},
@@ -40,9 +37,6 @@ MISTAKES = [
     ),
     # A figure with two D, coloured by gamma, would draw two lines of each colour.
     ({"product": SWEEP, "colour": "gamma", "facet": "m"}, "f: D and seed vary .*: add D to colour, facet or median"),
-    ({"product": SWEEP, "colour": "gamma", "facet": ["m", "D"]}, "f: seed varies .*: add seed to"),
-    ({"product": SWEEP, "facet": "m", "median over": ["seed", "D"]}, "f: gamma varies .*: add gamma to"),
-    ({"product": SWEEP}, "f: D and gamma and m vary among the curves and nothing shows it: add D to"),
     ({"product": {"phases": [1.0, 2.0]}, "facet": "method"}, "f: phases varies .*: add phases to"),
     ({"studies": ["one", "two"], "other_studies": ANOTHER}, "f: the settings of bem differ between these studies"),
 ]
@@ -68,27 +62,3 @@ SOUND = [
 @pytest.mark.parametrize("figure", SOUND, ids=str)
 def test_what_can_be_drawn_is_not_refused(figure, tmp_path):
     scene_checks.load_scene(write(tmp_path, **figure))
-
-
-CONDUCTORS = dict.fromkeys(["mu_1", "mu_2"], 1e11) | dict.fromkeys(["nu_1", "nu_2"], 0.3)
-CONDUCTORS |= {"rho_1": 1e-7, "lambda_0": 1e-3, "g_0": 1e-6}
-
-
-@pytest.mark.parametrize(
-    ("draw", "rho_1", "said"),
-    [
-        ("compliance", 0, ""),
-        ("resistance", 1e-8, ""),
-        ("resistance", 0, "two perfect"),
-        ("phases", 1e-6, "phases has no"),
-    ],
-)
-def test_si_units_are_those_of_two_conductors_on_axes_that_have_them(draw, rho_1, said, tmp_path):
-    path = write(tmp_path, draw=draw)
-    bodies = CONDUCTORS | {"rho_1": rho_1, "rho_2": 0.0}
-    path.write_text(path.read_text().replace("- 0.1", "- 0.1 MPa") + yaml.safe_dump({"interface": bodies}))
-    if said:
-        with pytest.raises(SceneError, match=f"figures.f.draw: {said}"):
-            scene_checks.load_scene(path)
-    else:
-        assert scene_checks.load_scene(path).figures["f"].interface == Bodies(**bodies)

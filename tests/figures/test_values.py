@@ -62,9 +62,3 @@ def test_every_figure_has_values_in_plain_text(studies, kind):
         assert not set("$\\{}") & set("".join([*row, row["panel"], row["curve"]]))
         numbers = [value for name, value in row.items() if name not in ("panel", "curve") and value]
         assert np.isfinite(np.array(numbers, float)).any()
-
-
-def test_labels_of_matplotlib_become_plain_text():
-    assert values.plain(r"resistance $(\mathrm{d}h/\mathrm{d}\bar{p})\;p_0^{*}/g_0$") == "resistance (dh/dp) p_0*/g_0"
-    assert values.plain(r"$D=1.25,\,m=\infty$") == "D=1.25, m=inf"
-    assert values.plain(r"a_{1} \$ b\infty.csv, $\gamma=5$") == r"a_{1} $ b\infty.csv, gamma=5"

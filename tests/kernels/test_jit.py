@@ -62,12 +62,6 @@ def test_a_cache_that_cannot_be_made_gives_a_warning_and_no_cache_beside_the_sou
     assert not any(package.rglob("*.nbi"))
 
 
-def test_a_file_of_numbas_settings_disables_compiling(package):
-    """Which Python does not see in its environment."""
-    (package.parent / ".numba_config.yaml").write_text("DISABLE_JIT: 1\n")
-    assert run(package) == ("1", False)
-
-
 def test_settings_of_numba_of_the_user_stay_as_they_are(package):
     program = f"import numba; numba.config.CACHE_DIR = 'of the user'; {CALL}; print(numba.config.CACHE_DIR)"
     assert run(package, program)[0] == "1\nof the user"
@@ -114,17 +108,6 @@ def test_kernels_are_made_of_the_folders_that_name_the_cache():
         if "\n@kernel" in text:
             imported = re.findall(r"^(?:from|import) (weier\S*)", text, re.MULTILINE)
             assert [name for name in imported if not name.startswith(inside)] == [], path
-
-
-@pytest.mark.parametrize("level", [None, "3"])
-def test_the_command_compiles_at_its_own_level_unless_one_is_set(monkeypatch, level):
-    monkeypatch.delenv("NUMBA_OPT", raising=False)
-    if level:
-        monkeypatch.setenv("NUMBA_OPT", level)
-    told = "atexit.register(lambda: print(os.environ['NUMBA_OPT']))"
-    program = f"import atexit, os; from weier.__main__ import run; {told}; run()"
-    done = subprocess.run([sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == (level or "1")
 
 
 def test_a_program_imports_what_it_uses():

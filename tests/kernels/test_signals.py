@@ -1,10 +1,7 @@
 """Signals at random moments: no call crashes or makes them wait, and the next solve has the same bits."""
 
-import os
-import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -110,16 +107,3 @@ for _ in range(20):
 @compiled
 def test_signals_while_a_kernel_returns():
     subprocess.run([sys.executable, "-c", KERNEL_ALONE], check=True)
-
-
-@compiled
-@pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_ends_compiling(tmp_path):
-    """Python sees it when LLVM is done with a kernel."""
-    command = [sys.executable, "-m", "weier", "compile", "bem"]
-    process = subprocess.Popen(command, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
-    while not any(tmp_path.rglob("weier-*")):
-        assert process.poll() is None
-        time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
-    assert process.wait(20) == 130

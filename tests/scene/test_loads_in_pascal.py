@@ -109,7 +109,6 @@ def test_figures_are_in_si_units(solved):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"claims": {"fourth_term": ["series"]}}, r"claims: claims are about loads in p_0\*"),
         (
             {"figures": {"f": {"draw": "phases", "studies": ["series"]}}},
             r"figures\.f\.draw: phases has no SI units: give loads in",

@@ -86,12 +86,8 @@ def test_lines_have_their_own_scale_under_pressures_in_si_units(tmp_path):
     ("changes", "says"),
     [
         ({"hurst": 1.5}, r"random: hurst must lie in \(0, 1\), got 1.5$"),
-        ({"hurst": [0.5, 0.8]}, r"random.hurst: this must be a number, got \[0.5, 0.8\]$"),
-        ({"length": "1 s"}, "random: length must be in m, got .*$"),
         ({"rms_slope": 0.1}, "random: one of rms_height and rms_slope must be given, got both or neither$"),
-        ({"seed": -1}, "random.seed: seed must be a non-negative integer, got -1$"),
         ({"roll_off": 1e-4}, r"random.roll_off: Extra inputs are not permitted: did you mean 'rolloff'\?"),
-        ({"gama": 5}, "random.gama: Extra inputs are not permitted$"),  # near a key of profiles only
     ],
 )
 def test_a_mistake_is_one_sentence_with_its_line(tmp_path, changes, says):

@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from tests.toy_method import TOY
 from weier import load_scene, scene
-from weier.methods import registry
 from weier.scene import __main__ as keys
-from weier.scene.__main__ import schema
 from weier.scene.case import short_keys
 from weier.scene.models import SceneKeys
 from weier.scene.yaml import parse_yaml
@@ -49,15 +46,6 @@ def test_every_scene_that_comes_with_weier_is_sound(path):
     some = range(0, len(solved), max(1, len(solved) // 1000))
     own = [(loaded.distinct[number], listed[loaded.product_of_cases[number]].loads) for number in some]
     assert [case.key(loads) for case, loads in own] == [solved[number] for number in some]
-
-
-def test_the_schema_knows_every_method(monkeypatch):
-    def methods():
-        return schema()["properties"]["methods"]["items"]["enum"]
-
-    assert methods() == registry.names()
-    monkeypatch.setattr(registry, "METHODS", (*registry.METHODS, TOY))
-    assert methods()[-1] == TOY.name
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

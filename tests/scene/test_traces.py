@@ -1,17 +1,15 @@
 """Studies of measured heights: a file beside the scene, whose content counts."""
 
 import re
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from tests.scenes import scene_in, solve_scene, write_data
 from weier import Trace, open_dataset, scene
 from weier.data import dataset
 from weier.data.variables import Status
-from weier.figures import many_curves, scene_checks, tables
+from weier.figures import many_curves, scene_checks
 from weier.pipeline.gather import read_study
 from weier.scene import BY_DEFAULT, Case
 from weier.scene.case import trace_files
@@ -56,31 +54,6 @@ def test_a_trace_is_read_as_by_the_library_and_is_the_same_case_in_memory(folder
     assert same.surface_key == case.surface_key
 
 
-@pytest.mark.parametrize(("owner", "name"), [(scene.file, "read_yaml"), (Trace, "read")])
-def test_a_time_limit_is_no_mistake_of_a_scene(folder, monkeypatch, owner, name):
-    monkeypatch.setattr(owner, name, Mock(side_effect=TimeoutError("after 10 s")))  # as the handler of a signal
-    with pytest.raises(TimeoutError, match=r"^after 10 s$"):
-        load(folder)
-
-
-def test_a_file_is_read_once_for_all_that_ask_for_its_trace(folder, monkeypatch):
-    names = [f"line {number}.csv" for number in range(30)]
-    for number, name in enumerate(names):
-        write_heights(folder / name, HEIGHTS + 1e-9 * number * np.sin(2 * np.pi * X / 32e-6))
-    reads = []
-    read = Trace.read
-    monkeypatch.setattr(Trace, "read", lambda **options: reads.append(options["path"]) or read(**options))
-    study = {"trace": OPTIONS | {"file": names}, "methods": ["bem"]}
-    for _ in range(2):
-        cases = load(folder, studies={"batch": study}, figures={}).studies["batch"]
-        assert len({case.profile.digest for case in cases}) == 30
-    assert len(reads) == len(set(reads)) == 30
-    write_heights(folder / names[0], 1.01 * HEIGHTS)
-    with pytest.raises(ValueError, match="has changed since its scene was read"):
-        _ = Case(cases[0].parameters, ("bem",), {}).profile
-    assert len(reads) == 31
-
-
 def test_two_rough_bodies_are_the_sum_of_two_files(folder):
     """The key of scenes and the option of the shell."""
     write_heights(folder / "bush.csv", HEIGHTS[::-1])
@@ -98,22 +71,6 @@ def test_two_rough_bodies_are_the_sum_of_two_files(folder):
     write_heights(folder / "liner.csv", HEIGHTS)
     with pytest.raises(ValueError, match=r"shaft\.csv or .*liner\.csv has changed since its scene was read"):
         _ = Case(cases[0].parameters, ("bem",), {}).profile
-
-
-@pytest.mark.parametrize(
-    ("liner", "message"),
-    [
-        (None, r"there is no file .*liner\.csv"),
-        (np.repeat([1e-6, 5e-6], 32), r"liner\.csv: heights must not jump"),
-        (-HEIGHTS, "must leave a gap, got heights that cancel"),
-    ],
-)
-def test_another_body_that_does_not_fit_is_a_mistake_of_the_scene(folder, liner, message):
-    if liner is not None:
-        write_heights(folder / "liner.csv", liner)
-    study = {"trace": OPTIONS | {"against": "liner.csv"}}
-    with pytest.raises(scene.SceneError, match=f"scene.yaml, line [0-9]+: .*{message}"):
-        load(folder, studies={"mine": study}, figures={})
 
 
 def sources(study):
@@ -262,43 +219,6 @@ def test_each_line_of_a_map_is_a_case(folder, monkeypatch):
         load(folder, studies={"all": {"trace": of_map, "methods": ["bem"]}}, figures={})
 
 
-def test_one_file_with_two_shortest_wavelengths_is_two_lines(folder):
-    studies = {
-        name: {"trace": OPTIONS | {"shortest": shortest}, "methods": ["bem"]}
-        for name, shortest in (("fine", "8e-6"), ("coarse", "3.2e-5"))
-    }
-    figure = {"draw": "compliance", "studies": ["fine", "coarse"], "colour": "trace"}
-    loaded = load(folder, methods=["bem"], studies=studies, figures={"f": figure})
-    solutions = solve_scene(loaded, folder / "curves")
-    read = [read_study(solutions, name) for name in studies]
-    one = loaded.figures["f"]
-    figure, (axes,), _ = many_curves.compare(read, "", "compliance", one.grouping)
-    texts = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert texts == ["shaft.csv, shortest 8 \u00b5m", "shaft.csv, shortest 32 \u00b5m"]
-    assert not axes.collections
-
-
-def named(**columns):
-    """Cases as figures get them, with these labels of their traces."""
-    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    return [xr.Dataset(coords={f"trace{name and '_'}{name}": value for name, value in row.items()}) for row in rows]
-
-
-def test_traces_are_named_by_as_little_as_tells_them_apart():
-    names = tables.names_of_traces
-    one = {"": ["a/p.csv", "b/p.csv", "b/q.csv"], "digest": ["1", "2", "3"], "ends": ["tapered"] * 3}
-    assert names(named(**one)) == ["a/p.csv", "b/p.csv", "b/q.csv"]
-    assert names(named(**{"": ["a/p.csv", "b/q.csv"], "digest": ["1", "2"]})) == ["a/p.csv", "b/q.csv"]
-    assert names(named(**{"": ["a/line_1.csv", "a/line_2.csv"], "digest": ["1", "2"]})) == [
-        "line_1.csv",
-        "line_2.csv",
-    ]
-    same = {"": ["p"] * 3, "digest": ["1", "2", "3"], "ends": ["tapered", "tapered", "mirrored"]}
-    assert names(named(**same)) == ["p, tapered, 1", "p, tapered, 2", "p, mirrored"]
-    assert names(named(**{"": ["$p$", ""], "digest": ["1", ""]})) == [r"\$p\$", ""]
-    assert names([xr.Dataset(coords={"D": 1.5})]) == [""]
-
-
 def test_a_file_that_has_changed_since_is_not_solved_under_a_wrong_name(folder):
     (case,) = load(folder).studies["mine"]
     before = Case({"trace": case.parameters["trace"] | {"digest": "of before"}}, ("bem",), {})
@@ -313,24 +233,15 @@ def mine(methods=("bem",), **options):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (mine(file="none.csv"), r"studies\.mine\.trace\.file: there is no file .*none\.csv"),
         (mine(file="scene.yaml"), r"studies\.mine\.trace\.file: .*line \d+, "),
-        (mine(ends="round"), r"studies\.mine\.trace\.ends: Input should be 'mirrored'"),
         (mine(["demelio"]), r'studies\.mine: method "demelio" is for the Weierstrass series, .*weier\.fit'),
         (
             {"figures": {"f": {"draw": "compliance", "studies": ["mine", "series"], "colour": "method"}}},
             r"figures\.f: trace varies .* nothing shows it: add trace to colour",
         ),
-        ({"interface": BODIES}, r"interface: g_0 and lambda_0 must be given, the scale of the series in m"),
     ],
 )
 def test_a_mistake_is_reported_with_its_line(folder, changes, message):
     path = re.escape(str(folder / "scene.yaml"))
     with pytest.raises(scene.SceneError, match=rf"^{path}, line \d+: {message}"):
         load(folder, **changes)
-
-
-def test_a_tolerance_is_for_all_methods_that_take_one(folder):
-    loaded = load(folder, tolerance=1e-2)
-    assert [case.methods for case in loaded.distinct] == [("bem",), ("bem", "demelio")]
-    assert [case.settings for case in loaded.distinct] == 2 * [{"bem": {"tolerance": 1e-2}}]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from weier.scene.yaml import number, parse_yaml
+from weier.scene.yaml import parse_yaml
 
 
 def test_plain_values_and_merged_keys_are_read():
@@ -38,14 +38,3 @@ def test_numbers_are_those_of_people(text, value):
 def test_what_is_not_plain_is_refused(text, message):
     with pytest.raises(ValueError, match=message):
         parse_yaml(text)
-
-
-@pytest.mark.parametrize("value", ["1e-3", 0.001, "0.001"])
-def test_a_number_may_be_written_as_text(value):
-    assert number("D", value) == 0.001
-
-
-@pytest.mark.parametrize("value", ["x", None, [], 10**400])
-def test_what_is_no_number_is_refused_by_name(value):
-    with pytest.raises(ValueError, match="D must be a number, got"):
-        number("D", value)
