@@ -302,12 +302,6 @@ def test_every_argument_of_every_public_function(name, argument, how_many):
     how_many(given(anything)(lambda value: check(name, argument, value)))()
 
 
-@pytest.mark.parametrize("value", [[bytearray(b"a")], [0.1, memoryview(b"a")], [[0.1], bytearray(b"a")]])
-def test_bytes_in_a_list_which_numpy_takes_for_integers(value):
-    with pytest.raises(ValueError, match="mean_pressure"):
-        weier.solve(PROFILE, value, "demelio")
-
-
 @pytest.mark.parametrize(("method", "setting"), SETTINGS, ids=lambda name: name)
 def test_every_setting_of_every_method(method, setting):
     profile = PROFILE
@@ -329,29 +323,3 @@ def test_the_arguments_are_sound():
     for name in FUNCTIONS:
         if name != "open_dataset":
             FUNCTIONS[name](**arguments(name))
-
-
-MANY = weier.Profile(1.5, 10**6, 3)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: weier.Profile("1.25", 5, 3), r"D must lie in \(1, 2\), got the text '1.25'"),
-        (lambda: weier.Profile(1.25, 5, 3, "abc"), "phases must be a number or an array of numbers, got the text"),
-        (lambda: weier.solve(PROFILE, [0.1], "layer", points=10**400), "points of layer must .*, got 10+[.][.][.]0+"),
-        (lambda: INTERFACE.pressure(xr.Dataset()), "normalised must be a number or an array of numbers, got <x"),
-        (lambda: weier.solve(PROFILE, [0.1], "fem"), "one of westergaard, archard, .*bem.* got 'fem'"),
-        (
-            lambda: weier.solve(PROFILE, [0.1], ["demelio"], tolerance=0.1),
-            "none of these is among the methods",
-        ),
-        (lambda: weier.solve(PROFILE, [0.1], "patches", tolerance_=0.1), "did you mean 'tolerance'[?]"),
-        (lambda: weier.fields(MANY, 0.1), "finest wave must fit at most 100000 times"),
-        (lambda: weier.choose(weier.Profile(1.9, 2, math.inf)), "no tolerance is within reach"),
-        (lambda: weier.events(PROFILE, 1.0, 0.5), "high must exceed low, got 1.0 and 0.5"),
-    ],
-)
-def test_a_refusal_is_one_sentence(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

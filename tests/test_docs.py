@@ -18,7 +18,7 @@ from matplotlib.testing.compare import compare_images
 
 import weier
 from tests.scenes import scene_in, solve_scene
-from weier import figures, scene
+from weier import scene
 from weier.api import batch
 from weier.data import variables
 from weier.data.variables import Check
@@ -165,23 +165,41 @@ def test_the_claim_of_contributing_is_measured(two_profiles):
     assert judged.outcome == Check.not_decided  # too few profiles
 
 
-def test_rows_of_tables_in_contributing_are_those_of_the_project():
-    (row,) = (code for code in examples("python") if "Variable(" in code)
-    for name, shown in eval(f"{{{row}}}", vars(variables)).items():
-        there = variables.VARIABLES[name]
-        assert (there.dims, there.long_name) == (shown.dims, shown.long_name)
-    (row,) = (code for code in examples("python") if "FigureKind(" in code)
-    assert {type(kind) for kind in eval(f"{{{row}}}", vars(figures)).values()} == {figures.FigureKind}
-    (field,) = (code for code in examples("python") if "= Field(" in code)
-    assert f"    {field.strip()}\n" in Path("weier/scene/models.py").read_text(encoding="utf-8")
+PAGES = sorted(path for suffix in ("md", "rst") for path in Path("docs").rglob(f"*.{suffix}"))
+SOURCES = [path for folder in ("weier", "benchmarks") for path in sorted(Path(folder).rglob("*.py"))]
 
 
-def test_the_names_in_the_glossary_exist():
-    text = Path("docs/glossary.md").read_text(encoding="utf-8")
-    names = re.findall(r"`(weier(?:\.\w+)+)`", text)
-    assert len(names) > 10
-    for name in names:
+def test_the_names_in_the_glossary_and_the_notation_exist():
+    profile = weier.Profile(1.25, 5, 2)
+    fields = weier.fields(profile, 0.5)
+    copper = weier.Interface(
+        mu_1=4e10, mu_2=4e10, nu_1=0.3, nu_2=0.3, rho_1=2e-8, rho_2=2e-8, lambda_0=1e-3, g_0=1e-6
+    )
+    known = {f"data: `{name}`" for name in variables.VARIABLES}
+    known |= {f"fields: `{name}`" for name in (*fields.variables, *fields.attrs)}
+    known |= {f"`{owner}.{name}`" for owner, of in (("Profile", profile), ("Interface", copper)) for name in dir(of)}
+    rows = [line for line in Path("docs/notation.md").read_text(encoding="utf-8").splitlines() if line[:3] == "| $"]
+    named = re.findall(r"(?:data: |fields: )`\w+`|`(?:Profile|Interface)\.\w+`", "\n".join(rows))
+    assert len(named) > 30
+    assert set(named) <= known
+    glossary = re.findall(r"`(weier(?:\.\w+)+)`", Path("docs/glossary.md").read_text(encoding="utf-8"))
+    assert len(glossary) > 10
+    for name in [*glossary, *re.findall(r"`(weier(?:\.\w+)+)`", "\n".join(rows))]:
         pkgutil.resolve_name(name)
+
+
+def test_files_and_sections_that_pages_and_sources_name_exist():
+    """In code a section is `docs/PAGE.md, "Section"`."""
+    lacking = []
+    for path in [*PAGES, *SOURCES]:
+        text = re.sub(r"\n\s*(?:#\s*)?", " ", path.read_text(encoding="utf-8"))  # also across lines of a comment
+        folders = "docs" if path in SOURCES else "weier|tests|config|benchmarks|docs|profiles|rules"
+        files = re.findall(rf"(?:`|\b)((?:{folders})/[\w/.]*\.(?:md|rst|py|yaml))\b", text)
+        lacking += [(path, name) for name in files if not Path(name).exists()]
+        for name, section in re.findall(r'(docs/\w+\.(?:md|rst)), \(?"([A-Z][^"\\]{2,60})"', text):
+            if not re.search(rf"^(#+ )?{re.escape(section)}$", Path(name).read_text(encoding="utf-8"), re.M):
+                lacking.append((path, f"{name}, {section}"))
+    assert lacking == []
 
 
 @pytest.fixture(scope="module")

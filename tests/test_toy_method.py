@@ -3,8 +3,6 @@
 tests/accuracy drives it through the trade between speed and accuracy and through the extremes.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,6 @@ from weier.api import batch
 from weier.data import dataset
 from weier.figures import style
 from weier.methods import registry
-from weier.pipeline.compile import compile_kernels
 from weier.scene import Figure
 
 PROFILE = weier.Profile(1.25, 5, 3, (0.0, 1.0, 2.0))
@@ -59,14 +56,3 @@ def test_a_scene_solves_gathers_and_draws_it(loaded, tmp_path):
     drawn = style.line("toy")
     assert (drawn["label"], drawn["color"]) == ("a toy", TOY.style.color)
     assert (tmp_path / "figure.png").stat().st_size > 0
-
-
-def test_it_is_compiled_with_the_others(monkeypatch):
-    solved = []
-
-    def noted(profile, loads, fraction: float = 0.5):
-        solved.append(fraction)
-
-    monkeypatch.setattr(registry, "METHODS", (replace(TOY, solve=noted),))
-    compile_kernels()
-    assert solved == [0.5, 0.5]  # of a finite and an infinite series
