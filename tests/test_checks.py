@@ -166,14 +166,10 @@ NO_NUMBERS = [
     slice(1, 2),
     np.bool_(True),
     np.complex128(1),
-    np.str_("5"),
     np.array("5"),
-    np.datetime64("2001-01-01"),
     np.timedelta64(5, "s"),
     np.ma.masked,
     np.array(True),
-    Ellipsis,
-    int,
     10**400,
     -(10**5000),
     Fraction(10**400, 3),
@@ -188,9 +184,8 @@ NO_ARRAYS_OF_NUMBERS = [
     np.ma.array([0.1, 0.2], mask=[0, 1]),
     np.array([0.1, None], object),
     [[0.1], [0.2, 0.3]],
-    [np.ones(2), np.ones(3)],
     "0.1,0.2",
-    [None],
+    [bytearray(b"a")],  # which numpy takes for integers
     np.array(["2001"], "datetime64[s]"),
     xr.DataArray([True]),
 ]
@@ -198,13 +193,10 @@ NUMBERS_OF_NUMPY = [of(2) for of in (np.uint8, np.int8, np.int64, np.float16, np
 ARRAYS_OF_NUMBERS = [
     np.array(1.5),
     xr.DataArray(1.5),
-    np.array([0.1, 0.2]),
     xr.DataArray([0.1, 0.2]),
     np.ones((2, 2)),
     range(1, 3),
     [],
-    [[]],
-    [0.1, 0.1],
     (0.2, 0.1),
 ]
 
