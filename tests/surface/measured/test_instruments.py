@@ -92,7 +92,7 @@ def test_masked_heights_are_missing_and_a_line_that_is_wrong_is_named():
     with pytest.raises(ValueError, match="line y 0: heights must have a unit"):
         Trace.of(Topography(MAP, (400.0, 160.0), None), across="y")
     lines = Trace.of(topography, across="x", missing="interpolate")
-    assert [line.filled.heights for line in lines] == [2 if number == 7 else 0 for number in Y]
+    assert [line.filled for line in lines] == [2 if number == 7 else 0 for number in Y]
 
 
 def test_a_periodic_topography_is_continued_so():

@@ -152,16 +152,12 @@ def test_a_trace_does_not_change_after_it_is_made(name):
         delattr(trace, name)
 
 
-def test_what_is_done_to_its_waves_or_its_heights_does_not_reach_a_trace():
+def test_what_is_done_to_its_heights_does_not_reach_a_trace():
     z = rough(64)
     trace = Trace(z, LENGTH, unit="m")
     before = trace.height(0.3)
     z[:] = 0
-    trace.amplitude[:] = 0
-    trace.phase[0] += 1
-    trace.waves_per_period.append(7)
     assert trace.height(0.3) == before
-    assert len(trace.waves_per_period) == trace.m
     assert pickle.loads(pickle.dumps(trace)).height(0.3) == before
 
 
@@ -303,6 +299,6 @@ def test_a_gap_counts_the_filled_heights_of_both():
     first, second = rough(64), rough(64, 1)
     first[[5, 6]] = second[9] = np.nan
     gap = Trace.between(*(Trace(z, LENGTH, unit="m", missing="interpolate") for z in (first, second)))
-    assert tuple(gap.filled) == (3, 2, 0)
+    assert gap.filled == 3
     with pytest.raises(ValueError, match="first and second must be traces, got"):
         Trace.between(gap, first)

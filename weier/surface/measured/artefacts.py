@@ -11,14 +11,14 @@ import math
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from weier import units
 from weier.checks import checked_count, checked_number, checked_numbers, checked_word
-from weier.kernels.arrays import Array, Flags, Indices
+from weier.kernels.arrays import Array, Flags
 
 # Fewer heights say too little about a spectrum. The upper limit bounds time and memory.
 MIN_HEIGHTS, MAX_HEIGHTS = 16, 10**6
@@ -27,34 +27,22 @@ MEAN, TILT, FORM = DETREND = ("mean", "tilt", "form")
 DEGREES = {MEAN: 0, TILT: 1, FORM: 2}  # degree of the polynomial that each word removes
 MAX_GAP = 5  # default number of adjacent missing heights that are interpolated
 NORMAL_MEDIAN = 0.6745  # median magnitude of a normal distribution, in standard deviations
-# A code for missing heights recurs exactly, ten standard deviations from the median, and no other value lies within
-# 0.6 of this distance from it, unlike in a groove with its flanks.
+# A code for missing heights recurs exactly as the lowest or highest value, ten standard deviations from the median of
+# the others, and none of these lies within 0.6 of this distance from it, unlike in a groove with its flanks.
 SENTINEL_DEVIATIONS, SENTINEL_VOID = 10.0, 0.6
-# Or it recurs at least three times among heights nine tenths of which do not recur, and differs from its neighbours
-# by three standard deviations of the changes between neighbours. Only the values that recur most often are tested.
+# Or it is the value that recurs most often, at least three times, among heights nine tenths of which do not recur,
+# and differs from its neighbours by three standard deviations of the changes between neighbours.
 MIN_RECURRENCES, MIN_DISTINCT, OFF_LINE_DEVIATIONS = 3, 0.9, 3.0
 # From one height to the next, normal roughness changes by at most five standard deviations: one
 # change in 10^6 is larger. A change of six is abrupt. On the flank of a groove, an abrupt change has a neighbour of
-# the same sign and of equal size within a factor of three. Any other abrupt change is a jump if it exceeds a tenth of
-# the range of heights and twice every other change.
-ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_FRACTION, JUMP_OUTLIER = 6.0, 3.0, 0.1, 2.0
-# Within one to three steps, a change is also a jump if it is five times as large as the three differences on either
-# side and contains one that is twice as large as all differences outside jumps. Roughness has no such change, even
-# for D near 2 or with flat crests.
-JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = (1, 2, 3), 5.0, 3
-# A last height that differs from the first by less than this fraction of the range repeats it.
-SAME_HEIGHT = 1e-6
-# Omitting a height changes the fine waves of rough lines by less than this factor. Neighbours may then be equal by
-# chance if more than this part of all are, since the heights have few digits or lie on a plateau.
-MIN_SMOOTHING, RECURRING_NEIGHBOURS = 2.0, 0.01
-
-
-class Filled(NamedTuple):
-    """Missing heights: the number interpolated, the longest run of them, and the number cut off at the ends."""
-
-    heights: int = 0
-    longest: int = 0
-    cut: int = 0
+# the same sign and of equal size within a factor of three. Any other abrupt change is a jump if it is twice as large
+# as all changes that are not near one.
+ABRUPT_DEVIATIONS, FLANK_RATIO, JUMP_OUTLIER = 6.0, 3.0, 2.0
+# Within one to three steps, a change is also a jump if it exceeds a tenth of the range of heights, is five times as
+# large as the three differences on either side and contains one that is twice as large as all differences outside
+# jumps. Roughness has no such change, even for D near 2 or with flat crests.
+JUMP_FRACTION, JUMP_STEPS, JUMP_RATIO, JUMP_NEIGHBOURS = 0.1, (1, 2, 3), 5.0, 3
+SAME_HEIGHT = 1e-6  # Two heights are equal if they differ by less than this fraction of the range.
 
 
 def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None) -> Array:
@@ -84,8 +72,8 @@ def with_gaps(heights: Any, missing_value: float | Sequence[float] | None = None
     return z
 
 
-def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], str]) -> tuple[Array, Filled]:
-    """Return the heights with short runs of missing ones interpolated linearly, and the numbers of filled heights.
+def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], str]) -> tuple[Array, int]:
+    """Return the heights with short runs of missing ones interpolated linearly, and the number of these.
 
     The trace is cut off where heights at its ends are missing.
 
@@ -99,7 +87,7 @@ def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], st
     checked_count("max_gap", max_gap, 1)
     gaps = np.isnan(z)
     if not gaps.any():
-        return z, Filled()
+        return z, 0
     if gaps.all():
         raise ValueError(f"all {z.size} heights are missing")
     known = np.flatnonzero(~gaps)
@@ -119,30 +107,31 @@ def without_gaps(z: Array, missing: str, max_gap: int, place: Callable[[int], st
     within = np.arange(known[0], known[-1] + 1)
     if within.size < MIN_HEIGHTS:
         raise ValueError(f"{summary}: {within.size} are left, and heights must be {MIN_HEIGHTS} at least")
-    return np.interp(within, known, z[known]), Filled(inside, longest, cut)
+    return np.interp(within, known, z[known]), inside
 
 
 def check_sentinels(z: Array) -> None:
-    """Refuse a value that recurs exactly as an outlier: a code for missing heights."""
+    """Refuse a value that recurs exactly, far from all others or from its neighbours: a code for missing heights."""
     values, first, count = np.unique(z, return_index=True, return_counts=True)
-    for at in np.flatnonzero(count > 1)[np.argsort(-count[count > 1], kind="stable")][:8].tolist():
-        if _is_far(values, first, at, _tilt(z)) or _is_out_of_line(z, values[at], int(count[at])):
-            raise ValueError(
-                f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
-                f"{first[at] + 1}, far from all others or from its neighbours: if it is a code for missing heights, "
-                f"say missing_value={values[at]:.9g}"
-            )
+    far = (at for at in (0, values.size - 1) if 1 < count[at] < z.size / 2 and _is_far(values, at))
+    most = int(count.argmax())
+    at = next(far, most if _is_out_of_line(z, values[most], int(count[most])) else None)
+    if at is not None:
+        raise ValueError(
+            f"heights must be measured, got {values[at]:.9g} at {count[at]} of {z.size} places, first at height "
+            f"{first[at] + 1}, far from all others or from its neighbours: if it is a code for missing heights, say "
+            f"missing_value={values[at]:.9g}"
+        )
 
 
-def _is_far(values: Array, first: Indices, at: int, tilt: float) -> bool:
-    """Return whether a value is separated by a gap from all others, with or without the tilt of the line."""
-    for heights in (values, values - tilt * first):
-        low, middle, high = np.quantile(heights, (0.25, 0.5, 0.75))
-        distance = abs(heights[at] - middle)
-        nearest = np.abs(np.delete(values, at) - values[at]).min(initial=math.inf)
-        if distance > SENTINEL_DEVIATIONS * (high - low) / (2 * NORMAL_MEDIAN) and nearest > SENTINEL_VOID * distance:
-            return True
-    return False
+def _is_far(values: Array, at: int) -> bool:
+    """Return whether a value is separated by a gap from all others."""
+    others = np.delete(values, at)
+    low, middle, high = np.quantile(others, (0.25, 0.5, 0.75))
+    distance, nearest = abs(values[at] - middle), np.abs(others - values[at]).min()
+    return bool(
+        distance > SENTINEL_DEVIATIONS * (high - low) / (2 * NORMAL_MEDIAN) and nearest > SENTINEL_VOID * distance
+    )
 
 
 def _is_out_of_line(z: Array, value: float, count: int) -> bool:
@@ -168,11 +157,7 @@ def check_jumps(z: Array, step: float) -> None:
 
 
 def _check_abrupt_changes(z: Array, step: float) -> None:
-    """Refuse changes from one height to the next that are far larger than all others of the line.
-
-    A suspect is an abrupt change without an adjacent flank. It is refused if it exceeds both a fraction of the range
-    and twice the largest change of the line without its form and without the heights around the suspect.
-    """
+    """Refuse abrupt changes from one height to the next without an adjacent flank, however dense they are."""
     change = np.diff(z)
     change = change - np.median(change)
     size = np.abs(change)
@@ -185,13 +170,8 @@ def _check_abrupt_changes(z: Array, step: float) -> None:
     same_way = np.maximum(before * np.sign(change), after * np.sign(change))
     suspect = (size > ABRUPT_DEVIATIONS * ordinary) & (same_way < size / FLANK_RATIO)
     near = np.convolve(suspect, np.ones(2 * JUMP_NEIGHBOURS - 1), "same") > 0
-    rest = ~np.append(near, near[-1])
-    if not suspect.any() or rest.sum() < MIN_HEIGHTS:
-        return
-    spread = np.ptp(_without_polynomial(z[rest], np.flatnonzero(rest), DEGREES[FORM]))
-    limit = max(JUMP_FRACTION * float(spread), JUMP_OUTLIER * float(size[~near].max()))
-    abrupt = np.flatnonzero(suspect & (size > limit))
-    if abrupt.size:
+    abrupt = np.flatnonzero(suspect & (size > JUMP_OUTLIER * size[~near].max(initial=0)))
+    if abrupt.size and not near.all():
         at = int(abrupt[0])
         # After a spike the heights return within ten steps.
         back = np.flatnonzero(np.abs(z[at + 2 : at + 12] - z[at]) < size[at] / 2)
@@ -225,36 +205,30 @@ def _refuse_jump(kind: str, at: int, width: int, size: float, step: float, other
     )
 
 
-def check_period_end(z: Array) -> None:
-    """Refuse a period whose last height repeats the first one.
+def warn_about_period_end(z: Array) -> None:
+    """Warn if the last height of a period repeats the first one.
 
-    Two equal heights may also lie on both sides of a crest, or on a flat one. A repeated height delays the line by
-    one step, which raises the finer half of the waves of a smooth line; so does the omission of a height that belongs
-    there. A rough line has these waves anyway: there, equal heights are no chance unless other neighbours are equal.
+    Both may also lie on either side of a crest: the cubic through their neighbours then predicts the last one better
+    than a repeated one.
     """
-    same = SAME_HEIGHT * np.ptp(z)
-    if abs(z[-1] - z[0]) > same:
-        return
-    both, one = _fine_power(z), _fine_power(z[:-1])
-    smoother = one > MIN_SMOOTHING * both
-    rougher = both > MIN_SMOOTHING * one
-    recurring = np.mean(np.abs(np.diff(z)) <= same) > RECURRING_NEIGHBOURS
-    if rougher or not (smoother or recurring):
-        raise ValueError(
-            f"a period must hold its end once, got {z[-1]:.6g} m as the first and as the last of {z.size} heights: "
-            f"leave out the last one, and take the length of {z.size - 1} steps"
+    cubic = np.array([-1, 4, 4, -1]) / 6
+    as_last, as_repeated = (abs(cubic @ z[at] - z[0]) for at in ([-3, -2, 0, 1], [-3, -2, 1, 2]))
+    if abs(z[-1] - z[0]) <= SAME_HEIGHT * np.ptp(z) and as_last > as_repeated / 2:
+        warnings.warn(
+            f"the first and the last of {z.size} heights of a period are equal, {z[-1]:.6g} m: if the last one "
+            f"repeats the first, leave it out and take the length of {z.size - 1} steps",
+            stacklevel=4,
         )
-
-
-def _fine_power(z: Array) -> float:
-    """Return the mean power of the finer half of the waves over the total power, plus a floor of rounding."""
-    power = np.abs(np.fft.rfft(z)[1:]) ** 2
-    return float(np.mean(power[power.size // 2 :]) / power.sum()) + np.finfo(float).eps ** 2
 
 
 def detrended(z: Array, detrend: str) -> Array:
     """Return the heights without their mean, straight line or parabola, by least squares."""
-    return _without_polynomial(z, np.arange(z.size), DEGREES[detrend])
+    x = np.arange(z.size, dtype=float)
+    x = (x - x.mean()) / max(np.ptp(x), 1.0)
+    basis = np.linalg.qr(np.vander(x, DEGREES[detrend] + 1, increasing=True))[0]
+    left = z - basis @ (basis.T @ z)
+    # Twice, since the first time leaves rounding of the whole, which may be far higher than the roughness.
+    return np.asarray(left - basis @ (basis.T @ left))
 
 
 def warn_about_form(level: Array) -> None:
@@ -267,22 +241,6 @@ def warn_about_form(level: Array) -> None:
             f'times as high as its roughness, {rough:.3g} m: say detrend="form" for the roughness alone',
             stacklevel=4,
         )
-
-
-def _without_polynomial(z: Array, position: Any, degree: int) -> Array:
-    """Return the residuals of least squares at some positions."""
-    x = np.asarray(position, float)
-    x = (x - x.mean()) / max(np.ptp(x), 1.0)
-    basis = np.linalg.qr(np.vander(x, degree + 1, increasing=True))[0]
-    left = z - basis @ (basis.T @ z)
-    # Twice, since the first time leaves rounding of the whole, which may be far higher than the roughness.
-    return np.asarray(left - basis @ (basis.T @ left))
-
-
-def _tilt(z: Array) -> float:
-    """Return the tilt, in height per step: the median rise over half the line, divided by the steps in that half."""
-    half = z.size // 2
-    return float(np.median(z[half:] - z[:-half])) / half
 
 
 def _runs(flags: Flags) -> tuple[Any, Any]:

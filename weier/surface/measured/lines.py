@@ -1,15 +1,17 @@
-"""Lines of measured heights, and the notation of units of length in files and arrays."""
+"""Lines of measured heights, their positions, and the notation of units of length in files and arrays."""
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from weier.checks import checked_word, shown
+from weier.kernels.arrays import Array
 from weier.units import unit_of
 
 # The names that calls, scenes and options take, in m. The prefix is the micro sign or the Greek letter mu.
@@ -54,6 +56,11 @@ CELL = re.compile(
 )
 
 
+# Positions may deviate from equal steps by less than this fraction of a step altogether, as rounded ones do: a row
+# that is left out shifts those behind it by a whole step. They must also give the length within the second number.
+MAX_ROUNDING, MAX_ERROR = 0.4, 0.0075
+
+
 class Line(NamedTuple):
     """Heights, with their positions and units as far as they are known.
 
@@ -91,6 +98,34 @@ class Line(NamedTuple):
     def name(self) -> str:
         """Label of the line in a map, as in "x 120"; empty if it is not from a map."""
         return f"{self.axis} {self.number}" if self.axis else ""
+
+
+def length_of_steps(x: Array, length: float | None, place: Callable[[int], str]) -> float:
+    """Return the length of a line, the step times the number of heights, from rising positions, which may be rounded.
+
+    Raises
+    ------
+    ValueError
+        If the steps are not equal, or do not agree with the `length`; `place` names the place of a height.
+    """
+    rows, rise = np.arange(x.size), np.diff(x)
+    step = float(np.polyfit(rows, x, 1)[0]) if np.isfinite(x).all() else math.nan
+    tolerance = min(MAX_ROUNDING, MAX_ERROR * rows[-1]) * step
+    if not (step > 0 and (rise >= 0).all() and np.ptp(x - step * rows) <= tolerance):
+        at = int(np.abs(rise - np.median(rise)).argmax()) + 1
+        raise ValueError(
+            f"positions must rise in equal steps, got {x[at]} at {place(at)}: say columns=(1, 0) if the positions "
+            'are in the second column, decimal="," for decimal commas, skip= or rows= for a part of the file, '
+            "interpolate the heights at equal steps by numpy.interp, or, if no row is left out, take the column of "
+            "heights alone, as in columns=1, with the length"
+        )
+    own = step * x.size
+    if length is not None and abs(length - own) > tolerance:
+        raise ValueError(
+            f"length must be that of {x.size} steps where positions go from {x[0]:g} to {x[-1]:g}, about {own:.6g}, "
+            f"got {length:g}: leave out the length, or take the column of heights alone, as in columns=1"
+        )
+    return own if length is None else length
 
 
 def line_from_array(heights: Any, with_positions: bool) -> Line:

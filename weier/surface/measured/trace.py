@@ -25,10 +25,8 @@ from weier.checks import checked_file, checked_number, checked_word, readable, s
 from weier.kernels.arrays import Array, Indices
 from weier.surface.limits import MAX_WAVES
 from weier.surface.measured import artefacts as measured
-from weier.surface.measured.artefacts import Filled
 from weier.surface.measured.instruments import read_lines, topography_lines
-from weier.surface.measured.lines import UNITS, Line, known_unit, line_from_array
-from weier.surface.measured.positions import on_grid
+from weier.surface.measured.lines import UNITS, Line, known_unit, length_of_steps, line_from_array
 from weier.surface.profile import PARAMETERS
 from weier.surface.waves import Waves
 
@@ -90,8 +88,8 @@ class Trace(Waves):
         Number of heights, and a digest of the heights that are solved and of their processing, twelve letters.
     line : int or None
         Index of the line in a map.
-    filled : Filled
-        Numbers of missing heights: interpolated, `heights`; longest run, `longest`; trimmed at the ends, `cut`.
+    filled : int
+        Number of missing heights that are interpolated.
     amplitude, phase : ndarray, shape (m,)
         Amplitudes, in g_0, and phases, in radians, of the waves; x = 0 is the first height.
     waves_per_period, period : list of int, int
@@ -124,7 +122,7 @@ class Trace(Waves):
     shortest: float
     ends: str
     detrend: str
-    filled: Filled
+    filled: int
     source: str
     line: int | None
     digest: str
@@ -161,21 +159,19 @@ class Trace(Waves):
         height_factor = UNITS[known_unit("heights", {"unit": unit, "height_unit": height_unit}, one.height_units)]
         z = measured.with_gaps(one.heights, missing_value)
         length_units = {"unit": unit, "x_unit": x_unit}
-        z, length = _located(one, z, length, length_units)
-        given = z.size
-        place = one.place if given == len(one.numbers) else Line(z).place
-        z, filled = measured.without_gaps(z, missing, max_gap, place)
-        if filled.cut and ends == PERIODIC:
-            raise ValueError(f"heights must be a whole period, got {filled.cut} that are missing at its ends")
-        measured.check_sentinels(z)
-        if filled.cut:
+        length, given = _length(one, length, length_units), z.size
+        z, filled = measured.without_gaps(z, missing, max_gap, one.place)
+        if z.size < given:
+            if ends == PERIODIC:
+                raise ValueError(f"heights must be a whole period, got {given - z.size} that are missing at its ends")
             length = _decimal(length * z.size / given)
+        measured.check_sentinels(z)
         z = z * height_factor
         unit_of_call = known_unit("the length", length_units, (), required=False) or "m"
         shortest = _checked_shortest(shortest, length, z.size, unit_of_call)
         level = _checked_level(z, length / z.size, detrend, ends)
         period, waves, coefficient = _waves(level, ends, length, shortest)
-        contents = repr([length, shortest, ends, detrend, *filled])
+        contents = repr([length, shortest, ends, detrend, filled])
         self._set(
             waves,
             coefficient,
@@ -203,9 +199,9 @@ class Trace(Waves):
         vars(self).update(
             g_0=g_0,
             m=waves.size,
-            _waves=tuple(waves.tolist()),
-            _amplitude=np.abs(coefficient) / g_0,
-            _phase=np.angle(coefficient),
+            waves_per_period=waves.tolist(),
+            amplitude=np.abs(coefficient) / g_0,
+            phase=np.angle(coefficient),
         )
 
     def __eq__(self, other: object) -> bool:
@@ -218,23 +214,6 @@ class Trace(Waves):
     @property
     def _identity(self) -> tuple[str, str, int | None]:
         return self.digest, self.source, self.line
-
-    # properties return copies, so that a trace is immutable
-
-    @property
-    def amplitude(self) -> Array:
-        """Amplitudes of the waves, shape (m,), in g_0."""
-        return np.array(vars(self)["_amplitude"])
-
-    @property
-    def phase(self) -> Array:
-        """Phases of the waves, shape (m,), in radians; x = 0 is the first height."""
-        return np.array(vars(self)["_phase"])
-
-    @property
-    def waves_per_period(self) -> list[int]:
-        """Waves of each kind in one period, ascending, m of them."""
-        return list(vars(self)["_waves"])
 
     @classmethod
     def read(
@@ -413,13 +392,12 @@ class Trace(Waves):
         rough = np.abs(coefficient) > ROUNDING * max(first.g_0, second.g_0)
         if not rough.any():
             raise ValueError("both traces must leave a gap, got heights that cancel: is one of them upside down?")
-        (heights, longest, cut), more = first.filled, second.filled
         shared = {name: getattr(first, name) for name in (*names, "period")}
         return cls.from_waves(
             waves[rough],
             coefficient[rough],
             **shared,
-            filled=Filled(heights + more.heights, max(longest, more.longest), cut + more.cut),
+            filled=first.filled + second.filled,
             source=source or " on ".join(filter(None, (first.source, second.source))),
             digest=digest_of("".join(sorted((first.digest, second.digest))).encode()),
         )
@@ -428,7 +406,7 @@ class Trace(Waves):
     def from_waves(cls, waves: Indices, coefficient: Any, **fields: Any) -> Trace:
         """Return the trace of waves, by their numbers in a period and complex amplitudes in m, and other fields."""
         trace = object.__new__(cls)
-        trace._set(waves, coefficient, {"filled": Filled(), "line": None, **fields})
+        trace._set(waves, coefficient, {"filled": 0, "line": None, **fields})
         return trace
 
     @classmethod
@@ -475,14 +453,14 @@ class Trace(Waves):
             "trace_height": self.g_0,
             "trace_shortest": self.shortest,
             "trace_detrend": self.detrend,
-            "trace_filled": float(self.filled.heights),
+            "trace_filled": float(self.filled),
         }
 
     def describe(self) -> str:
         """Return the trace in a few words."""
         name = f"trace {self.source}" if self.source else "trace"
         finest = self.period * self.lambda_0 / self.waves_per_period[-1]
-        filled = f", {self.filled.heights} of them interpolated," if self.filled.heights else ""
+        filled = f", {self.filled} of them interpolated," if self.filled else ""
         return (
             f"{name} of {self.samples} heights{filled} over {self.lambda_0:g} m, {self.m} waves down to {finest:g} m"
         )
@@ -505,8 +483,8 @@ def _checked_detrend(detrend: str | None, ends: str) -> str:
     return detrend
 
 
-def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]) -> tuple[Array, float]:
-    """Return equidistant heights and the length of the trace, in m, from the call, the positions or the file."""
+def _length(one: Line, length: float | None, given: Mapping[str, Any]) -> float:
+    """Return the length of the line, in m, from the call, the positions or the file."""
     if length is not None:
         unit_of_call = next((checked_word(name, unit, UNITS) for name, unit in given.items() if unit), "m")
         scale = 1.0 if units.unit_of(length) else UNITS[unit_of_call]
@@ -516,16 +494,15 @@ def _located(one: Line, z: Array, length: float | None, given: Mapping[str, Any]
         known_unit("the length", given, one.x_units, required=False)
         if length is None:
             raise ValueError("length must be given where heights have no positions: in m, or in x_unit")
-        return z, length
+        return length
     unit = UNITS[known_unit("positions", given, one.x_units)]
     if one.positions is not None:
-        z, own = on_grid(one.positions, z, None if length is None else length / unit, one.place)
-        return z, _decimal(own * unit)
+        return _decimal(unit * length_of_steps(one.positions, None if length is None else length / unit, one.place))
     own = _decimal(float(one.length or 0) * unit)
     # Both are rounded.
     if length is not None and abs(length / own - 1) > 0.01:
         raise ValueError(f"length must be that of the file, {own:.6g} m, got {length:.6g} m: leave it out")
-    return z, own
+    return own
 
 
 def _decimal(length: float) -> float:
@@ -563,7 +540,7 @@ def _checked_level(z: Array, step: float, detrend: str, ends: str) -> Array:
         raise ValueError(f"heights must be rough, got {z.size} without any but their {detrend}, from {z[0]:g} m")
     if ends == PERIODIC:
         measured.check_jumps(np.append(level, level[0]), step)
-        measured.check_period_end(level)
+        measured.warn_about_period_end(level)
     else:
         measured.check_jumps(level, step)
         measured.warn_about_form(level)

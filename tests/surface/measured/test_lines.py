@@ -1,0 +1,52 @@
+"""Positions: the length of steps that are rounded, and rows that are left out."""
+
+import numpy as np
+import pytest
+
+from weier.surface.measured.lines import length_of_steps
+
+N = np.arange(2000)
+
+
+def length(x):
+    return length_of_steps(np.asarray(x, float), None, lambda at: f"height {at + 1}")
+
+
+def rounded(step, decimals, cut=False):
+    scaled = N * step * 10**decimals
+    return (np.floor(scaled + 1e-9) if cut else np.round(scaled)) / 10**decimals
+
+
+def is_refused(x):
+    try:
+        return not length(x)
+    except ValueError as error:
+        return "positions must rise in equal steps, got" in str(error)
+
+
+@pytest.mark.parametrize("cut", [False, True])
+@pytest.mark.parametrize(("step", "decimals"), [(0.005, 3), (1 / 3, 1), (1 / 6, 2), (0.3, 1), (1.0, 0), (6.073, 0)])
+def test_rounded_positions_give_their_length_and_no_gap_closes_up(step, decimals, cut):
+    x = rounded(step, decimals, cut)
+    assert length(x) == pytest.approx(2000 * step, rel=5e-5)
+    random = np.random.default_rng(3)
+    for gone in (slice(700, 715), 1000, 1, 1998, slice(5, None, 10), random.choice(N[1:-1], 20, replace=False)):
+        assert is_refused(np.delete(x, N[gone]))
+
+
+def test_a_row_left_out_never_passes_where_all_rows_pass():
+    """Of few rows, whose step the rounding moves, and of any ratio of step and rounding."""
+    passed = 0
+    for step in np.linspace(1.01, 20, 400):
+        for rows in (16, 30, 200):
+            x = np.round(step * np.arange(rows))
+            if not is_refused(x):
+                passed += 1
+                assert length(x) == pytest.approx(rows * step, rel=0.0075 * (1 + 1 / rows) + 0.5 / (rows - 1) / step)
+                assert all(is_refused(np.delete(x, at)) for at in range(1, rows - 1) if rows < 200)
+    assert passed > 500
+
+
+def test_steps_that_rounding_hides_are_refused():
+    for x in (rounded(0.005, 2), rounded(0.012, 2), np.zeros(100), N[::-1], np.where(N == 9, np.nan, N)):
+        assert is_refused(x)
