@@ -1,4 +1,4 @@
-"""What any solution must obey: complementarity, symmetry, and the error that it states; and where loads start."""
+"""What any solution must obey: complementarity, symmetry, and the error that it states."""
 
 import numpy as np
 import pytest
@@ -6,13 +6,12 @@ import scipy
 
 from tests.hard_series import hard_series
 from tests.methods.patches.westergaard_states import KINDS
-from tests.profiles import THREE_WAVES, TWIN_CRESTS
+from tests.profiles import THREE_WAVES
 from weier import ConvergenceError, Profile
 from weier.kernels.arrays import Array
 from weier.methods import bem, patches, westergaard
 from weier.methods.patches import solver, start
-from weier.methods.patches.start import isolated_contacts, isolated_gaps
-from weier.methods.patches.surface import make_series, surface_of
+from weier.methods.patches.surface import surface_of
 
 LOADS = np.geomspace(1e-3, 2, 40)
 
@@ -287,39 +286,9 @@ def test_loads_of_any_size(loads):
         patches.curve(THREE_WAVES, [1e-308, *loads])
 
 
-@pytest.mark.parametrize(("profile", "load"), [(TWIN_CRESTS, 1e-12), (TWIN_CRESTS, 1e-6), (THREE_WAVES, None)])
-def test_isolated_contacts_and_gaps_are_those_of_the_solution(profile, load):
-    """Half-widths that Hertz's theory gives, and their like just before full contact: (k a)^2 is left out."""
-    surface = surface_of(profile)
-    isolated, series = (isolated_contacts, surface.heights) if load else (isolated_gaps, surface.tensions)
-    load = load or surface.full_contact_load * (1 - 1e-6)
-    state = patches.solve_load(profile, load).state
-    np.testing.assert_allclose(isolated(series, load).segments.half_width, state.segments.half_width, rtol=1e-2)
-    assert isolated(series, 0.5) is None
-
-
 def test_a_far_load_of_a_symmetric_profile_takes_few_steps():
     """Contacts that are born in pairs must not overlap, for then they would take thousands of nodes."""
     assert patches.curve(Profile(1.5, 3, 4), np.geomspace(1e-3, 10, 8)).work.max() < 30
-
-
-def test_forces_on_crests_are_those_of_one_plane():
-    """Crests join, and leave where they would be pulled; the plane is known as well as the forces, to a hundredth."""
-    rng, waves = np.random.default_rng(0), make_series(np.ones(1), [1], np.zeros(1), 1.0)
-    for crests in rng.integers(3, 7, 200):
-        x, curvature = (np.arange(crests) + 0.5 * rng.random(crests)) / crests, rng.uniform(50, 500, crests)
-        offset, total = -rng.random(crests) * 10.0 ** rng.uniform(-6, -2), 10.0 ** rng.uniform(-7, -3)
-        offset -= offset.max()
-        parabolas = np.zeros((crests, waves.expansion.shape[1]))
-        series = waves._replace(crest_position=x, crest_offset=offset, crest_curvature=curvature, expansion=parabolas)
-        force = start._forces_on_crests(series, total, 1.0)
-        assert force.sum() == pytest.approx(total, rel=2e-2)
-        influence, loaded = -2 * np.log(np.abs(2 * np.sin(np.pi * (x[:, None] - x))) + np.eye(crests)), force > 0
-        half_width = 2 * np.sqrt(force[loaded] / curvature[loaded])
-        height = offset - influence @ force
-        height[loaded] -= force[loaded] * (1 - 2 * np.log(np.pi * half_width))
-        assert np.ptp(height[loaded]) < 2e-2 * total
-        assert np.all(height[~loaded] < height[loaded].min() + 2e-2 * total)
 
 
 @pytest.mark.second_attempt

@@ -48,20 +48,18 @@ def edges_of(state):
     return segments.middle - segments.half_width, segments.middle + segments.half_width
 
 
-# Gaps, and contacts, as many as boundary elements on 16 nodes a wave have; and contacts narrower than the overlap
-# that gives them away, which divide some of 1000 gaps and are found at once.
-MANY = [(np.arange(6.0), 12.0, 581), (np.arange(6.0), 2.0, 1165), (1.0, 10.0, 999)]
-
-
+# As many as boundary elements on 16 nodes a wave have, and one more: contacts narrower than the overlap that gives
+# them away divide some of the gaps, and are found at once.
 @one_thread
-@pytest.mark.parametrize(("phases", "load", "count"), MANY)
+@pytest.mark.parametrize(("phases", "load", "count"), [(np.arange(5.0), 2.0, 310), (1.0, 4.0, 346)])
 def test_hundreds_of_contacts_or_gaps(phases, load, count):
-    before, curve, after = (patches.curve(Profile(1.25, 5, 6, phases), load + step) for step in (-1e-4, 0.0, 1e-4))
-    assert curve.patch_count == count
-    assert curve.residual < 1e-10
-    assert curve.work < 15
+    curve = patches.curve(Profile(1.25, 5, 5, phases), load + np.array([-1e-4, 0.0, 1e-4]))
+    assert curve.patch_count[1] == count
+    assert curve.residual.max() < 1e-10
+    assert curve.work.max() < 15
     # A central difference: its error is that of the compliance, 1e-15, over the step, and the step's square.
-    assert curve.resistance == pytest.approx((after.compliance - before.compliance) / 2e-4, rel=1e-3)
+    before, _, after = curve.compliance
+    assert curve.resistance[1] == pytest.approx((after - before) / 2e-4, rel=1e-3)
 
 
 def test_cuts_that_overlap_are_one():

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
+from tests.profiles import THREE_WAVES, TWIN_CRESTS
 from weier import Profile
 from weier.methods import patches, westergaard
 from weier.methods.bem.staircase import contact_runs
 from weier.methods.patches import start
 from weier.methods.patches.gaps import GAPS
+from weier.methods.patches.start import isolated_contacts, isolated_gaps
+from weier.methods.patches.surface import make_series, surface_of
 
 
 def gap_with_a_parabola(at, depth, curvature, n=16):
@@ -89,3 +92,45 @@ def test_a_loose_tolerance_solves_for_the_gaps_that_a_tight_one_solves_for(profi
         state = patches.solve_load(profile, load, tolerance).state
         assert state is not None
         assert state.kind is GAPS
+
+
+@pytest.mark.parametrize("load", [0.1, 0.9, 4.0])
+def test_a_grid_finds_the_segments_of_the_solution(load):
+    """All of them, contacts and gaps, with edges within a twentieth of the distance of its nodes."""
+    guess, state = start.Starts(THREE_WAVES, 1e-10).guess(load), patches.solve_load(THREE_WAVES, load).state
+    assert guess.route.start == "grid"
+    assert guess.kind is state.kind
+    found, exact = ((s.middle + side * s.half_width for side in (-1, 1)) for s in (guess.segments, state.segments))
+    spacing = 1 / (start.POINTS_PER_WAVE[0] * THREE_WAVES.waves_per_period[-1])
+    for one, other in zip(found, exact, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=0.05 * spacing)
+
+
+@pytest.mark.parametrize(("profile", "load"), [(TWIN_CRESTS, 1e-12), (TWIN_CRESTS, 1e-6), (THREE_WAVES, None)])
+def test_isolated_contacts_and_gaps_are_those_of_the_solution(profile, load):
+    """Half-widths that Hertz's theory gives, and their like just before full contact: (k a)^2 is left out."""
+    surface = surface_of(profile)
+    isolated, series = (isolated_contacts, surface.heights) if load else (isolated_gaps, surface.tensions)
+    load = load or surface.full_contact_load * (1 - 1e-6)
+    state = patches.solve_load(profile, load).state
+    np.testing.assert_allclose(isolated(series, load).segments.half_width, state.segments.half_width, rtol=1e-2)
+    assert isolated(series, 0.5) is None
+
+
+def test_forces_on_crests_are_those_of_one_plane():
+    """Crests join, and leave where they would be pulled; the plane is known as well as the forces, to a hundredth."""
+    rng, waves = np.random.default_rng(0), make_series(np.ones(1), [1], np.zeros(1), 1.0)
+    for crests in rng.integers(3, 7, 200):
+        x, curvature = (np.arange(crests) + 0.5 * rng.random(crests)) / crests, rng.uniform(50, 500, crests)
+        offset, total = -rng.random(crests) * 10.0 ** rng.uniform(-6, -2), 10.0 ** rng.uniform(-7, -3)
+        offset -= offset.max()
+        parabolas = np.zeros((crests, waves.expansion.shape[1]))
+        series = waves._replace(crest_position=x, crest_offset=offset, crest_curvature=curvature, expansion=parabolas)
+        force = start._forces_on_crests(series, total, 1.0)
+        assert force.sum() == pytest.approx(total, rel=2e-2)
+        influence, loaded = -2 * np.log(np.abs(2 * np.sin(np.pi * (x[:, None] - x))) + np.eye(crests)), force > 0
+        half_width = 2 * np.sqrt(force[loaded] / curvature[loaded])
+        height = offset - influence @ force
+        height[loaded] -= force[loaded] * (1 - 2 * np.log(np.pi * half_width))
+        assert np.ptp(height[loaded]) < 2e-2 * total
+        assert np.all(height[~loaded] < height[loaded].min() + 2e-2 * total)
