@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 
 from weier import Trace, fit
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.surface import spectrum
@@ -154,7 +154,7 @@ def within_errors(rounds: int, longest: int, ratio: int) -> tuple[float, float, 
 @measurement("Lines that are judged wrongly")
 @click.option("--rounds", default=10, help="Lines of each kind.")
 @click.option("--factor", default=1.5, help="Factor of the limits.")
-def main(rounds: int, factor: float) -> Page:
+def main(rounds: int, factor: float) -> list[str]:
     """Count lines that the checks of heights and of fits judge wrongly, with each limit scaled.
 
     Lines of many kinds of roughness must be taken, and self-affine lines with steps, spikes and codes for missing
@@ -177,12 +177,10 @@ def main(rounds: int, factor: float) -> Page:
     with scaled("MIN_RATIO", 0.5, spectrum):
         bands = [[*map(str, band), *(f"{part:.2f}" for part in within_errors(rounds, *band))] for band in BANDS]
     band_header = ["longest waves in the line", "longest over shortest", "with a D", "within one error", "within two"]
-    return Page(
-        [
-            markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
-            f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
-            f"{bent} of {laws} fits to power laws are cut off at a bend.",
-            markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
-            markdown.table(band_header, bands),
-        ]
-    )
+    return [
+        markdown.table(["limit", "times", "roughness refused", "artefacts not recognised"], limits),
+        f"{doubted} of {fits} fits to roughness report a part of the line that decides on them.",
+        f"{bent} of {laws} fits to power laws are cut off at a bend.",
+        markdown.table(["limit", "times", "whole spectra refused", "cut spectra refused"], spectra),
+        markdown.table(band_header, bands),
+    ]

@@ -7,7 +7,7 @@ from time import process_time
 import click
 import numpy as np
 
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.data import markdown
 from weier.methods.patches.contacts import CONTACTS
 from weier.methods.patches.gaps import GAPS
@@ -49,11 +49,11 @@ def ratio(count: int, kind: Kind, rounds: int) -> float:
 
 @measurement("Direct solution or conjugate gradients")
 @click.option("--rounds", default=10, help="Solutions of each kind, of which the fastest counts.")
-def main(rounds: int) -> Page:
+def main(rounds: int) -> list[str]:
     """Compare the processor time of direct solutions with that of conjugate gradients.
 
     The table has the ratio of the two by the number of unknowns, for contacts and for gaps of random widths with 8
     nodes each. `MAX_DIRECT` of contact patches is the number at which the ratio reaches 1.
     """
     rows = ([str(NODES * n), *(f"{ratio(n, kind, rounds):.2f}" for kind in (CONTACTS, GAPS))] for n in SEGMENTS)
-    return Page([markdown.table(HEADER, rows)])
+    return [markdown.table(HEADER, rows)]

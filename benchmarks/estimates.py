@@ -8,7 +8,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.accuracy.runner import by_default, run
 from weier.data import markdown
 from weier.kernels.arrays import Array
@@ -70,7 +70,7 @@ def _errors(series: tuple[float, int, int], method: str, guess: Array, exact: Ar
 @measurement("Errors of the estimates")
 @click.option("--seeds", default=12, help="Profiles of each series.")
 @click.option("--lightest", default=float(LOADS[0]), help="The lightest load, in p_0*.")
-def main(seeds: int, lightest: float) -> Page:
+def main(seeds: int, lightest: float) -> list[str]:
     """Compare the estimates with contact patches on ensembles of random phases.
 
     The first table has the median and the 90th percentile of |error| over profiles and loads: of h in g_0, of R and
@@ -84,7 +84,7 @@ def main(seeds: int, lightest: float) -> Page:
     header = ["D", "gamma", "m", "estimate", "error of h", "of R, %", "of the area, %"]
     ranges = [(f"{low:g} to {high:g}", f"{exponent:.2f}") for (low, high), exponent in exponents(seeds).items()]
     range_header = ["p in p_0*, D = 1.25, gamma = 5, m = 3", "a of 1/R ~ p^a"]
-    return Page([markdown.table(header, rows), markdown.table(range_header, ranges)])
+    return [markdown.table(header, rows), markdown.table(range_header, ranges)]
 
 
 def _cell(median: float, high: float, row: int) -> str:

@@ -13,7 +13,7 @@ import click
 import numpy as np
 
 from weier import ConvergenceError, Profile, Trace, random_phases
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.accuracy.runner import Variant, run
 from weier.data import markdown
 from weier.kernels.arrays import Array
@@ -91,7 +91,7 @@ def seconds_of_start() -> float:
 @measurement("Expected seconds")
 @click.option("--most", default=TRACES[-1], help="Waves of the finest surface.")
 @click.option("--methods", default=",".join(method.name for method in METHODS), help="Methods, with commas.")
-def main(most: int, methods: str) -> Page:
+def main(most: int, methods: str) -> list[str]:
     """Compare measured with expected processor seconds.
 
     Surfaces are series of one to six terms, infinite series, and traces of 100 to 4000 waves. Seconds are the mean
@@ -104,4 +104,4 @@ def main(most: int, methods: str) -> Page:
             words = " ".join(f"{key} = {value:g}" for key, value in settings.items()) or "by default"
             list(rows(Variant(words, name, settings), 25))  # compile first
             lines += rows(Variant(words, name, settings), 125 if settings else most)
-    return Page([markdown.table(HEADER, lines), f"Starting a process takes {seconds_of_start():.2g} s."])
+    return [markdown.table(HEADER, lines), f"Starting a process takes {seconds_of_start():.2g} s."]

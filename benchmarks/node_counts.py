@@ -11,7 +11,7 @@ import scipy.optimize
 import scipy.sparse
 
 from weier import Profile
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.data import markdown
 from weier.kernels.arrays import Array
 from weier.methods.patches.segments import NODE_FACTORS, ContactState, count_nodes, node_factors
@@ -79,7 +79,7 @@ def given(starts: Starts, state: ContactState, factors: tuple[float, ...]) -> Ar
 
 @measurement("Nodes of segments")
 @click.option("--series", default=30, help="Number of random series.")
-def main(series: int) -> Page:
+def main(series: int) -> list[str]:
     """Count the Chebyshev coefficients that contacts and gaps of random series need, and fit `NODE_FACTORS` to them.
 
     At a tolerance of 10^-digits, a coefficient is needed if |a_k|/max|a_k| exceeds the target of contact patches. The
@@ -99,4 +99,4 @@ def main(series: int) -> Page:
         rows.append(cells)
     pairs = ", ".join(f"({constant:.2f}, {slope:.3f})" for constant, slope in fit)
     text = f"{len(matrix)} segments; fitted: `NODE_FACTORS = {pairs}`, used: `{NODE_FACTORS}`."
-    return Page([markdown.table(HEADER, rows), text])
+    return [markdown.table(HEADER, rows), text]

@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from weier import OutOfReachError, Profile, random_phases, solve
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.data import markdown
 from weier.methods import patches
 
@@ -59,7 +59,7 @@ def judge_all(count: int, seed: int) -> Iterator[Judged]:
 @measurement("The resistance of infinite series")
 @click.option("--count", default=200, help="Number of random series.")
 @click.option("--seed", default=1, help="Of the series.")
-def main(count: int, seed: int) -> Page:
+def main(count: int, seed: int) -> list[str]:
     """Compare the resistance of infinite series by "auto" with longer truncations.
 
     D is in [1.05, 1.7], phases are random, and each series has one load in [0.01, 2] p_0*. The reference has
@@ -73,4 +73,4 @@ def main(count: int, seed: int) -> Page:
         numbers = [np.median(ratio), ratio.max()] if ratio.size else [np.nan, np.nan]
         rows.append([f"{tolerance:g}", *map(str, cells), *(f"{number:.2f}" for number in numbers)])
     ratio = np.array([each.ratio for each in found if np.isfinite(each.ratio)])
-    return Page([markdown.table(HEADER, rows), f"{np.mean(ratio <= 1):.1%} of {ratio.size} within the stated error."])
+    return [markdown.table(HEADER, rows), f"{np.mean(ratio <= 1):.1%} of {ratio.size} within the stated error."]

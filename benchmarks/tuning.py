@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 import weier
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.data import markdown
 
 PACKAGE = Path(weier.__file__).parent
@@ -108,7 +108,7 @@ def costs(program: str, changes: Mapping[str, Collection[str]], factor: float) -
 
 @measurement("Cost of the tuned numbers")
 @click.option("--only", default="", help="Names of the numbers, with commas; all by default.")
-def main(only: str) -> Page:
+def main(only: str) -> list[str]:
     """Solve curves with each tuned number halved and doubled, which takes a quarter of an hour.
 
     The table has cost ratios, changed over usual number, for 25, 625 and 15 625 waves. The cost of boundary elements
@@ -126,4 +126,4 @@ def main(only: str) -> Page:
                 changed = costs(program, {module: [name]}, factor)
                 cells.append(" / ".join(f"{new / old:.2f}" for new, old in zip(changed, usual, strict=True)))
             rows.append([f"`{module}`", f"`{name}`", *cells])
-    return Page([markdown.table(HEADER, rows)])
+    return [markdown.table(HEADER, rows)]

@@ -1,4 +1,4 @@
-# Measurements of the methods, each with a page, and all but one with a figure beside it:
+# Measurements of the methods, each with a page:
 # snakemake --cores 2 tradeoff, convergence or extremes
 SETTINGS = {
     "tradeoff": ["accuracy/tradeoff.yaml"],
@@ -27,30 +27,22 @@ rule measure:
     input:
         settings=lambda wildcards: map(configured, SETTINGS[wildcards.study]),
     output:
-        multiext("results/{study}/{study}", ".pdf", ".svg", ".png", ".csv"),
         page="results/{study}/{study}.md",
     log:
         "results/logs/{study}/measure.log",
     wildcard_constraints:
-        study="tradeoff|extremes",
+        study="|".join(SETTINGS),
     conda:
         "environment.yaml"
     threads: lambda wildcards: slots() if wildcards.study == "tradeoff" else 1
     params:
         run=command,
-        code=digest_of_modules("accuracy", "figures"),
+        code=digest_of_modules("accuracy"),
         numerics=plan.numerics,
         scene=lambda wildcards, input: [f"--scene {path}" for path in input.settings],
     shell:
         "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {params.run}.accuracy {wildcards.study} {params.scene} "
         "--output {output.page:q} 2>&1 | tee -i {log:q}"
-
-
-use rule measure as measure_without_figure with:
-    output:
-        page="results/{study}/{study}.md",
-    wildcard_constraints:
-        study="convergence",
 
 
 # The documentation, with the figures of the paper: snakemake --cores 2 docs

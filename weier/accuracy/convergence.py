@@ -11,7 +11,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from weier.accuracy.measurement import Page, measurement, number
+from weier.accuracy.measurement import measurement, number
 from weier.accuracy.runner import Variant, run
 from weier.data.markdown import table
 from weier.kernels.arrays import Array
@@ -68,7 +68,7 @@ def rows(profile: Profile, resolved: Sequence[Resolved]) -> list[list[str]]:
 @measurement("The infinite series, by the terms that are resolved")
 @click.option("--scene", type=click.Path(path_type=Path), default=SCENE, help="Its infinite series and loads.")
 @click.option("--terms", default=8, help="The largest number of resolved terms.")
-def main(scene: Path, terms: int) -> Page:
+def main(scene: Path, terms: int) -> list[str]:
     """Measure infinite series against the number of resolved terms.
 
     Heights are in g_0, at the worst load. The bounds hold for any phases of the unresolved terms. The
@@ -77,4 +77,4 @@ def main(scene: Path, terms: int) -> Page:
     """
     loaded = load(scene)
     found = (rows(case.profile, measure(case.profile, loaded.loads, terms)) for case in loaded.cases.values())
-    return Page([table(HEADER, list(chain.from_iterable(found)))])
+    return [table(HEADER, list(chain.from_iterable(found)))]

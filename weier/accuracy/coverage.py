@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from weier.accuracy.families import FAMILIES, VARIANTS, Draw, draws
-from weier.accuracy.measurement import Page, measurement
+from weier.accuracy.measurement import measurement
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import Variant, attempt
 from weier.data import markdown
@@ -93,7 +93,7 @@ def exceeded(one: Judged) -> Iterator[tuple[float, str]]:
     "--families", multiple=True, type=click.Choice([*FAMILIES]), default=[*FAMILIES], help="Families to draw from."
 )
 @click.option("--methods", multiple=True, type=click.Choice(VARIANTS), default=VARIANTS, help="Methods to compare.")
-def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str]) -> Page:
+def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str]) -> list[str]:
     """Compare stated with true errors on families of hard series.
 
     A cell has the number of errors above the stated one, the number of comparisons, and the largest ratio of error to
@@ -107,4 +107,4 @@ def main(count: int, seed: int, families: Sequence[str], methods: Sequence[str])
             found += [judge(draw, variant) for variant in draw.variants if variant.name in methods]
     except KeyboardInterrupt:
         click.echo("interrupted", err=True)
-    return Page([*tables(found)])
+    return [*tables(found)]

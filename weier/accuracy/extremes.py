@@ -1,30 +1,24 @@
-"""Stability at the extremes: all methods at the limits of floats, load by load, as tables and a figure."""
+"""Stability at the extremes: all methods at the limits of floats, load by load, as tables."""
 
 from __future__ import annotations
 
 import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from weier.accuracy import curve_checks
 from weier.accuracy.ill_conditioned import Extreme, extremes
-from weier.accuracy.measurement import Page, measurement, number
+from weier.accuracy.measurement import measurement, number
 from weier.accuracy.reference import deviation, digits, find_reference
 from weier.accuracy.runner import Outcome, Variant, attempt
 from weier.data.markdown import plain, table
-from weier.figures import style
-from weier.figures.values import line
 from weier.kernels.arrays import Array
-from weier.methods import registry
 from weier.methods.registry import find_method
-from weier.surface.profile import PARAMETERS
 
 # checks whose failure is a fault, in addition to unclear errors
 CHECKS = "monotone", "concave", "within_band", "within_stated_error", "without_warning"
@@ -54,10 +48,6 @@ tolerance of 1e-12 on the same profile shifted along x. Some problems are ill-co
 - If two crests are equally high, or 1e-15 apart, rounding of their heights decides at loads such as 1e-100 whether
   one or both touch. R then has one value or half of it, which counts as 0.3 digits."""
 HEADER = ("method", "extremes", "numbers", "errors in words", "least digits of h", "of R", "largest error of h")
-DRAWN = "three waves, loads 1e-300 to 1e300"  # extreme drawn in the figure: all methods over all loads
-POWERS = (-300, -30, -2, -1, 0, 1, 2, 30, 300)  # powers of ten labelled on the load axis
-# The axis is linear in the power up to NEAR, with LINEAR_SCALE times the length of a later decade, then logarithmic.
-NEAR, LINEAR_SCALE = 2, 1.6
 
 
 class Examined(NamedTuple):
@@ -118,7 +108,6 @@ def parts(found: Sequence[Examined]) -> Iterator[str]:
     one_of_each = {re.split(r"\d", message)[0]: message for message in reversed(messages)}
     listed = f"and these have a fault:\n\n{_list(faults)}" if faults else "none of them with a fault."
     yield f"{len(found)} rows, {listed}"
-    yield "![Digits of one profile over all loads](extremes.png)"
     yield "## By method\n\nThe errors of h are in g_0."
     yield table(HEADER, [_summary(name, [one for one in found if one.variant.name == name]) for name in names])
     yield f"## Digits of the compliance\n\n{DIGITS_TEXT}"
@@ -158,34 +147,12 @@ def _summary(name: str, found: Sequence[Examined]) -> list[str]:
     return [plain(name), str(len(found)), str(finite), str(outcome.size - finite), *least, largest]
 
 
-def draw(found: Sequence[Examined]) -> Figure:
-    """Draw correct digits of h over all loads, at one extreme."""
-    case = found[0].extreme
-    figure, (axes,) = style.column("", [style.describe(case.profile.labels | {"phases": np.zeros(0)}, *PARAMETERS)])
-    for one in found:
-        known = np.isfinite(one.digits[0])
-        if known.any():
-            # Markers on the most accurate method separate coinciding lines.
-            marker = {"marker": "o", "markersize": 2} if one.variant.method == registry.numerical_names()[0] else {}
-            look = style.line(one.variant.method) | marker
-            line(axes, look["label"], np.log10(case.loads[known]), one.digits[0, known], **look)
-    # The axis is the power of ten: the margin of a logarithmic axis would overflow at 1e300, and most changes would
-    # be at one place. The powers up to NEAR are spaced evenly, and larger ones logarithmically.
-    axes.set_xscale("symlog", linthresh=NEAR, linscale=LINEAR_SCALE)
-    axes.set_xticks(POWERS, labels=[f"$10^{{{power}}}$" for power in POWERS], minor=False)
-    axes.minorticks_off()
-    axes.set(xlabel=style.LABELS["mean_pressure"], ylabel=r"correct digits of $h$")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=7)
-    return figure
-
-
 @measurement("Stability at the extremes")
-def main() -> Page:
+def main() -> list[str]:
     """Examine all methods at the limits of floats.
 
     Each method is run at ill-conditioned loads of series at the limits of their parameters. Every load must give a
     number or a clear error, and the numbers must be a curve of compliance, within the errors that the method states.
-    `snakemake --cores 2 extremes` draws the figure, too, and `docs/stability.md` is a copy of this page.
+    `docs/stability.md` is a copy of this page.
     """
-    found = examine(extremes())
-    return Page([*parts(found)], partial(draw, [one for one in found if one.extreme.name == DRAWN]))
+    return [*parts(examine(extremes()))]

@@ -8,18 +8,14 @@ from functools import wraps
 from importlib import import_module
 from inspect import cleandoc
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
-import matplotlib.style
 import numpy as np
 from click.core import ParameterSource
-from matplotlib.figure import Figure
 
 from weier.data import provenance
 from weier.data.files import check_target, write_text
-from weier.figures import METADATA, VALUES, save
-from weier.figures.style import SHEET
 from weier.kernels.blas import one_thread
 from weier.methods.errors import ConvergenceError
 
@@ -32,8 +28,7 @@ class Measurements(click.Group):
     def __init__(self, package: str, names: Sequence[str], summary: str) -> None:
         """Take the package, and the names and purposes of its measurements."""
         explanation = (
-            f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it. "
-            "A figure is drawn beside it, with its values as CSV."
+            f"{summary}\n\nEach command writes a page of Markdown, by default results/NAME/NAME.md, and prints it."
         )
         commands = {name: import_module(f"{package}.{name}").main for name in names}
         super().__init__(f"python -m {package}", commands, help=explanation, context_settings=CONTEXT)
@@ -46,24 +41,14 @@ class Measurements(click.Group):
             raise click.ClickException(str(error)) from None
 
 
-class Page(NamedTuple):
-    """The findings of a measurement.
-
-    parts : headings, paragraphs and tables of Markdown
-    draw : function that draws its figure, if any
-    """
-
-    parts: Sequence[str]
-    draw: Callable[[], Figure] | None = None
-
-
-def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
+def measurement(title: str) -> Callable[[Callable[..., Sequence[str]]], click.Command]:
     """Return a decorator that turns a function into the command named after its module.
 
-    The docstring of the function explains the measurement, in its page and in `--help`.
+    The function returns headings, paragraphs and tables of Markdown. Its docstring explains the measurement, in the
+    page and in `--help`.
     """
 
-    def command_of(measure: Callable[..., Page]) -> click.Command:
+    def command_of(measure: Callable[..., Sequence[str]]) -> click.Command:
         name, explanation = measure.__module__.removeprefix("weier.").split(".")[1], cleandoc(measure.__doc__ or "")
 
         @click.command(name, help=explanation, context_settings=CONTEXT)
@@ -78,11 +63,8 @@ def measurement(title: str) -> Callable[[Callable[..., Page]], click.Command]:
         @wraps(measure)
         def command(context: click.Context, /, output: Path, **options: Any) -> None:
             with one_thread:
-                page = measure(**options)
-            text = "\n\n".join([f"# {title}", explanation, *page.parts, _made_by(context)])
-            if page.draw:
-                with matplotlib.style.context(SHEET, after_reset=True):
-                    save(page.draw(), output, (*METADATA, VALUES))
+                parts = measure(**options)
+            text = "\n\n".join([f"# {title}", explanation, *parts, _made_by(context)])
             write_text(output, f"{text}\n")
             click.echo(text)
 

@@ -6,23 +6,16 @@ import math
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import click
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator
 
-from weier.accuracy.measurement import Page, measurement, number
+from weier.accuracy.measurement import measurement, number
 from weier.accuracy.reference import contact_reference, deviation
 from weier.accuracy.runner import MAX_POINTS, Variant, run
 from weier.data.markdown import plain, table
-from weier.figures import style
-from weier.figures.values import line
 from weier.kernels.arrays import Array
 from weier.methods import bem, registry
 from weier.methods.errors import ConvergenceError
@@ -46,12 +39,6 @@ HEADER = [
     *("method and setting", "profiles", "ms a load"),
     *("error of h: median", *ERROR_COLUMNS, "error of R: median", *ERROR_COLUMNS),
 ]
-WIDTH = 7.09  # inches: 180 mm is the width of a page of a journal.
-FLOOR, CEILING = 1e-15, 10.0  # range of the error axis; smaller errors are drawn at its lower end
-LABELS = r"error of $h/g_0$", r"error of $R$, in max$(R,\,g_0/p_0^{*})$"
-# the looks of errors and of stated errors
-SYMBOLS: dict[str, Any] = {"markersize": 2.8, "linewidth": 0.9, "linestyle": "-"}
-OPEN: dict[str, Any] = {"markerfacecolor": "white", "linewidth": 0.5, "markeredgewidth": 0.5}
 
 
 class Measured(NamedTuple):
@@ -137,57 +124,9 @@ def _row(name: str, own: Sequence[Measured]) -> list[str]:
     return cells
 
 
-def draw(found: Sequence[Measured]) -> Figure:
-    """Draw a column of panels for each number of terms: errors of the compliance above, of the resistance below."""
-    series = sorted({(one.profile.m, one.profile.gamma) for one in found})
-    # Two panels of 1.75 inches and the legend leave space for text on a page.
-    figure = Figure(figsize=(WIDTH, 1.75 * len(LABELS) + 0.4), layout="constrained")
-    axes = figure.subplots(len(LABELS), len(series), sharex=True, sharey=True, squeeze=False)
-    axes[0, 0].set(xscale="log", yscale="log", ylim=(FLOOR, CEILING))
-    for column, (m, gamma) in zip(axes.T, series, strict=True):
-        own = [one for one in found if (one.profile.m, one.profile.gamma) == (m, gamma)]
-        for quantity, panel in enumerate(column):
-            _draw_panel(panel, own, quantity)
-        column[0].set_title(rf"$\gamma={gamma}$,  $m={m:g}$")
-        column[-1].set_xlabel("milliseconds a load")
-    for row, label in zip(axes, LABELS, strict=True):
-        row[0].set_ylabel(label)
-    # More labels would overlap with other panels.
-    axes[0, 0].xaxis.set_major_locator(LogLocator(numticks=5))
-    axes[0, 0].yaxis.set_major_locator(LogLocator(numticks=6))
-    symbols = SYMBOLS | {"color": style.GREY, "marker": "o"}
-    handles = [Line2D([], [], **_look(method)) for method in dict.fromkeys(one.variant.method for one in found)]
-    handles += [Line2D([], [], label="error", **symbols), Line2D([], [], label="stated error", **symbols | OPEN)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=7, handlelength=1.6, columnspacing=1.2)
-    return figure
-
-
-def _draw_panel(axes: Axes, found: Sequence[Measured], quantity: int) -> None:
-    """Draw a line for each method through the tolerances, or other settings, common to all profiles."""
-    profiles = len({id(one.profile) for one in found})
-    for method in dict.fromkeys(one.variant.method for one in found):
-        own = [each for each in by_variant(found).values() if each[0].variant.method == method]
-        run_on_all = [each for each in own if len(each) == profiles]
-        joined = [each for each in run_on_all if TOLERANCE in each[0].variant.settings] or run_on_all
-        milliseconds = [np.mean([one.milliseconds for one in each]) for each in joined]
-        look = _look(method)
-        for kind, name, options in (
-            ("stated", f"{look['label']}, stated", OPEN | {"label": None}),
-            ("error", "", {}),
-        ):
-            worst = [np.max([np.fmax.reduce(getattr(one, kind)[quantity]) for one in each]) for each in joined]
-            line(axes, name or look["label"], milliseconds, np.maximum(worst, FLOOR), **look | options)
-
-
-def _look(method: str) -> dict[str, Any]:
-    """Return line and symbol of a method; other figures draw all numerical methods in black."""
-    look = style.line(method) | {"marker": style.points(method)["marker"]} | SYMBOLS
-    return look | ({"color": style.PURPLE} if method in registry.numerical_names()[1:] else {})
-
-
 @measurement("Speed against accuracy")
 @click.option("--scene", type=click.Path(path_type=Path), default=SCENE, help="Its profiles and loads.")
-def main(scene: Path) -> Page:
+def main(scene: Path) -> list[str]:
     """Measure the errors and seconds of all methods and settings.
 
     Each row is one method at one setting, on all profiles that it was run on. `bem 1e-03` and `patches 1e-06` have
@@ -204,4 +143,4 @@ def main(scene: Path) -> Page:
     """
     loaded = load(scene)
     found = measure([case.profile for case in loaded.cases.values()], loaded.loads)
-    return Page([table_of(found)], partial(draw, found))
+    return [table_of(found)]
